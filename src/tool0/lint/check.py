@@ -1,4 +1,4 @@
-"""Runs all rules over the files of ``tool0 check``."""
+"""Runs all rules on the files of ``tool0 check``."""
 
 from __future__ import annotations
 
@@ -37,20 +37,20 @@ P = ParamSpec("P")
 
 _WORD = re.compile(r"[\w.-]+")
 _Expansion = tuple[Path, tuple[tuple[str, str], ...]]
-"""A file and its arguments."""
+"""A file, and the arguments that it is read with."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class CheckReport:
-    """The findings of one run, and the checked files."""
+    """Findings of one run, and the checked files."""
 
     findings: tuple[Finding, ...]
     """The findings, sorted by file and line."""
     files: tuple[Path, ...]
     """The checked files."""
     notes: tuple[str, ...]
-    """Checks that were not possible, and why; the files are not at fault."""
+    """Checks that were not possible, with the reasons; the files are not at fault."""
 
     @property
     def n_errors(self) -> int:
@@ -64,14 +64,14 @@ class CheckReport:
 
 
 def check(paths: File | Iterable[File]) -> CheckReport:
-    """Check files and folders, each file within bounds of time and memory.
+    """Check files and folders, with time and memory limits for each file.
 
     Args:
-        paths: URDF, xacro, YAML and launch files, packages, or folders with them; one
-            path, or several.
+        paths: URDF, xacro, YAML and launch files, packages, or folders that contain
+            them; one path or several.
 
     Raises:
-        ConfigError: If a path does not exist, or its kind is not supported.
+        ConfigError: If a path does not exist or is of an unsupported kind.
     """
     several = (paths,) if isinstance(paths, str | Path) else paths
     return _Check([Path(path) for path in several]).report()
@@ -79,7 +79,7 @@ def check(paths: File | Iterable[File]) -> CheckReport:
 
 @final
 class _Check:
-    """One run: the findings so far, and the files that others load."""
+    """One run, with the findings so far and the files that other files load."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self._sources = collect(paths)
@@ -97,7 +97,7 @@ class _Check:
         self._robots: dict[_Expansion, ParsedRobot | None] = {}
 
     def report(self) -> CheckReport:
-        """Check everything: files that load others come first."""
+        """Check everything, starting with files that load others."""
         self._launch_files()
         self._xacro_files()
         self._urdf_files()
@@ -186,7 +186,7 @@ class _Check:
     def _rules_of_yaml(
         self, source: Source, text: str
     ) -> Callable[[], Sequence[Finding]]:
-        """Return a function that checks a YAML file that no launch file loads."""
+        """Return a function that checks a YAML file which no launch file loads."""
         yaml = YamlText(text, SourceLocation(source.path, 1))
         if not yaml.is_about_controllers:
             if source.was_named:
@@ -197,10 +197,10 @@ class _Check:
         return lambda: tuple(rules((yaml,), robot, self._packages))
 
     def _robot_of(self, yaml: Source, text: YamlText) -> RobotFacts | None:
-        """Return the robot for a YAML that no launch file loads, if only one fits.
+        """Return the robot for a YAML that no launch file loads, if exactly one fits.
 
-        It was named with it, or lies in the same package or folder, and has a joint
-        that the YAML names.
+        A robot fits if it was named together with the YAML, or lies in the same package
+        or folder, and has a joint that the YAML names.
         """
         named = {s.path.resolve() for s in self._sources.files if s.was_named}
         home, words = self._home(yaml.path), set(_WORD.findall(text.text))
@@ -243,7 +243,7 @@ class _Check:
         *,
         spawned: bool | None = None,
     ) -> ParsedRobot | None:
-        """Return the robot of a file, read once for each set of arguments."""
+        """Return the robot of a file; each set of arguments is read only once."""
         self._loaded.add(file.resolve())
         key = (file.resolve(), tuple(sorted((args or {}).items())))
         if key not in self._robots:
@@ -267,10 +267,11 @@ class _Check:
         return outcome
 
     def _try_each(self, works: Mapping[Path, Callable[[], R]]) -> dict[Path, R]:
-        """Return the results of work on files; where it fails, add a finding.
+        """Return the results of work on files; add a finding wherever work fails.
 
-        One process does all of it, as starting one takes longer than most files; if
-        that exceeds a limit, each file has a process of its own.
+        One process does all of the work, since starting a process takes longer than
+        checking most files.  If that process exceeds a limit, each file gets its own
+        process.
         """
         outcomes: Mapping[Path, R | Exception]
         try:
@@ -324,9 +325,10 @@ def _outcomes(works: Mapping[Path, Callable[[], R]]) -> dict[Path, R | Exception
 def _yaml_alone(
     yamls: Iterable[YamlText], robot: RobotFacts | None, packages: Packages
 ) -> Iterator[Finding]:
-    """Yield the findings of YAML that no launch file loads, and nobody named.
+    """Yield the findings of a YAML that no launch file loads and that nobody named.
 
-    The robot may offer other interfaces with other arguments.
+    Interface mismatches are left out, since the robot may offer other interfaces with
+    other arguments.
     """
     for finding in yaml_findings(yamls, robot, packages):
         if finding.rule != "interface-mismatch":
@@ -336,8 +338,8 @@ def _yaml_alone(
 def _identity(finding: Finding) -> tuple[object, ...]:
     """Return a key that is equal for two findings of the same fault.
 
-    A macro's source and its expansion have the same typo, under two keys.  A package
-    that is not found is reported once for each file.
+    A macro's source and its expansion contain the same typo under two keys.  A missing
+    package is reported once for each file.
     """
     if finding.rule in MISSING_PACKAGE:
         return finding.location.file, finding.rule, finding.key

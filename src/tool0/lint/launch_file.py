@@ -1,4 +1,4 @@
-"""One launch file with everything it loads: robots, parameters and controllers."""
+"""One launch file with everything that it loads: robots, parameters, controllers."""
 
 from __future__ import annotations
 
@@ -42,24 +42,25 @@ _ROSPARAM = re.compile(r"""<rosparam\b[^<>]*\bfile=["']([^"'<>]+)["'][^<>]*>""")
 @final
 @dataclass(frozen=True, slots=True)
 class ParsedLaunch:
-    """The readable part of a launch file."""
+    """The readable content of a launch file."""
 
     findings: tuple[Finding, ...]
     robots: tuple[tuple[Path, Mapping[str, str] | None], ...] = ()
-    """Each file, and the arguments of xacro: None if it is URDF."""
+    """Robot files, with the arguments of xacro; None for URDF."""
     yamls: tuple[YamlText, ...] = ()
     included: tuple[Path, ...] = ()
     spawns: bool = False
     """Whether the robot is spawned in Gazebo."""
     launch: LaunchFile | None = field(default=None, repr=False)
     has_unread_yaml: bool = False
-    """Whether it loads YAML that could not be read, such as that of other packages."""
+    """Whether the file loads YAML that could not be read, such as that of other
+    packages."""
     notes: tuple[str, ...] = ()
     """Parts of the file that could not be analysed."""
 
 
 def read_launch_file(file: Path, packages: Packages) -> ParsedLaunch:
-    """Return the robot and parameters that a launch file loads, and its findings."""
+    """Return the robot and parameters that a launch file loads, with the findings."""
     if is_xml_of_ros2(file):
         note = f"{file}: launch files of ROS 2 in XML are not read"
         return ParsedLaunch(findings=(), notes=(note,))
@@ -134,7 +135,7 @@ def control_findings(
 
 
 def is_xml_of_ros2(file: Path) -> bool:
-    """Whether an XML launch file is for ROS 2, by words that ROS 1 does not have."""
+    """Whether an XML launch file is for ROS 2, judged by words that ROS 1 lacks."""
     if file.suffix == ".py":
         return False
     with suppress(DescriptionError):
@@ -144,7 +145,7 @@ def is_xml_of_ros2(file: Path) -> bool:
 
 
 def _parameter_file(node: Node, file: Path) -> YamlText:
-    """Return the YAML that a spawner gives to its controllers; empty if unreadable."""
+    """Return the YAML that a spawner passes to its controllers; empty if unreadable."""
     with suppress(DescriptionError, UnicodeDecodeError):
         text = read_limited(file).decode("utf-8")
         return YamlText(text, SourceLocation(file, 1))
@@ -152,7 +153,7 @@ def _parameter_file(node: Node, file: Path) -> YamlText:
 
 
 def _plugin_files(read: ParsedLaunch, robot: RobotFacts | None) -> Iterator[YamlText]:
-    """Yield the YAML files that the robot's plugins of ros2_control name."""
+    """Yield the YAML files that the robot's ros2_control plugins name."""
     loaded = {yaml.location.file for yaml in read.yamls}
     for plugin in () if robot is None else robot.plugins:
         for at, name in plugin.parameters if plugin.is_control_of_ros2 else ():
@@ -176,7 +177,7 @@ def _robots(launch: LaunchFile) -> Iterator[tuple[Path, Mapping[str, str] | None
 
 
 def _commented_out(launch: LaunchFile, yamls: list[YamlText]) -> Iterator[Finding]:
-    """Yield YAML whose only <rosparam> is commented out."""
+    """Yield a finding for each YAML whose only <rosparam> is commented out."""
     loaded = {yaml.location.file.name for yaml in yamls if yaml.location.file}
     commented = (
         item for child in launch.files() for item in commented_rosparams(child.file)
@@ -194,7 +195,7 @@ def _commented_out(launch: LaunchFile, yamls: list[YamlText]) -> Iterator[Findin
 
 
 def commented_rosparams(launch_file: Path) -> Iterator[tuple[SourceLocation, str]]:
-    """Yield each ``<rosparam file="…">`` in an XML file's comments: place and file."""
+    """Yield the place and file of each ``<rosparam file="…">`` in XML comments."""
     comments: list[tuple[int, str]] = []
     parser = expat.ParserCreate()
     parser.CommentHandler = lambda data: comments.append(

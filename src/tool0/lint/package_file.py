@@ -1,4 +1,4 @@
-"""A package.xml, packages that files use, and packages missing on this machine."""
+"""A package.xml, the packages that files use, and packages missing on this machine."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _USES = re.compile(r"\$\(find +([\w-]+) *\)|package://([\w-]+)/")
 _CHOICES = ("xacro:if", "xacro:unless")
 _GAZEBO_PLUGIN = "libgazebo_ros_control.so"
 _MOST = 4
-"""Packages that are named with the place of their use."""
+"""Packages by name, each with the place of its use."""
 MISSING_PACKAGE = ("unresolved-find", "unknown-package", "missing-package")
 _MEANT = re.compile(r"did you mean '([\w-]+)'")
 _NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
@@ -91,7 +91,7 @@ def _inside(folder: Path, where: SourceLocation) -> SourceLocation:
 
 
 def _reached(declared: Iterable[str], packages: PackageIndex) -> set[str]:
-    """Return the declared packages, and those that these declare, as far as known."""
+    """Return the declared packages, and the packages that these declare, if known."""
     found: set[str] = set()
     waiting = list(declared)
     while waiting:
@@ -104,7 +104,7 @@ def _reached(declared: Iterable[str], packages: PackageIndex) -> set[str]:
 
 
 def _used(folder: Path, sources: Iterable[Source]) -> dict[str, SourceLocation]:
-    """Return the packages that files below a folder use, and where first."""
+    """Return the packages that files below a folder use, with the first use of each."""
     found: dict[str, SourceLocation] = {}
     for source in sources:
         if source.kind not in (FileKind.LAUNCH, FileKind.XACRO, FileKind.URDF):
@@ -120,12 +120,12 @@ def _used(folder: Path, sources: Iterable[Source]) -> dict[str, SourceLocation]:
 
 
 def _uses(root: Tag) -> Iterator[tuple[str, SourceLocation]]:
-    """Yield the packages that a file uses with any arguments."""
+    """Yield the packages that a file uses regardless of its arguments."""
     waiting = [root]
     while waiting:
         tag = waiting.pop()
         if tag.tag in _CHOICES:
-            continue  # perhaps only for machines with that package
+            continue  # may be meant only for machines with that package
         waiting += reversed(list(tag.children()))
         texts = [*(value for _, value in tag.attributes), tag.text]
         for match in _USES.finditer("\n".join(texts)):
@@ -140,9 +140,10 @@ def _uses(root: Tag) -> Iterator[tuple[str, SourceLocation]]:
 def judge_missing_package(finding: Finding) -> Finding | str:
     """Return the finding with its proper severity, or a note instead.
 
-    A package that this machine lacks is no fault of a file in a package: that its
-    package.xml does not name it is a finding about that.  For a file outside any
-    package it is a warning.  A name that may be a misspelling is an error.
+    A package that is missing on this machine is not the fault of a file in a package;
+    if the file's package.xml does not name it, there is a separate finding.  For a file
+    outside any package, the finding is a warning.  A name that may be a misspelling is
+    an error.
     """
     lacking, file = _missing_package(finding), finding.location.file
     if lacking is None or file is None:
@@ -159,7 +160,7 @@ def judge_missing_package(finding: Finding) -> Finding | str:
 
 
 def _missing_package(finding: Finding) -> str | None:
-    """Return the package that the finding reports as missing, if any."""
+    """Return the package that the finding reports as missing, if there is one."""
     if finding.rule in MISSING_PACKAGE:
         return finding.key
     match = _NO_PACKAGE.search(finding.message)

@@ -1,4 +1,4 @@
-"""Finds ROS packages: given ones, those in tool0, and those of ROS."""
+"""Finds ROS packages: given ones, those shipped with tool0, and those of ROS."""
 
 from __future__ import annotations
 
@@ -20,15 +20,17 @@ from tool0.description.packages import (
 from tool0.errors import DescriptionError, SourceLocation, is_typo, nearest_name
 
 _STANDARD = {"xacro": Path("/opt/ros/noetic/share/xacro")}
-"""Accepted without ROS, too: tool0 implements these programs itself."""
+"""Packages that are accepted without ROS, since tool0 implements their programs
+itself."""
 _NAME = re.compile(r"[A-Za-z][\w-]{0,99}")
 _MAX_FILES = 500
 _MAX_SEARCHES = 200
-"""Each package that does not exist costs a walk through ROS_PACKAGE_PATH."""
+"""Largest number of missing packages, each of which costs a walk through
+ROS_PACKAGE_PATH."""
 
 
 Packages: TypeAlias = Mapping[str, Path]
-"""Name → folder of packages that take precedence, such as a workspace's own."""
+"""Name → folder of packages that take precedence, such as those of the workspace."""
 
 
 @cache
@@ -38,7 +40,7 @@ def _bundled_names() -> frozenset[str]:
 
 @final
 class PackageIndex:
-    """Finds packages by name, and searches for each once."""
+    """Finds packages by name; searches for each only once."""
 
     def __init__(self, given: Packages | None = None) -> None:
         self._given = dict(given or {})
@@ -47,7 +49,7 @@ class PackageIndex:
 
     @property
     def has_ros(self) -> bool:
-        """Whether ROS is installed; without it a missing package means nothing."""
+        """Whether ROS is installed; otherwise a missing package means nothing."""
         return self.get("roslaunch") is not None
 
     def get(self, name: str) -> Path | None:
@@ -59,7 +61,7 @@ class PackageIndex:
         """Return the folder of a package, or the folder where ROS would put it.
 
         Raises:
-            DescriptionError: If it is not found.
+            DescriptionError: If the package is not found.
         """
         found = self._search(name)
         if isinstance(found, Path):
@@ -79,14 +81,14 @@ class PackageIndex:
         return self._found[name]
 
     def nearest(self, name: str) -> str | None:
-        """Return the package, given or shipped, that a name may be a typo of."""
+        """Return the given or shipped package of which a name may be a misspelling."""
         near = nearest_name(name, _bundled_names().union(self._given), cutoff=0.85)
-        # ur_description is no misspelling of pr2_description
+        # ur_description is not a misspelling of pr2_description
         is_meant = is_typo(name, near) and near is not None and near[0] == name[0]
         return near if is_meant else None
 
     def unknown(self, name: str, user: str, location: SourceLocation) -> Finding:
-        """Return the finding that ``user`` needs a package that does not exist."""
+        """Return the finding that ``user`` needs a package which does not exist."""
         near = self.nearest(name)
         is_name = _NAME.fullmatch(name) is not None
         message = f"{user} names no package: '{short(name)}' is not a valid name"
@@ -109,12 +111,12 @@ class PackageIndex:
         )
 
     def package_of(self, file: Path) -> str | None:
-        """Return the name of the package that a file lies in; None if in none."""
+        """Return the name of the package that a file lies in; None if there is none."""
         around = self.around(file)
         return None if around is None else around[0]
 
     def around(self, file: Path) -> tuple[str, Path] | None:
-        """Return name and folder of the package that a file lies in."""
+        """Return the name and folder of the package that a file lies in."""
         folder = file.parent
         if folder not in self._around:
             candidates = (folder, *folder.parents)
@@ -132,7 +134,7 @@ class PackageIndex:
 
 
 def nearest_file(path: Path) -> str | None:
-    """Return the name most similar to that of ``path`` in its folder, or None."""
+    """Return the name in the folder of ``path`` that is most similar to it, or None."""
     try:
         with os.scandir(path.parent) as entries:
             names = [entry.name for _, entry in zip(range(_MAX_FILES), entries)]  # noqa: B905  # stops at the shorter

@@ -1,4 +1,4 @@
-"""The controllers that packages export as plugins of pluginlib."""
+"""Controllers that packages export as pluginlib plugins."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ _IN_CMAKE = re.compile(
 _CLASS = re.compile(r"<class\s([^>]*)>")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _LARGEST = 1_000_000
-"""Largest file that is searched for plugins [bytes]."""
+"""Size of the largest file that is searched for plugins [bytes]."""
 
 
 @final
 class PluginIndex:
-    """The types of plugins in a workspace, and in the packages of ROS_PACKAGE_PATH."""
+    """Types of plugins in a workspace and in the packages of ROS_PACKAGE_PATH."""
 
     def __init__(self, packages: Packages = _NONE) -> None:
-        """Take the packages of the workspace; files are read on demand."""
+        """Store the packages of the workspace; their files are read on demand."""
         self._folders = tuple(packages.values())
 
     def __contains__(self, type_name: str) -> bool:
-        """Return whether a package exports this type."""
+        """Return whether a package exports this controller type."""
         return any(
             type_name in _exported_by(folder) for folder in self._folders
         ) or any(type_name in types for types in map(_exported_by, _installed()))
@@ -49,7 +49,7 @@ def _installed() -> Iterator[Path]:
 def _exported_by(package: Path) -> frozenset[str]:
     """Return the names of the plugins that a package describes.
 
-    ROS 1 names the description in package.xml, ROS 2 in CMakeLists.txt.
+    ROS 1 refers to the description in package.xml, ROS 2 in CMakeLists.txt.
     """
     manifest, cmake = _text(package / "package.xml"), _text(package / "CMakeLists.txt")
     files = {*_IN_MANIFEST.findall(manifest), *_IN_CMAKE.findall(cmake)}

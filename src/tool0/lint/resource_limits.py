@@ -1,6 +1,6 @@
-"""Runs a function in a child process with limits of time and memory.
+"""Runs a function in a child process with limits on time and memory.
 
-A user's xacro is a program, and ten lines of YAML can hold a billion values.
+A user's xacro file is a program, and ten lines of YAML can contain a billion values.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ R = TypeVar("R")
 P = ParamSpec("P")
 
 TIMEOUT = 10.0
-"""Time limit of a function [wall s]; the largest robots take a tenth of it."""
+"""Time limit of a function [wall s]; the largest robots take a tenth of this."""
 MEMORY = 2 << 30
-"""Memory beyond that of this process [bytes]."""
+"""Memory limit, in addition to the memory of this process [bytes]."""
 
 
 class ResourceLimitError(Tool0Error):
-    """The work was abandoned; the message has the reason."""
+    """Raised if the work was abandoned; the message has the reason."""
 
 
 def run_limited(
@@ -36,8 +36,9 @@ def run_limited(
     """Return the result of ``work``, which must be picklable.
 
     Raises:
-        ResourceLimitError: If it takes too long, too much memory, or crashes.
-        Exception: Exceptions of ``work`` itself.
+        ResourceLimitError: If ``work`` takes too long, uses too much memory, or
+            crashes.
+        Exception: Any exception that ``work`` itself raises.
     """
     try:
         return call_in_child(

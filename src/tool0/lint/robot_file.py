@@ -48,13 +48,14 @@ _XACRO_RULES = (
 )
 _USED = re.compile(r"\$\(arg +(\w+) *\)")
 _MOST = 50
-"""Findings of one subject; a file with more needs another look after these."""
+"""Largest number of findings reported for one subject; fix these and check again for
+more."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ParsedRobot:
-    """A robot as far as it could be read."""
+    """A robot, as far as it could be read."""
 
     facts: RobotFacts | None
     findings: tuple[Finding, ...]
@@ -63,15 +64,16 @@ class ParsedRobot:
 @final
 @dataclass(frozen=True, slots=True)
 class XacroSource:
-    """A xacro file as it is written."""
+    """A xacro file as written."""
 
     findings: tuple[Finding, ...]
     makes_a_robot: bool
-    """Whether it creates elements itself, rather than defining macros."""
+    """Whether the file creates elements itself, rather than only defining macros."""
     includes: tuple[Path, ...]
-    """The files that it includes, whatever its arguments are; absolute."""
+    """Absolute paths of the files that it includes regardless of its arguments."""
     needs: tuple[str, ...]
-    """The arguments that have no default yet where they are used, or an empty one."""
+    """Arguments that have no default, or an empty one, at the point where they are
+    used."""
 
 
 def read_robot(
@@ -81,13 +83,13 @@ def read_robot(
     *,
     spawned: bool | None = None,
 ) -> ParsedRobot:
-    """Return the robot of a file, and its findings.
+    """Return the robot in a file, and the findings about it.
 
     Args:
-        file: URDF or xacro.
+        file: A URDF or xacro file.
         args: The arguments of xacro; None if the file is URDF.
-        packages: Found before any other.
-        spawned: Whether Gazebo gets it, to control it there; None if that is unknown.
+        packages: Packages that take precedence over others.
+        spawned: Whether the robot is spawned in Gazebo for control; None if unknown.
     """
     with preferring(packages):
         try:
@@ -113,7 +115,7 @@ def read_robot(
         facts = facts_of(Tag(root))
         if any(finding.severity == "error" for finding in findings):
             return ParsedRobot(facts, findings)
-        try:  # what else keeps tool0 from simulating it, though ROS may take it
+        try:  # other faults keep tool0 from simulating it, even if ROS accepts it
             read_model(document)
         except Tool0Error as error:
             found = finding_of(error, "no-model", file)
@@ -123,7 +125,7 @@ def read_robot(
 
 
 def _unused(file: Path, given: Iterable[str], known: set[str]) -> Iterator[Finding]:
-    """Yield the arguments that xacro is given and ignores; a typo is an error."""
+    """Yield the given arguments that xacro ignores; a typo is an error."""
     where = SourceLocation(file)
     for name in sorted(set(given) - known):
         near = nearest_name(name, known)
@@ -143,7 +145,7 @@ def _unused(file: Path, given: Iterable[str], known: set[str]) -> Iterator[Findi
 
 
 def read_xacro_source(file: Path, packages: Packages) -> XacroSource:
-    """Return the content of a xacro file before any expansion."""
+    """Return the content of a xacro file before expansion."""
     nothing = XacroSource((), makes_a_robot=False, includes=(), needs=())
     with preferring(packages):
         try:
@@ -172,7 +174,7 @@ def read_xacro_source(file: Path, packages: Packages) -> XacroSource:
 def robot_findings(
     root: LocatedElement, packages: Packages = _NONE, *, spawned: bool | None = None
 ) -> Iterator[Finding]:
-    """Yield the findings in a <robot> of URDF, or of expanded xacro."""
+    """Yield the findings in the <robot> of a URDF or an expanded xacro file."""
     facts = facts_of(Tag(root))
     robot = Robot(Tag(root), facts, facts.bodies(), PackageIndex(packages), spawned)
     for rules in _ROBOT_RULES:
@@ -182,13 +184,13 @@ def robot_findings(
 def xacro_findings(
     root: LocatedElement, packages: Packages = _NONE
 ) -> Iterator[Finding]:
-    """Yield the findings in a xacro file as it is written, before any expansion."""
+    """Yield the findings in a xacro file as written, before expansion."""
     for rules in _XACRO_RULES:
         yield from _at_most(rules(Tag(root), PackageIndex(packages)))
 
 
 def _at_most(findings: Iterator[Finding]) -> Iterator[Finding]:
-    """Yield at most ``_MOST`` and one more, which says that there are others."""
+    """Yield at most ``_MOST`` findings, and one more that says there are others."""
     for count, finding in enumerate(findings, 1):
         if count > _MOST:
             message = f"and more such as this: {finding.message}"

@@ -1,4 +1,4 @@
-"""The files to check below the given paths, and the kind of each."""
+"""The files to check below the given paths, and the kind of each file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from tool0.description.packages import package_name
 from tool0.errors import ConfigError, SourceLocation
 
 LARGEST = 5_000_000
-"""Largest file that is read [bytes]; descriptions are a hundredth of it."""
+"""Size of the largest file that is read [bytes]; descriptions have a hundredth of
+it."""
 _NOT_SOURCES = ("build", "devel", "install", "log", "logs", "node_modules")
 _IGNORED = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 _LAUNCHES = "def generate_launch_description("
@@ -40,19 +41,19 @@ class Source:
     path: Path
     kind: FileKind
     was_named: bool
-    """Whether a person named it, rather than a folder above it."""
+    """Whether the user named the file itself, rather than a folder above it."""
 
 
 @final
 @dataclass(slots=True)
 class Sources:
-    """All files to check, and the packages that they lie in."""
+    """All files to check, and the packages that they belong to."""
 
     files: list[Source] = field(default_factory=list)
     packages: dict[str, Path] = field(default_factory=dict)
-    """Name → folder, of the packages below the folders that were named."""
+    """Name → folder of the packages below the named folders."""
     skipped: list[tuple[Path, str]] = field(default_factory=list)
-    """The files that were not read, and why."""
+    """Files that were not read, with the reasons."""
 
     def of(self, *kinds: FileKind) -> Iterator[Source]:
         return (source for source in self.files if source.kind in kinds)
@@ -62,8 +63,8 @@ def collect(paths: Iterable[Path]) -> Sources:
     """Return the sources in ``paths``, which are files or folders.
 
     Raises:
-        ConfigError: If a path does not exist, or a file that was named cannot be read
-            or is of no kind that is understood.
+        ConfigError: If a path does not exist, or if a named file cannot be read or is
+            of an unknown kind.
     """
     sources = Sources()
     seen: set[Path] = set()
@@ -118,7 +119,7 @@ def read_text(file: Path) -> str:
     """Return the text of a file.
 
     Raises:
-        ConfigError: If it is not UTF-8.
+        ConfigError: If the file is not UTF-8.
     """
     raw = file.read_bytes()
     try:
@@ -132,13 +133,13 @@ def read_text(file: Path) -> str:
 
 
 def finding_of(error: Exception, rule: str, file: Path) -> Finding:
-    """Return an error as a finding, where it says or else about the whole file."""
+    """Return an error as a finding at its own location, or about the whole file."""
     location: SourceLocation = getattr(error, "location", None) or SourceLocation(file)
     return error_at(location, rule, "", getattr(error, "message", str(error)))
 
 
 def kind_of(file: Path) -> FileKind | None:
-    """Return the kind of a file, by its name and, for XML, by its outermost element."""
+    """Return the kind of a file, from its name and, for XML, its outermost element."""
     name, suffix = file.name, file.suffix.lower()
     if name == "package.xml":
         return FileKind.PACKAGE
@@ -148,7 +149,7 @@ def kind_of(file: Path) -> FileKind | None:
         return FileKind.XACRO
     if suffix in (".launch", ".test") or name.endswith(".launch.py"):
         return FileKind.LAUNCH
-    if name.endswith("_launch.py"):  # a name of ROS 2, too
+    if name.endswith("_launch.py"):  # also a usual name in ROS 2
         text = file.read_text(encoding="utf-8", errors="replace")
         return FileKind.LAUNCH if _LAUNCHES in text else None
     if suffix not in (".xml", ".urdf"):

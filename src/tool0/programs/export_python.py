@@ -1,4 +1,4 @@
-"""Programs as Python scripts: steps by ``run_program``, loops in Python."""
+"""Programs as Python scripts: steps by ``run_program``, and loops in Python."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ if __name__ == "__main__":
 
 
 def python_text(program: Program) -> str:
-    """Return a script that executes a program by the Python API.
+    """Return a script that executes a program through the Python API.
 
-    Moves that follow each other stay together, so that they are blended.
+    Consecutive moves stay together, so that they are blended.
     """
     settings = {
         item.name: getattr(program, item.name)
@@ -70,7 +70,7 @@ def python_text(program: Program) -> str:
 
 
 def _body(program: Program, steps: Sequence[Step], indent: int) -> list[str]:
-    """Return the lines of steps."""
+    """Return the lines for some steps."""
     space = " " * indent
     lines: list[str] = []
     batch: list[str] = []
@@ -106,7 +106,7 @@ def _loop(program: Program, loop: LoopStep) -> str:
 
 
 def _code(value: Any, indent: int) -> str:
-    """Return a value as Python, in several lines if it is long."""
+    """Return a value as Python code, on several lines if it is long."""
     if isinstance(value, Struct):
         parts = [
             f"{item.name}={_code(getattr(value, item.name), indent + 4)}"

@@ -37,12 +37,12 @@ from tool0.protocol.program import (
 
 
 def urscript_text(context: RobotContext) -> str:
-    """Return a program of URScript that does the same on a UR's control box.
+    """Return a URScript program that does the same on a UR's control box.
 
-    Objects are not placed: the script says where it leaves that out.
+    The script does not place objects; comments in it say where this is left out.
 
     Raises:
-        ProgramError: If a step is impossible, or goes around obstacles.
+        ProgramError: If a step is impossible or must be planned around obstacles.
     """
     steps = dict(walk(context.program.steps))
     for path, step in steps.items():
@@ -71,7 +71,7 @@ class _Writer:
         if any(link.name == base for link in model.links):
             T_chain_base = fixed_transform(model, chain.base, base).matrix
         self._T_base_root = np.linalg.inv(context.T_root_base @ T_chain_base)
-        """The root in the frame of UR's poses."""
+        """Pose of the robot's root in the frame of UR's poses."""
 
     def program(self) -> Iterator[str]:
         program = self._context.program
@@ -122,10 +122,7 @@ class _Writer:
                 yield self._move(step, goes_on)
 
     def _move(self, step: MoveStep, goes_on: bool) -> str:
-        """Return a move; it only has a blend if the path ``goes_on``.
-
-        With a blend, URScript executes the next line before the move has ended.
-        """
+        """Return a move, which has a blend only if the path ``goes_on``."""
         move: Move = self._context.move(step)
         if move.q is not None:
             target = "[" + ", ".join(f"{q:.9g}" for q in move.q) + "]"

@@ -1,4 +1,4 @@
-"""Programs as YAML: a file that people read and edit."""
+"""Programs as YAML files that people read and edit."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ KINDS: Final = tuple(str(kind.__struct_config__.tag) for kind in get_args(Step))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProgramFile:
-    """A program, and where its steps stand."""
+    """A program, with the lines of its steps in the file."""
 
     program: Program
     file: Path | None
     lines: Mapping[StepPath, int]
-    """Step → its line, from 1 on."""
+    """Line of each step in the file, from 1 on."""
 
     def located(self, problem: ProgramProblem) -> ProgramProblem:
         """Return a problem with the line of its step."""
@@ -45,16 +45,17 @@ def read_program(file: Path) -> ProgramFile:
     """Return the program in a file.
 
     Raises:
-        ConfigError: If it cannot be read, or is no program; with file and line.
+        ConfigError: If the file cannot be read or is not a program; the message has
+            file and line.
     """
     return parse_program(text_of(file), file)
 
 
 def parse_program(text: str, file: Path | None = None) -> ProgramFile:
-    """Return the program in a text; ``file`` is where it comes from.
+    """Return the program in a text; ``file`` is the origin of the text.
 
     Raises:
-        ConfigError: If it is no program; with the line.
+        ConfigError: If the text is not a program; the message has the line.
     """
     tree = read_verbatim_text(text, SourceLocation(file, 1))
     tree.require_unique_keys()
@@ -78,7 +79,7 @@ def parse_program(text: str, file: Path | None = None) -> ProgramFile:
 
 
 def program_text(program: Program) -> str:
-    """Return the YAML of a program, without what has its default value."""
+    """Return the YAML of a program, without entries that have their default values."""
     import yaml
 
     text: str = yaml.safe_dump(
@@ -109,7 +110,7 @@ def _note_lines(
 
 
 def _explained(error: msgspec.ValidationError, root: YamlEntry) -> ConfigError:
-    """Return the error at the line of the entry that it is about."""
+    """Return the error with the line of the entry that it is about."""
     what, path = problem_text(error), ""
     found = _PLACE.match(what)
     if found is not None:
@@ -133,7 +134,7 @@ def _explained(error: msgspec.ValidationError, root: YamlEntry) -> ConfigError:
 
 
 def _hint(name: str, entry: YamlEntry) -> str:
-    """Return the key that was meant, of a step or of the program."""
+    """Return the key that was probably meant, of a step or of the program."""
     kind = entry.children.get("kind")
     of = [item for item in get_args(Step) if kind and _tag(item) == kind.scalar]
     structs = of or [Program]
@@ -147,7 +148,7 @@ def _tag(kind: type[Struct]) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as YAML has it."""
+    """Return a value in its YAML form."""
     if isinstance(value, Struct):
         kind, tag = type(value), _tag(type(value))
         found = {} if tag is None else {"kind": tag}

@@ -1,4 +1,4 @@
-"""Numbers with units in a program's YAML, by the types of its steps."""
+"""Numbers with units in a program's YAML, read by the types of the steps."""
 
 from __future__ import annotations
 
@@ -23,16 +23,17 @@ from tool0.description.yaml_values import number_of
 
 
 class _Kind(NamedTuple):
-    """One of the types that a value may have."""
+    """One of the types that a value can have."""
 
     type: Any
     quantity: Quantity | None
 
 
 def plain_in_si(entry: YamlEntry, annotated: Any) -> object:
-    """Return an entry as dicts, lists and scalars, its numbers with units in SI.
+    """Return an entry as dicts, lists and scalars, with numbers converted to SI.
 
-    What does not fit the type is returned as it is, for ``msgspec`` to refuse.
+    Values that do not fit the type are returned unchanged; ``msgspec`` then refuses
+    them.
 
     Raises:
         ConfigError: If a number has a wrong unit, with its location.
@@ -60,7 +61,7 @@ def plain_in_si(entry: YamlEntry, annotated: Any) -> object:
 
 
 def _kinds(annotated: Any) -> Iterator[_Kind]:
-    """Yield the types of a union, or the only one."""
+    """Yield the types of a union, or the type itself if it is not a union."""
     marks: tuple[Any, ...] = ()
     if get_origin(annotated) is Annotated:
         marks, annotated = annotated.__metadata__, annotated.__origin__
@@ -77,7 +78,7 @@ def _is_list(kind: _Kind) -> bool:
 
 
 def _types_of_values(entry: YamlEntry, kinds: tuple[_Kind, ...]) -> Mapping[str, Any]:
-    """Return the type of each value of a mapping, of those that have one."""
+    """Return the types of a mapping's values, where types are known."""
     for kind in kinds:
         if get_origin(kind.type) is dict:
             return dict.fromkeys(entry.children, get_args(kind.type)[1])

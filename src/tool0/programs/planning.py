@@ -1,9 +1,9 @@
-"""Planning of a program before it moves: every path from every posture it may have.
+"""Planning of a program before it runs: every path from every possible posture.
 
-Moves that follow each other are one path, with their blends; comments between them do
-not count.  A move until contact may end anywhere on its way: both ends are planned
-from.  A loop is planned until its postures repeat.  The way around obstacles is planned
-with the scene as it is, and once more when the step begins.
+Consecutive moves are one path, including their blends; comments between them are
+ignored.  A move until contact may end anywhere on its path, so planning continues from
+both ends of the path.  A loop is planned until its postures repeat.  A path around
+obstacles is planned in the present scene, and again when the step begins.
 """
 
 from __future__ import annotations
@@ -48,33 +48,33 @@ from tool0.protocol.program import (
 from tool0.protocol.programs import PlannedMotion, ProgramCheck, ProgramProblem
 
 _REFUSALS: Final = (ControlError, ModelError, ConfigError)
-"""Errors that refuse a step before it is planned."""
+"""Errors that reject a step before it is planned."""
 _SAME: Final = 1e-7
-"""Postures closer to each other than this are one [rad]."""
+"""Distance below which two postures count as one [rad]."""
 _MOST_POSTURES: Final = 8
-"""Largest number of postures in which a program may be at a step."""
+"""Largest number of postures that a program may have at one step."""
 _PREVIEW_STEP: Final = 0.02
-"""Time between two points of a preview [s], for short programs."""
+"""Time between two points of a preview of a short program [s]."""
 _MOST_POINTS: Final = 1500
 """Largest number of points of a preview."""
 
 
 class NumberedMove(NamedTuple):
-    """A step that moves the arm, with its path."""
+    """A step that moves the arm, with its place in the program."""
 
     path: StepPath
     step: MoveStep
 
 
 def is_planned(step: Step) -> TypeGuard[MoveJointStep]:
-    """Return whether a step goes around obstacles, on a path of its own."""
+    """Return whether a step is planned around obstacles, as a separate path."""
     return isinstance(step, MoveJointStep) and step.plan
 
 
 def moves_from(
     steps: Sequence[Step], first: int, parents: StepPath
 ) -> list[NumberedMove]:
-    """Return the moves that are one path, from the step with index ``first`` on."""
+    """Return the moves that form one path, from the step at index ``first`` on."""
     found = []
     for number, step in enumerate(steps[first:], first + 1):
         if isinstance(step, MoveStep) and not is_planned(step):
@@ -87,20 +87,20 @@ def moves_from(
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ProgramPath:
-    """A path of a program's arm, from rest to rest."""
+    """A path of a program's arm that starts and ends at rest."""
 
     steps: tuple[StepPath, ...]
-    """The steps of its moves."""
+    """Steps of the path's moves."""
     plan: MovePlan
 
     def is_from(self, step: StepPath, q: Sequence[float] | Array) -> bool:
-        """Return whether it begins with a step, at ``q`` [rad]."""
+        """Return whether the path begins with a step, at ``q`` [rad]."""
         start = self.plan.path.positions[0]
         return self.steps[0] == step and bool(np.abs(start - q).max() < _SAME)
 
 
 class _UnknownEndError(Exception):
-    """The end of a step can only be known when the step begins."""
+    """Raised if the end of a step cannot be known before the step begins."""
 
 
 class StepError(Exception):
@@ -114,16 +114,16 @@ class StepError(Exception):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ProgramPlan:
-    """A program with its paths, as far as they could be planned."""
+    """A program with its paths, as far as they can be planned."""
 
     program: Program
     paths: tuple[ProgramPath, ...] = ()
-    """The paths, in the order of their first execution."""
+    """Paths, in the order of their first execution."""
     problems: tuple[ProgramProblem, ...] = ()
     warnings: tuple[ProgramProblem, ...] = ()
 
     def find(self, step: StepPath, q: Sequence[float]) -> ProgramPath | None:
-        """Return the path that begins with a step at ``q`` [rad], if it is known."""
+        """Return the path that begins with a step at ``q`` [rad]; None if unknown."""
         return next((path for path in self.paths if path.is_from(step, q)), None)
 
     def check(self, context: RobotContext) -> ProgramCheck:
@@ -136,7 +136,7 @@ class ProgramPlan:
 
 
 def plan_program(context: RobotContext, start: Sequence[float]) -> ProgramPlan:
-    """Plan a program from rest at ``start`` [rad]; problems are in the result."""
+    """Plan a program from rest at ``start`` [rad]; the result contains the problems."""
     program = context.program
     problems = static_problems(context)
     if problems:
@@ -159,7 +159,7 @@ def plan_program(context: RobotContext, start: Sequence[float]) -> ProgramPlan:
 def plan_path(
     context: RobotContext, moves: Sequence[NumberedMove], start: Sequence[float]
 ) -> ProgramPath:
-    """Return the path of moves from rest at ``start`` [rad]; StepError if none."""
+    """Return the path of moves from rest at ``start`` [rad], or raise StepError."""
     steps = tuple(path for path, _ in moves)
     return _planned(context, steps, [context.move(step) for _, step in moves], start)
 
@@ -167,7 +167,7 @@ def plan_path(
 def plan_search(
     context: RobotContext, path: StepPath, step: UntilStep, start: Sequence[float]
 ) -> ProgramPath:
-    """Return all the way of a move until contact; StepError if it is impossible."""
+    """Return the full path of a move until contact; StepError if it is impossible."""
     move = context.search(step, np.array(start, dtype=np.float64))
     return _planned(context, (path,), [move], start)
 
@@ -175,12 +175,12 @@ def plan_search(
 def plan_way(
     context: RobotContext, path: StepPath, step: MoveJointStep, start: Sequence[float]
 ) -> ProgramPath:
-    """Return the way around obstacles from rest at ``start`` [rad].
+    """Return the path around obstacles from rest at ``start`` [rad].
 
     Raises:
         StepError: If the target is out of reach.
         CollisionError: If the start or the target is in collision.
-        PlanningError: If no way is found.
+        PlanningError: If no path is found.
     """
     try:
         way = context.way(step, start)
@@ -210,7 +210,7 @@ def _planned(
 
 
 def static_problems(context: RobotContext) -> list[ProgramProblem]:
-    """Return what is wrong with single steps: names, ranges, missing values."""
+    """Return the problems of single steps, such as names, ranges and missing values."""
     numbered = list(walk(context.program.steps))
     if len(numbered) > MOST_STEPS:
         text = f"the program has {len(numbered)} steps; {MOST_STEPS} is the most"
@@ -250,7 +250,7 @@ def _blends_into_ways(
 
 
 def _check(context: RobotContext, path: StepPath, step: Step) -> None:
-    """Raise one of the refusals if a step is impossible in itself."""
+    """Raise one of the ``_REFUSALS`` if a step is impossible by itself."""
     if len(path) > MOST_NESTED + 1:
         raise ControlError(f"more than {MOST_NESTED} loops are within each other here")
     match step:
@@ -286,7 +286,7 @@ def _check(context: RobotContext, path: StepPath, step: Step) -> None:
 @final
 @dataclass(slots=True)
 class _Planning:
-    """Plans every path from every posture that it may begin in."""
+    """Plans every path from every posture in which it may begin."""
 
     context: RobotContext
     paths: list[ProgramPath] = field(default_factory=list)
@@ -295,7 +295,7 @@ class _Planning:
     def follow(
         self, steps: Sequence[Step], parents: StepPath, starts: list[Array]
     ) -> list[Array]:
-        """Return the postures in which the steps may end; none if they never do."""
+        """Return the postures in which the steps may end; empty if they never end."""
         index = 0
         while index < len(steps):
             step, path = steps[index], (*parents, index + 1)
@@ -339,7 +339,7 @@ class _Planning:
     def _ways(
         self, path: StepPath, step: MoveJointStep, starts: Sequence[Array]
     ) -> list[Array]:
-        """Return where ways around end, in the scene as it is now."""
+        """Return the postures after a path around obstacles, in the present scene."""
         ends = []
         for q in starts:
             known = next((item for item in self.paths if item.is_from(path, q)), None)
@@ -381,7 +381,7 @@ class _Planning:
 
 
 def _distinct(postures: Iterable[Array]) -> list[Array]:
-    """Return the postures without repetitions, in order."""
+    """Return the postures without repetitions, in their order."""
     found: list[Array] = []
     for q in postures:
         if all(np.abs(q - known).max() >= _SAME for known in found):
@@ -393,7 +393,7 @@ def _distinct(postures: Iterable[Array]) -> list[Array]:
 
 
 def preview(paths: Sequence[ProgramPath], context: RobotContext) -> PlannedMotion:
-    """Return the first path of every step, one after the other."""
+    """Return the first path of every step, in sequence."""
     shown: list[ProgramPath] = []
     for path in paths:
         if all(path.steps[0] != other.steps[0] for other in shown):
@@ -425,7 +425,7 @@ def preview(paths: Sequence[ProgramPath], context: RobotContext) -> PlannedMotio
 
 
 def problems_text(name: str, problems: Sequence[ProgramProblem]) -> str:
-    """Return problems as one message."""
+    """Return the problems as one message."""
     parts = [
         f"step {path_text(item.step)}: {item.text}" if item.step else item.text
         for item in problems

@@ -33,18 +33,18 @@ from tool0.protocol.program import (
 
 
 class FindWay(Protocol):
-    """Plans around obstacles."""
+    """Plans paths around obstacles."""
 
     def __call__(
         self, target: PlanTarget, start: Sequence[float], joints: Sequence[Joint]
     ) -> Path:
         """Return a collision-free motion of the arm from ``start`` [rad].
 
-        The ``joints`` have the limits that apply.
+        ``joints`` are the arm's joints with the limits that apply.
 
         Raises:
             CollisionError: If the start or the target is in collision.
-            PlanningError: If no way is found.
+            PlanningError: If no path is found.
             UnreachableError: If no posture reaches the target.
         """
 
@@ -52,26 +52,26 @@ class FindWay(Protocol):
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RobotContext:
-    """One arm as a program moves it."""
+    """One arm as seen by a program, with its surroundings."""
 
     program: Program
     model: RobotModel
     arm: str
     tip: str
-    """The link at the end of the arm."""
+    """Link at the end of the arm."""
     joints: tuple[Joint, ...]
     """Joints of the arm from base to flange, with the limits that apply."""
     positions: Mapping[str, float]
     """Present position of every joint of the robot [rad | m]."""
     find_pose: Callable[[str], Mapping[str, float]]
-    """Returns the positions of a named pose, or raises ControlError."""
+    """Function that returns the positions of a named pose, or raises ControlError."""
     find_way: FindWay
     gripper: str | None
-    """The name of the gripper that the arm uses, if it has one."""
+    """Name of the arm's gripper; None if it has no gripper."""
     geometry: ParallelGripper | None
     """Geometry of the arm's gripper."""
     objects: Collection[str]
-    """The names of the scene's objects."""
+    """Names of the objects in the scene."""
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -83,7 +83,7 @@ class RobotContext:
 
     @cached_property
     def T_tip_tool(self) -> Array:
-        """The program's tool in the flange, shape (4, 4)."""
+        """Pose of the program's tool in the flange frame, shape (4, 4)."""
         tool = self.program.tool
         T = _transform(tool)
         if tool.relative_to is None:
@@ -93,13 +93,13 @@ class RobotContext:
 
     @cached_property
     def T_root_base(self) -> Array:
-        """The link that carries the arm, in the root, shape (4, 4)."""
+        """Pose in the root frame of the link that carries the arm, shape (4, 4)."""
         found = link_poses(self.model, self.positions)
         return np.asarray(found[self.chain.base].matrix)
 
     @cached_property
     def planner(self) -> MovePlanner:
-        """Plans moves whose poses are in the root.
+        """Planner for moves whose poses are in the root frame.
 
         Raises:
             ControlError: If the arm is not built like a UR.
@@ -109,9 +109,9 @@ class RobotContext:
         return MovePlanner(InverseKinematics(self.chain), tcp, np.asarray(T_base_root))
 
     def tool(self, q: Array) -> Array:
-        """Return the tool in the root at positions ``q`` [rad], shape (n, 6).
+        """Return poses of the tool in the root frame at positions ``q`` [rad].
 
-        The shape is (n, 4, 4).
+        ``q`` has shape (n, 6), and the result has shape (n, 4, 4).
         """
         T_base_tip = self.chain.forward(q).T_base_tip
         return np.asarray(self.T_root_base @ T_base_tip @ self.T_tip_tool)
@@ -119,7 +119,7 @@ class RobotContext:
     # ---- steps as moves -------------------------------------------------------------
 
     def move(self, step: MoveStep) -> Move:
-        """Return the move of a step, or raise ControlError or ModelError."""
+        """Return the move of a step; ControlError or ModelError if it has none."""
         given = [step.joints, step.pose, step.named_pose]
         if sum(item is not None for item in given) != 1:
             raise ControlError(
@@ -144,7 +144,7 @@ class RobotContext:
         )
 
     def way(self, step: MoveJointStep, start: Sequence[float]) -> Path:
-        """Return the way around obstacles of a planned step, as ``FindWay``."""
+        """Return the path around obstacles of a planned step; see ``FindWay``."""
         move = self.move(step)
         pose: Any = None  # rows
         if move.pose is not None:
@@ -179,7 +179,7 @@ class RobotContext:
         return Move(kind="linear", pose=pose_numbers(T), a=a, v=v)
 
     def direction(self, step: UntilStep, T_root_tool: Array) -> Array:
-        """Return the direction of a search in the root's axes, a unit vector."""
+        """Return the direction of a search in the root's axes, as a unit vector."""
         given = np.array(step.direction)
         length = float(np.linalg.norm(given))
         if not length > 0.0:
@@ -213,7 +213,7 @@ class RobotContext:
         return tuple(positions[joint] for joint in self.joint_names)
 
     def _pose(self, pose: ToolPose) -> tuple[float, ...]:
-        """Return a pose of the tool in the root: position and rotation vector."""
+        """Return a tool pose in the root frame, as position and rotation vector."""
         T = _transform(pose)
         if pose.relative_to is not None:
             link = self.model.link(pose.relative_to).name
@@ -227,7 +227,7 @@ class RobotContext:
     # ---- the gripper ----------------------------------------------------------------
 
     def opening(self, step: GripperStep) -> float:
-        """Return the opening of a step [m], or raise ControlError or ModelError."""
+        """Return a step's gripper opening [m]; raise ControlError or ModelError."""
         geometry = self.geometry
         if geometry is None:
             raise ControlError("the arm carries no gripper")

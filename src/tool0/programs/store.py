@@ -1,4 +1,4 @@
-"""The programs that a user saved with a robot: one file each."""
+"""The programs that a user has saved for a robot, with one file for each."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ from tool0.protocol.programs import SavedProgram
 from tool0.user_data import data_folder, replace_text
 
 LONGEST_NAME: Final = 60
-"""Characters of a program's name."""
+"""Largest number of characters in a program's name."""
 _SUFFIX: Final = ".yaml"
 _RESERVED: Final = '%/\\<>:"|?*'
-"""Characters that some file systems reject, and the escape character."""
+"""Characters that some file systems reject, and the escape character itself."""
 _LONGEST_FILE: Final = 240
-"""Bytes of a file's name: 255, less the suffix while it is written."""
+"""Largest number of bytes in a file's name: 255, minus the suffix used while
+writing."""
 
 
 @final
@@ -38,11 +39,11 @@ class ProgramStore:
 
     @property
     def folder(self) -> Path:
-        """The folder of the files; it may not exist yet."""
+        """Folder of the files; it may not exist yet."""
         return data_folder() / "programs" / quote(self._robot, safe=" ")
 
     def all(self) -> tuple[SavedProgram, ...]:
-        """Return every saved program, sorted by name, those that are unreadable, too.
+        """Return all saved programs, sorted by name, including unreadable ones.
 
         Raises:
             ConfigError: If the folder cannot be read.
@@ -55,8 +56,8 @@ class ProgramStore:
         """Return a saved program.
 
         Raises:
-            ControlError: If there is none of this name.
-            ConfigError: If its file cannot be read, or is no program.
+            ControlError: If there is no program with this name.
+            ConfigError: If the program's file cannot be read or is not a program.
         """
         found = read_program(self._existing(name)).program
         return replace(found, name=name)  # a user may have renamed the file
@@ -65,7 +66,8 @@ class ProgramStore:
         """Save a program under its name.
 
         Raises:
-            ControlError: If the name is not printable, or taken and not overwritten.
+            ControlError: If the name is not printable, or is taken and must not be
+                overwritten.
             ConfigError: If the file cannot be written.
         """
         name = program.name
@@ -85,10 +87,11 @@ class ProgramStore:
             replace_text(file, text)
 
     def rename(self, name: str, new_name: str) -> None:
-        """Give a saved program another name.
+        """Rename a saved program.
 
         Raises:
-            ControlError: If there is none of this name, or one of the other.
+            ControlError: If there is no program with the old name, or there is one with
+                the new name.
             ConfigError: If a file cannot be read or written.
         """
         program = self.read(name)
@@ -101,8 +104,8 @@ class ProgramStore:
         """Delete a saved program.
 
         Raises:
-            ControlError: If there is none of this name.
-            ConfigError: If its file cannot be deleted.
+            ControlError: If there is no program with this name.
+            ConfigError: If the program's file cannot be deleted.
         """
         file = self._existing(name)
         with self._explained("delete"):
@@ -144,7 +147,7 @@ def _info(file: Path) -> SavedProgram:
 
 
 def _quoted(character: str) -> str:
-    """Return a character of a name as it is in the name of its file."""
+    """Return a character of a program's name as it appears in the file's name."""
     if character.isprintable() and character not in _RESERVED:
         return character
     return quote(character, safe="", errors="replace")

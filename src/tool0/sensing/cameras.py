@@ -1,8 +1,8 @@
-"""The robot's cameras: images of snapshots, rendered in a separate thread, and PNG.
+"""The robot's cameras: images rendered from snapshots in separate threads, and PNG.
 
-MuJoCo renders for every engine.  Images are rendered from snapshots, so they cost the
-tick nothing.  A GL context belongs to one thread, so threads have renderers of their
-own.
+MuJoCo renders the images for every engine.  Since it renders them from snapshots, they
+cost the tick nothing.  A GL context belongs to one thread, so each thread has its own
+renderer.
 """
 
 from __future__ import annotations
@@ -52,17 +52,18 @@ class Cameras(Mapping[str, Camera]):
         newest: Callable[[], Snapshot],
         threads: int = 1,
     ) -> None:
-        """Do not use OpenGL until an image is requested.
+        """Prepare, without OpenGL until an image is requested.
 
         Args:
             model: The robot.
-            cameras: By name.
-            ground: Its height in the robot's root [m]; None without ground.
-            newest: Returns what is to be seen now.
-            threads: Threads that render several images.
+            cameras: Cameras by name.
+            ground: Height of the ground in the robot's root frame [m]; None without
+                ground.
+            newest: Function that returns the newest snapshot.
+            threads: Number of threads that render several images.
         """
         self.newest = newest
-        """Returns what is to be seen now."""
+        """Function that returns the newest snapshot."""
         self._cameras = dict(cameras)
         self._lock = Lock()
         self._painters = [_Painter(model, ground) for _ in range(threads)]
@@ -82,20 +83,20 @@ class Cameras(Mapping[str, Camera]):
         return len(self._cameras)
 
     def render(self, camera: Camera, snapshot: Snapshot | None = None) -> CameraImage:
-        """Return an image of ``snapshot``, by default the newest, from any camera.
+        """Return an image from any camera of ``snapshot``, by default the newest.
 
         Raises:
-            RenderError: If there is no OpenGL here, or the robot is closed.
+            RenderError: If this machine has no OpenGL, or the robot is closed.
             ModelError: If MuJoCo does not support an object that Gazebo has.
         """
         return self.render_all([View(camera, snapshot or self.newest())])[0]
 
     def render_all(self, views: Sequence[View]) -> list[CameraImage]:
-        """Return an image of each view, as ``render``."""
+        """Return an image of each view; see ``render``."""
         return self._drawn(_Painter.paint, views)
 
     def segment_all(self, views: Sequence[View]) -> list[NDArray[np.int32]]:
-        """Return the thing in each pixel of each view, as ``Renderer.segment``."""
+        """Return the object at each pixel of each view; see ``Renderer.segment``."""
         return self._drawn(_Painter.segment, views)
 
     def _drawn(
@@ -122,7 +123,7 @@ class Cameras(Mapping[str, Camera]):
 
 @final
 class _Painter:
-    """A thread with a renderer; both begin with the first image."""
+    """A thread with a renderer; both start with the first image."""
 
     def __init__(self, model: RobotModel, ground: float | None) -> None:
         self._model, self._ground = model, ground
@@ -132,7 +133,7 @@ class _Painter:
     def submit(
         self, draw: Callable[[_Painter, View], Drawn], view: View
     ) -> Future[Drawn]:
-        """Begin to draw a view in the thread."""
+        """Start rendering a view in the thread."""
         if self._thread is None:
             from concurrent.futures import ThreadPoolExecutor
 
@@ -140,14 +141,14 @@ class _Painter:
         return self._thread.submit(draw, self, view)
 
     def close(self) -> None:
-        """End the thread, after the images that it has begun."""
+        """End the thread after the images that it has already begun."""
         if self._thread is not None:
             ended = self._thread.submit(self._end)
             self._thread.shutdown()
             ended.result()
 
     def paint(self, view: View) -> CameraImage:
-        """Return an image; in the thread."""
+        """Return an image; runs in the thread."""
         camera, state, look = view
         rgb, depth, frame = self._fitting(camera).render(
             camera, _positions(state), state.scene, state.objects, look
@@ -161,14 +162,14 @@ class _Painter:
         )
 
     def segment(self, view: View) -> NDArray[np.int32]:
-        """Return what each pixel shows; in the thread."""
+        """Return the object at each pixel; runs in the thread."""
         camera, state, _ = view
         return self._fitting(camera).segment(
             camera, _positions(state), state.scene, state.objects
         )
 
     def _fitting(self, camera: Camera) -> Renderer:
-        """Return a renderer for images of the camera's size; it may be a larger one."""
+        """Return a renderer for images of at least the camera's size."""
         from tool0.engines.mujoco.gl import import_mujoco
 
         import_mujoco()

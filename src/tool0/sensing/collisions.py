@@ -1,7 +1,7 @@
-"""Collisions that the robot would have in a pose, and on the straight way to it.
+"""Collisions of the robot in a pose, and on the straight path to the pose.
 
-They are found by MuJoCo's shapes for every engine, from snapshots and in the thread of
-the caller, so they cost the tick nothing.
+For every engine, they are found with MuJoCo's shapes.  They are computed from snapshots
+in the caller's thread, so they cost the tick nothing.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ if TYPE_CHECKING:
     from tool0.engines.mujoco.overlaps import OverlapFinder, Pair
 
 TOUCH = 0.0005
-"""Depth from which shapes collide [m]: links that rest on each other are some 0.1 mm
-into each other in the physics, too."""
+"""Depth from which shapes count as colliding [m]; links that rest on each other also
+overlap by about 0.1 mm in the physics."""
 STEP = 0.02
-"""Largest motion of a joint between two looks at a path [rad | m]: 2 cm at the end of
-an arm of 1 m."""
+"""Largest motion of a joint between two checked points of a path [rad | m]; it
+corresponds to 2 cm at the end of an arm of 1 m."""
 MAX_PENETRATION = 0.002
-"""Depth [m] up to which links may be in something when a person places the robot or an
-object: the physics pushes them apart without a jerk."""
+"""Depth up to which links may overlap something when a user places the robot or an
+object [m]; the physics pushes them apart without a jerk."""
 
 
 @final
@@ -43,9 +43,10 @@ class CollisionFinder:
     """Finds collisions of one robot in any pose.  Any thread may use it."""
 
     def __init__(self, model: RobotModel, ground: float | None) -> None:
-        """Compile nothing until collisions are asked for.
+        """Prepare, without compiling shapes until collisions are requested.
 
-        ``ground`` is its height in the robot's root [m]; None without ground.
+        ``ground`` is the height of the ground in the robot's root frame [m]; None
+        without ground.
         """
         self._model = model
         self._ground = ground
@@ -53,17 +54,17 @@ class CollisionFinder:
         self._finder: OverlapFinder | None = None
         self._beside_lock = Lock()
         self._beside: OverlapFinder | None = None
-        """Finder for single objects, in the thread of the tick: it does not wait for
-        paths, and the scene is not compiled again for each object."""
+        """Finder for single objects in the thread of the tick, which therefore neither
+        waits for paths nor compiles the scene again for each object."""
 
     def on_way(
         self, state: Snapshot, positions: Mapping[str, float]
     ) -> tuple[Collision, ...]:
-        """Return the collisions on the way from ``state`` to ``positions``.
+        """Return the collisions on the path from ``state`` to ``positions``.
 
-        All joints move in proportion, on a straight line in joint space.  What a
-        gripper holds is carried along.  Pairs that are as deep in each other now are
-        left out.
+        All joints move synchronously, on a straight line in joint space.  Gripped
+        objects are carried along.  Pairs that do not overlap more deeply than at the
+        start are left out.
 
         Args:
             state: Present state of the robot and the objects.
@@ -100,7 +101,7 @@ class CollisionFinder:
         return tuple(found.values())
 
     def held(self, state: Snapshot) -> tuple[HeldObject, ...]:
-        """Return what the grippers hold: movable objects that both fingers touch.
+        """Return the movable objects that both fingers of a gripper touch.
 
         Raises:
             ModelError: If MuJoCo does not support an object.
@@ -120,15 +121,15 @@ class CollisionFinder:
         usual: Sequence[float],
         objects: tuple[SceneObject, ...],
     ) -> None:
-        """Raise PenetrationError if the robot would be in something.
+        """Raise PenetrationError if the robot would overlap something.
 
-        Links that are in each other or in the ground in the ``usual`` pose, too, are
-        left out: those of some descriptions always overlap.  So is all of a robot with
-        shapes that MuJoCo cannot read.
+        Links that overlap each other or the ground even in the ``usual`` pose are left
+        out, because those of some descriptions always overlap.  A robot with shapes
+        that MuJoCo cannot read is not checked at all.
 
         Args:
-            position: The pose [rad | m], shape (n_joints,), in the model's order.
-            usual: Another pose, which was accepted before.
+            position: Pose to check [rad | m], shape (n_joints,), in the model's order.
+            usual: Another pose that was accepted before, of the same shape.
             objects: Objects around the robot, with their start poses.
         """
         with self._lock, contextlib.suppress(ModelError):
@@ -156,7 +157,7 @@ class CollisionFinder:
             )
 
     def prepare(self, item: SceneObject) -> None:
-        """Compile what ``require_outside`` needs: the tick should not wait for it."""
+        """Compile the shapes for ``require_outside`` in advance, outside the tick."""
         with self._beside_lock, contextlib.suppress(ModelError):
             self._beside = self._fitting(self._beside, (item,))
 
@@ -171,8 +172,8 @@ class CollisionFinder:
         Args:
             position: Positions of the joints [rad | m], shape (n_joints,), in the
                 model's order.
-            item: The object.
-            at: Pose of the object; its start pose, if left out.
+            item: Object to check.
+            at: Pose of the object; the object's start pose if left out.
         """
         with self._beside_lock, contextlib.suppress(ModelError):
             finder = self._beside = self._fitting(self._beside, (item,))
@@ -193,7 +194,7 @@ class CollisionFinder:
     def _fitting(
         self, finder: OverlapFinder | None, objects: tuple[SceneObject, ...]
     ) -> OverlapFinder:
-        """Return the finder with these objects, or a new one."""
+        """Return the finder if it has these objects, otherwise a new one."""
         from tool0.engines.mujoco.gl import import_mujoco
 
         import_mujoco()
@@ -207,13 +208,13 @@ class CollisionFinder:
     def _moved(
         self, start: Sequence[float], positions: Mapping[str, float]
     ) -> list[float]:
-        """Return ``start`` with ``positions``, and with the joints that mimic them."""
+        """Return ``start`` with ``positions``, and with updated mimic joints."""
         end = joint_positions(self._model, positions, start)
         return [
             after
             if joint.name in positions
             or (joint.mimic is not None and joint.mimic.joint in positions)
-            else before  # fingers give way a little: they do not follow to the digit
+            else before  # fingers yield a little and do not follow exactly
             for joint, before, after in zip(
                 self._model.movable_joints, start, end, strict=True
             )
@@ -242,14 +243,14 @@ class CollisionFinder:
 
 
 def _carry(finder: OverlapFinder, load: HeldObject) -> None:
-    """Put a held object where the gripper carries it."""
+    """Move a held object to where the gripper carries it."""
     pose = finder.link_pose(load.link) @ load.T_link_item
     at = ObjectState(load.item.name, pose.position, pose.quat_wxyz)
     finder.put_object(load.item, at)
 
 
 def _fingers(model: RobotModel, gripper: ParallelGripper) -> tuple[frozenset[str], ...]:
-    """Return the links of each finger; none of a gripper without two pads."""
+    """Return the links of each finger; empty for a gripper without two pads."""
     try:
         pads = pad_links(model, gripper)
     except ControlError:
@@ -264,7 +265,7 @@ def _at_start(item: SceneObject) -> ObjectState:
 
 
 def _require_apart(found: Iterable[tuple[str, str, float]], text: str) -> None:
-    """Raise PenetrationError with the deepest of ``found``, if there is any."""
+    """Raise PenetrationError for the deepest of ``found``, if there is any."""
     deepest = sorted(found, key=lambda each: -each[2])
     if not deepest:
         return
@@ -278,13 +279,13 @@ def _require_apart(found: Iterable[tuple[str, str, float]], text: str) -> None:
 
 
 def _robot_first(pair: Pair, moving: Collection[str]) -> Pair:
-    """Return the pair with what the robot moves as its first."""
+    """Return the pair with the element that the robot moves first."""
     first, second = pair
     return pair if first in moving else (second, first)
 
 
 def _note(found: dict[Pair, Collision], pair: Pair, depth: float, share: float) -> None:
-    """Add the overlaps at ``share`` of the path."""
+    """Add the overlaps at the fraction ``share`` of the path."""
     known = found.get(pair)
     first, second = pair
     found[pair] = Collision(

@@ -1,4 +1,4 @@
-"""Force-torque sensors: one sensor, sampled by the tick, and all of a robot."""
+"""Force-torque sensors: single sensors sampled by the tick, and all of a robot."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from tool0.sensing.low_pass import LowPass
 from tool0.sensing.tool_meter import ToolMeter
 
 Contacts = Callable[[frozenset[str]], tuple[Contact, ...]]
-"""Returns the external forces, at least those on the given links."""
+"""Function that returns the external forces, at least those on the given links."""
 
 RATES = (50.0, 1000.0)
-"""Slowest and fastest sampling [Hz]."""
+"""Slowest and fastest sampling rate [Hz]."""
 DEFAULT_RATE = 125.0
-"""Default sampling rate [Hz] if it divides the control rate: that of a UR."""
+"""Default sampling rate, that of a UR, if it divides the control rate [Hz]."""
 READINGS_KEPT = 4096
 """Number of samples kept for slow readers: four seconds at 1 kHz."""
 
@@ -46,7 +46,8 @@ class ForceTorqueSensor:
     ) -> None:
         """Measure at ``link`` every few ``ticks``; the tool is ``link`` and beyond.
 
-        ``rate`` is the sampling rate [Hz], ``cutoff`` that of the filter [Hz].
+        ``rate`` is the sampling rate [Hz], and ``cutoff`` is the filter's cutoff
+        frequency [Hz].
         """
         self.link = link
         self.rate = rate
@@ -63,7 +64,7 @@ class ForceTorqueSensor:
 
     @property
     def ticks_left(self) -> int:
-        """Ticks until the next sample, at least one."""
+        """Number of ticks until the next sample, at least one."""
         return self._left
 
     def tick(
@@ -73,9 +74,10 @@ class ForceTorqueSensor:
         contacts: Contacts,
         ticks: int = 1,
     ) -> None:
-        """Sample the last step of ``ticks``, if a sample is due.
+        """Sample the last step of ``ticks`` ticks if a sample is due.
 
-        It is the one from ``before`` to ``after``; ``ticks`` are no more than are left.
+        This step was from state ``before`` to ``after``.  ``ticks`` must not exceed
+        ``ticks_left``.
         """
         self._left -= ticks
         if self._left == 0:
@@ -83,17 +85,17 @@ class ForceTorqueSensor:
             self._sample(before, after, contacts)
 
     def skip(self, ticks: int) -> None:
-        """Note ``ticks`` without a sample: fewer than are left."""
+        """Count ``ticks`` without a sample; they must be fewer than ``ticks_left``."""
         self._left -= ticks
 
     def subtract(self, payloads: Mapping[str, Payload]) -> None:
-        """Subtract payloads, by flange, as a UR does; in the thread of the tick."""
+        """Subtract payloads, by flange, as a UR does; call it in the tick's thread."""
         self._meter.subtract(payloads)
 
     def restart(
         self, before: JointState, after: JointState, contacts: Contacts
     ) -> None:
-        """Sample now with a new filter: at the start, and after a reset."""
+        """Sample now with a new filter, at the start and after a reset."""
         self._left = self._ticks
         self._filter = LowPass(self._cutoff, self.rate)
         self._sample(before, after, contacts)
@@ -110,9 +112,9 @@ class ForceTorqueSensor:
             return self._readings[-1]
 
     def samples(self, since: int, timeout: float | None) -> tuple[WrenchReading, ...]:
-        """Return samples after number ``since``; wait for the first [wall s].
+        """Return samples after number ``since``; wait for the first one [wall s].
 
-        The first one says how many were dropped before it.
+        The first sample says how many were dropped before it.
         """
         with self._changed:
             if since > self._number:  # from before the sensor was restarted
@@ -155,7 +157,7 @@ class ForceTorqueSensor:
 class ForceTorqueSensors:
     """Starts, stops and finds sensors.  Any thread may use it.
 
-    A sensor costs nothing until it is started; the first reading starts it.
+    A sensor costs nothing until it is started; reading it for the first time starts it.
     """
 
     def __init__(
@@ -169,8 +171,8 @@ class ForceTorqueSensors:
     ) -> None:
         """Create the sensors without starting any.
 
-        ``start`` lets the tick, each ``control_period`` [s], sample a sensor; ``stop``
-        ends that.
+        ``start`` lets the tick sample a sensor, once in each ``control_period`` [s];
+        ``stop`` ends this.
         """
         self._description = description
         self._engine = engine
@@ -181,23 +183,24 @@ class ForceTorqueSensors:
         self._sensors: dict[str, ForceTorqueSensor] = {}
 
     def link(self, name: str | None) -> str:
-        """Return the link to measure at; for the rest see ``measured_link``."""
+        """Return the link to measure at; see ``measured_link``."""
         return measured_link(self._description, name)
 
     def rate(self, link: str) -> float:
-        """Return the sampling rate in simulated time [Hz]; 0 if it is not started."""
+        """Return the sampling rate in simulated time [Hz]; 0 before the start."""
         sensor = self._sensors.get(link)
         return 0.0 if sensor is None else sensor.rate
 
     def sensor(self, link: str) -> ForceTorqueSensor:
-        """Return the sensor at ``link``, started with the defaults if needed."""
+        """Return the sensor at ``link``; start it with the defaults if needed."""
         with self._lock:
             return self._sensors.get(link) or self._start(link, None, DEFAULT_CUTOFF)
 
     def start(self, link: str, rate: float | None, cutoff: float) -> float:
         """Start or restart sampling, without tare; return the rate [Hz].
 
-        A ``rate`` of None [Hz] is 125, or the next divisor of the control rate below.
+        A ``rate`` of None stands for 125 Hz, or else the next lower divisor of the
+        control rate.
 
         Raises:
             ControlError: If either is out of range.
@@ -230,12 +233,12 @@ class ForceTorqueSensors:
 
 
 def measured_link(description: RobotDescription, name: str | None) -> str:
-    """Return the link to measure at, by the name of link or sensor.
+    """Return the link to measure at, given the name of a link or a sensor.
 
-    Without a name, it is the robot's only ``tool0``.
+    Without a name, it is the only link ``tool0`` of the robot.
 
     Raises:
-        ModelError: If there is neither.
+        ModelError: If there is no link or sensor with this name.
         ControlError: If no name is given, and there is no ``tool0`` or several.
     """
     model = description.model
@@ -253,12 +256,12 @@ def measured_link(description: RobotDescription, name: str | None) -> str:
 
 
 def ticks_between_samples(rate: float | None, period: float) -> int:
-    """Return the control periods between samples, each of ``period`` [s].
+    """Return the number of control periods, each of ``period`` [s], between samples.
 
     Args:
-        rate: Samples per second [Hz]; None is 125, or the next divisor of the control
-            rate below.
-        period: [s].
+        rate: Samples per second [Hz]; None stands for 125, or else the next lower
+            divisor of the control rate.
+        period: Control period [s].
 
     Raises:
         ControlError: If the rate is out of range, or does not divide the control rate.

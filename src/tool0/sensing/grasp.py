@@ -1,9 +1,9 @@
-"""Grasps: whether a gripper moves or holds something, its pads, and grasp assist.
+"""Grasps: gripper motion and held objects, parallel pads, and grasp assist.
 
 Grasp assist fixes gripped objects to the gripper.  It is off by default: no real
-gripper does so.  It is for users who study what follows a grasp, with any friction and
-force.  An object that both pads touch is fixed to the gripper's base, from the time the
-gripper holds it until it is commanded to open or its pads move.
+gripper does so.  It is meant for users who study the task after a grasp, regardless of
+friction and force.  An object that both pads touch is fixed to the gripper's base, from
+the time the gripper holds it until it is commanded to open or its pads move.
 """
 
 from __future__ import annotations
@@ -22,31 +22,32 @@ from tool0.protocol.gripper import GraspState, GripperMotion
 from tool0.protocol.state import Snapshot
 
 WINDOW = 0.1
-"""Simulated time for which the pads must be still to hold something [s].  Pads of a
-simulated grip chatter, so their velocity at one instant is no criterion."""
+"""Simulated time for which the pads must be still to count as holding something [s].
+Pads of a simulated grip chatter, so their velocity at one instant is no criterion."""
 SHORT_OF_IT = 0.3
 """Time after which pads that are still, neither at their target nor pushing, have ended
-their motion [s].  A real gripper tells up to 0.15 s after its pads have met an object
-that it pushes."""
+their motion [s].  A real gripper reports up to 0.15 s after its pads have met an object
+that it is pushing."""
 STILL = 0.1
-"""Part of the travel at the slowest speed within the window, below which pads count as
-still: weak gains creep to their target at twice that."""
+"""Fraction of the travel at the slowest speed within the window, below which pads count
+as still; weak gains creep to their target at twice that."""
 CREEP = 2.5 * STILL
-"""The same for pads that push firmly, because the object yields."""
+"""Same fraction for pads that push firmly; it is larger because the object yields."""
 MOVED = 2.0 * CREEP
-"""The same from which pads that were still move again."""
+"""Same fraction, above which pads that were still count as moving again."""
 PARALLEL = math.radians(3.0)
 """Largest deviation of a linkage from its rest shape in a pinch.  The grip force bends
-it by up to 1°, fingers that wrap deviate by 5° and more."""
+the linkage by up to 1°, whereas fingers that wrap deviate by 5° or more."""
 _ROUNDING = 1e-6  # [s]
 TOLERANCE = 0.001
-"""Largest steady-state error of pads that have arrived [m].  An object squeezed by
-less is not detected."""
+"""Largest steady-state error of pads that have reached their target [m].  An object
+that is squeezed by less is not detected."""
 PUSH = 0.05
-"""Fraction of the weakest grip from which the drive pushes.  The weight and friction of
-the fingers take less at a free pad: on a 2F-85 0.8 of this 1 N."""
+"""Fraction of the weakest grip force from which the drive counts as pushing.  The
+weight and friction of the fingers take less if the pads are free: on a 2F-85, 0.8 N
+where this fraction is 1 N."""
 FIRM = 0.5
-"""Fraction of the weakest grip from which the drive pushes firmly."""
+"""Fraction of the weakest grip force from which the drive counts as pushing firmly."""
 
 
 class _Sample(NamedTuple):
@@ -59,10 +60,10 @@ class _Sample(NamedTuple):
 
 @final
 class GraspDetector:
-    """Detects the state of one gripper from snapshots in order.
+    """Detects the state of one gripper from consecutive snapshots.
 
-    Pads that are still, away from the controller's setpoint, and pushed by the drive,
-    have met an object if something presses on both fingers.
+    Pads have met an object if they are still, away from the controller's setpoint, and
+    pushed by the drive, and if something presses on both fingers.
     """
 
     def __init__(self, geometry: ParallelGripper) -> None:
@@ -101,14 +102,14 @@ class GraspDetector:
         )
 
     def _remember(self, sample: _Sample) -> None:
-        """Keep the samples of the window."""
+        """Keep the samples within the window."""
         samples = self._samples
         samples.append(sample)
         while len(samples) > 1 and samples[1].time <= sample.time - WINDOW:
             samples.popleft()
 
     def _judge(self, desired: float, target: float) -> GripperMotion:
-        """Return the motion for openings desired now and in the end [m]."""
+        """Return the motion, given the openings desired now and in the end [m]."""
         openings = [sample.opening for sample in self._samples]
         way = (max(openings) - min(openings)) / self._slowest_travel
         last = self._samples[-1]
@@ -138,7 +139,7 @@ class GraspDetector:
 
 
 def _is_parallel(gripper: ParallelGripper, snapshot: Snapshot) -> bool:
-    """Return whether the pads are parallel: the fingers do not wrap."""
+    """Return whether the pads are parallel, so that the fingers do not wrap."""
     position = snapshot.positions
     drive = position[gripper.joint]
     return all(
@@ -148,7 +149,7 @@ def _is_parallel(gripper: ParallelGripper, snapshot: Snapshot) -> bool:
 
 
 def judge(geometry: ParallelGripper, snapshots: Sequence[Snapshot]) -> GraspState:
-    """Return the state at the end of ``snapshots``, over ``SHORT_OF_IT`` or more."""
+    """Return the state at the end of ``snapshots``, which span ``SHORT_OF_IT``."""
     detector = GraspDetector(geometry)
     return [detector.observe(snapshot) for snapshot in snapshots][-1]
 
@@ -171,19 +172,20 @@ WARNING = (
     "which no real gripper does"
 )
 PADS_MOVED = 0.002
-"""Motion of the pads that releases the object [m]: more than from a stronger grip."""
+"""Opening motion of the pads that releases the object [m]; larger than the motion after
+a stronger grip."""
 
 
 @final
 class GraspAssist:
-    """Attaches and detaches.  Only the thread that owns the tick may use it."""
+    """Attaches and detaches objects.  Only the thread that owns the tick may use it."""
 
     def __init__(self, model: RobotModel, engine: Engine) -> None:
-        """Hold nothing yet, and log the warning.
+        """Start without held objects, and log the warning.
 
         Raises:
-            ConfigError: If there is no gripper.
-            ControlError: If a gripper has no two pads.
+            ConfigError: If the robot has no gripper.
+            ControlError: If a gripper does not have two pads.
         """
         if not model.grippers:
             raise ConfigError("grasp assist needs a gripper, but this robot has none")
@@ -194,7 +196,7 @@ class GraspAssist:
         ]
 
     def look(self, snapshot: Snapshot) -> None:
-        """Attach and detach objects at ``snapshot``, the newest one."""
+        """Attach and detach objects according to ``snapshot``, the newest one."""
         for assisted in self._grippers:
             state = assisted.detector.observe(snapshot)
             if assisted.held is not None:
@@ -208,14 +210,14 @@ class GraspAssist:
                     assisted.held, assisted.opening = name, state.opening
 
     def forget(self) -> None:
-        """Forget held objects: a reset has detached them."""
+        """Forget held objects, which a reset has detached."""
         for assisted in self._grippers:
             assisted.forget()
 
     def _between(self, pads: tuple[str, str], snapshot: Snapshot) -> str | None:
         """Return the movable object that both pads press on, if there is one."""
         pairs = [{c.first, c.second} for c in self._world.contacts()]
-        # An object that another gripper hands over is attached after that releases it.
+        # In a handover, the object is attached after the other gripper releases it.
         held = {assisted.held for assisted in self._grippers}
         for item in snapshot.scene:
             if item.mass is None or item.name in held:
@@ -238,12 +240,12 @@ class _AssistedGripper:
         self.forget()
 
     def forget(self) -> None:
-        """Hold nothing, without a history."""
+        """Start without a held object or history."""
         self.detector = GraspDetector(self.gripper)
         self.held: str | None = None
 
     def releases(self, snapshot: Snapshot, opening: float) -> bool:
-        """Return whether the gripper is to open, or its pads have moved."""
+        """Return whether the gripper should open, or its pads have moved."""
         if abs(opening - self.opening) > PADS_MOVED:
             return True
         wanted = wanted_openings(snapshot, self.gripper)

@@ -15,25 +15,25 @@ from tool0.hardware.engine import JointState
 from tool0.sensing.grasp import PUSH
 
 PERIOD = 0.04
-"""Simulated time between looks at the contacts of fingers that push [s]: they take an
-engine some 50 µs, and a grip is reported after 0.1 s."""
+"""Simulated time between contact checks of pushing fingers [s]; a check takes an engine
+about 50 µs, and a grip is reported after 0.1 s."""
 GRACE = 0.1
-"""Simulated time for which a grip outlasts the last look that saw it [s]: a finger that
-chatters has no contact at some instants."""
+"""Simulated time for which a grip outlasts the last check that found it [s], since a
+chattering finger has no contact at some instants."""
 
 
 @final
 class GripContacts:
-    """Looks at the contacts of every gripper.  Only for the thread of the tick."""
+    """Checks the contacts of every gripper.  Only for the thread of the tick."""
 
     def __init__(self, model: RobotModel, joint_names: Sequence[str]) -> None:
-        """Look at nothing yet; ``joint_names`` are the order of the states."""
+        """Start without grips; ``joint_names`` have the order of the states."""
         self._hands = [
             _Hand(model, gripper, joint_names.index(gripper.joint))
             for gripper in model.grippers
         ]
         self.gripping: tuple[str, ...] = ()
-        """The grippers whose fingers press on something from two sides."""
+        """Names of the grippers whose fingers press on something from two sides."""
 
     def look(
         self, state: JointState, contacts: Callable[[], tuple[Contact, ...]]
@@ -44,11 +44,11 @@ class GripContacts:
                 self.gripping = tuple(h.name for h in self._hands if h.is_gripping)
 
     def note(self, gripping: Collection[str]) -> None:
-        """Take over the contacts that grippers report themselves."""
+        """Take over the grips that real grippers report themselves."""
         self.gripping = tuple(h.name for h in self._hands if h.name in gripping)
 
     def forget(self) -> None:
-        """Forget the grips, as after a reset."""
+        """Forget the grips, for instance after a reset."""
         self.gripping = ()
         for hand in self._hands:
             hand.forget()
@@ -56,14 +56,14 @@ class GripContacts:
 
 @final
 class _Hand:
-    """One gripper, and its fingers by the links they consist of."""
+    """One gripper, and the links of each of its fingers."""
 
     def __init__(self, model: RobotModel, gripper: ParallelGripper, index: int) -> None:
         self.name = gripper.name
         self._index = index
         self._lever = gripper.law.lever
         self._weakest = PUSH * gripper.force[0]
-        """Force from which the fingers push [N]."""
+        """Force from which the fingers count as pushing [N]."""
         self._links = frozenset(model.link_by_name)
         try:
             pads = pad_links(model, gripper)
@@ -99,7 +99,7 @@ class _Hand:
     ) -> bool:
         """Return whether the forces on the two fingers oppose each other.
 
-        Fingers that stand on a table are both pushed the same way.
+        If the fingers stand on a table, both are pushed the same way.
         """
         one, two = (self._force_on(finger, contacts) for finger in fingers)
         return sum(a * b for a, b in zip(one, two, strict=True)) < 0.0
@@ -107,7 +107,7 @@ class _Hand:
     def _force_on(
         self, finger: frozenset[str], contacts: tuple[Contact, ...]
     ) -> Vector3:
-        """Return the force that all but the robot exerts on a finger [N]."""
+        """Return the force on a finger from everything except the robot [N]."""
         x = y = z = 0.0
         for contact in contacts:
             first, second = contact.first, contact.second
@@ -120,7 +120,7 @@ class _Hand:
 
 
 def finger_links(model: RobotModel, base: str, pad: str) -> frozenset[str]:
-    """Return the links from a gripper's base, without it, to a pad."""
+    """Return the links from a gripper's base to a pad, without the base."""
     found = []
     link = pad
     while link != base:

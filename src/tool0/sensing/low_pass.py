@@ -31,7 +31,7 @@ class SecondOrder(NamedTuple):
         """Return the filter.
 
         Args:
-            cutoff: [Hz], below half the rate.
+            cutoff: Cutoff frequency [Hz], below half the rate.
             rate: Samples per second [Hz].
 
         Raises:
@@ -55,11 +55,11 @@ class SecondOrder(NamedTuple):
 class LowPass:
     """A ``SecondOrder`` for several values at once.
 
-    The initial state is that of a constant input equal to the first sample.
+    The initial state corresponds to a constant input equal to the first sample.
     """
 
     def __init__(self, cutoff: float, rate: float) -> None:
-        """Start anew; the arguments and errors are those of ``SecondOrder.of``."""
+        """Restart the filter; see ``SecondOrder.of`` for arguments and errors."""
         self._filter = SecondOrder.of(cutoff, rate)
         self._memory: list[tuple[float, float]] = []
 

@@ -1,4 +1,4 @@
-"""Stalled joints: at their effort limit, or far from their setpoint, and still."""
+"""Stalled joints: at their effort limit or far from their setpoint, without moving."""
 
 from __future__ import annotations
 
@@ -18,28 +18,30 @@ from tool0.protocol.state import Stall
 logger = logging.getLogger(__name__)
 
 STALL_TIME = 0.5
-"""Time for which a joint must push at its limit without moving to be stalled [s]."""
+"""Time for which a joint must push at its limit without moving to count as stalled
+[s]."""
 LARGEST_LAG = 0.05
-"""Largest distance of the measured position behind its setpoint [s at full speed]: a
-guess, for UR does not publish its bound.  For a UR5 it is 0.16 rad."""
+"""Largest distance of the measured position behind its setpoint [s at full speed]: an
+estimate, since UR does not publish its bound.  For a UR5 this is 0.16 rad."""
 LAG_PERIOD = 0.1
-"""Simulated time between comparisons of the joints with their setpoints [s]: they take
-some 20 µs."""
+"""Simulated time between comparisons of the joints with their setpoints [s]; a
+comparison takes about 20 µs."""
 STILL = 0.005
-"""Travel below which it has not moved [rad | m]."""
+"""Travel below which a joint counts as still [rad | m]."""
 CHATTER_TIME = 0.05
-"""Time below the limit that does not end a push [s]: contacts chatter."""
+"""Time below the effort limit that does not end a push [s], since contacts chatter."""
 MIN_CONTACT_SHARE = 0.1
-"""Contacts weaker than this part of the strongest one do not stop a joint."""
+"""Fraction of the strongest contact force below which a contact does not stop a
+joint."""
 
 
 def external_contacts(
     groups: Iterable[frozenset[str]], contacts: Sequence[Contact]
 ) -> tuple[tuple[str, str], ...]:
-    """Return what touches across the border of a group of links, strongest first.
+    """Return contacts across the border of a group of links, strongest first.
 
-    The links that a joint moves are a group: what touches within it does not stop the
-    joint.  The link of a group comes first in each pair.
+    The links that a joint moves are a group: contacts within the group do not stop the
+    joint.  The link of the group comes first in each pair.
     """
     sides, found = tuple(groups), []
     for contact in contacts:
@@ -59,7 +61,7 @@ def external_contacts(
 class StallMonitor:
     """Finds stalled joints.  Only the thread that owns the tick may use it.
 
-    A gripper's drive is left out: to push without moving is its purpose.
+    Grippers' drives are left out, since their purpose is to push without moving.
     """
 
     def __init__(self, model: RobotModel, hardware: RobotHardware) -> None:
@@ -72,8 +74,8 @@ class StallMonitor:
         self._select = joint_selector([drive.index for drive in self._drives])
         self._limits = [drive.limit for drive in self._drives]
         self._last = self._compared = -math.inf
-        """Times at which a joint last pushed at its limit, and setpoints were compared
-        [s]."""
+        """Times at which a joint last pushed at its limit, and at which setpoints were
+        last compared [s]."""
         self._lagging: list[_Drive] = []
         """Drives that are far from their setpoints."""
         self.stalls: tuple[Stall, ...] = ()
@@ -86,8 +88,8 @@ class StallMonitor:
     ) -> None:
         """Take ``state`` into account; ``contacts`` is called while a joint pushes.
 
-        It is called from the beginning of a push, because an engine may record
-        contacts only after the first call.  ``wanted`` returns the setpoint of each
+        ``contacts`` is called from the beginning of a push, because an engine may only
+        record contacts after the first call.  ``wanted`` returns the setpoint of each
         joint that is moved by position [rad | m].
         """
         if not 0.0 <= state.time - self._compared < LAG_PERIOD:
@@ -117,7 +119,7 @@ class StallMonitor:
                 logger.warning("%s", stall)
 
     def forget(self) -> None:
-        """Forget all pushes, as after a reset."""
+        """Forget all pushes, for instance after a reset."""
         self.stalls = ()
         self._last = self._compared = -math.inf
         self._lagging = []
@@ -128,7 +130,7 @@ class StallMonitor:
 
 @final
 class _Drive:
-    """State of one joint's observation."""
+    """Observed state of one joint."""
 
     def __init__(
         self, joint: str, index: int, limits: JointLimits, model: RobotModel
@@ -137,27 +139,28 @@ class _Drive:
         self.index = index
         self.links = frozenset(model.links_from(model.joint(joint).child))
         self.since = -math.inf
-        """Time at which the joint began to push from where it is [s]."""
+        """Time at which the joint began to push at its present position [s]."""
         self.last = -math.inf
-        """Time at which it last pushed at its limit [s]."""
+        """Time at which the joint last pushed at its limit [s]."""
         self.limit = PUSHING * limits.effort
-        """Effort from which it pushes [N·m | N]."""
+        """Effort from which the joint counts as pushing [N·m | N]."""
         self._position = 0.0
         self._sign = 0.0
         self.lag = 0.0
-        """Distance from its setpoint [rad | m]."""
+        """Distance of the joint from its setpoint [rad | m]."""
         self.lagging_since = math.inf
-        """Time at which it began to be far from it without moving [s]."""
+        """Time since which the joint has been far from its setpoint without moving
+        [s]."""
         self._most = LARGEST_LAG * limits.velocity
         self._lags_at = 0.0
 
     def stall(self, state: JointState, touching: Sequence[Contact]) -> Stall:
-        """Return that it stalls."""
+        """Return the stall of this joint, with its contacts."""
         contacts = external_contacts((self.links,), touching)
         return Stall(self.joint, state.effort[self.index], contacts)
 
     def lags(self, state: JointState, wanted: Mapping[str, float]) -> bool:
-        """Return whether the joint is far from its setpoint; note since when."""
+        """Return whether the joint is far from its setpoint; note when this began."""
         position = state.position[self.index]
         self.lag = abs(wanted.get(self.joint, position) - position)
         if self.lag <= self._most:
@@ -169,7 +172,7 @@ class _Drive:
         return True
 
     def pushes(self, state: JointState) -> bool:
-        """Return whether the joint pushes; note since when without moving."""
+        """Return whether the joint pushes; note since when at its present position."""
         effort, time = state.effort[self.index], state.time
         if abs(effort) < self.limit:
             return time - self.last < CHATTER_TIME

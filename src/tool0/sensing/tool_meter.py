@@ -1,4 +1,4 @@
-"""The wrench of a tool on its flange in a step, by the kernel if there is one."""
+"""The wrench of a tool on its flange in a step, computed by the kernel if possible."""
 
 from __future__ import annotations
 
@@ -20,10 +20,7 @@ from tool0.kernel.tool_forces import ToolForcesKernel, ToolWrenches
 
 @final
 class ToolMeter:
-    """Measures the wrench on a link of what it carries, and of the link itself.
-
-    ``ToolDynamics`` is the reference; the kernel's results are identical.
-    """
+    """Measures the wrench on a link from the link itself and everything it carries."""
 
     def __init__(self, model: RobotModel, link: str, engine: Engine) -> None:
         self._dynamics = ToolDynamics(model, link, engine.world.gravity)
@@ -31,8 +28,8 @@ class ToolMeter:
         self._joints = [names.index(joint.name) for joint in model.movable_joints]
         self._dt = engine.dt
         self._step = np.zeros((3, len(names)))
-        """State of a step: positions and velocities before it, and velocities after
-        it."""
+        """State of a step: positions and velocities before the step, and velocities
+        after it."""
         at = [row.ctypes.data for row in self._step]
         self._step_at: Addresses = np.array([at], dtype=np.uintp)
         self._compiled = library.load()
@@ -40,7 +37,7 @@ class ToolMeter:
 
     @property
     def links(self) -> frozenset[str]:
-        """The links whose contacts count."""
+        """Links whose contacts count."""
         return self._dynamics.links
 
     def subtract(self, payloads: Mapping[str, Payload]) -> None:
@@ -60,7 +57,8 @@ class ToolMeter:
     ) -> Wrench:
         """Return force [N] and torque [N·m] in the step between two states.
 
-        They act at the flange, in its axes; ``contacts`` are all of that step.
+        The wrench acts at the flange, in the flange's axes; ``contacts`` are all
+        contacts of that step.
         """
         was, velocity = before.velocity, after.velocity
         if self._kernel is None:
@@ -79,12 +77,12 @@ class ToolMeter:
         return fx, fy, fz, tx, ty, tz
 
     def wrenches(self, steps: Addresses) -> ToolWrenches:
-        """Return the wrenches without contacts in steps that the kernel executed."""
+        """Return the wrenches without contacts, in steps that the kernel executed."""
         assert self._kernel is not None
         return self._kernel.of_steps(steps)
 
     def with_contacts(
         self, forces: ToolForces, contacts: tuple[Contact, ...]
     ) -> Wrench:
-        """Return a wrench with all contacts of the step, at the flange."""
+        """Return a wrench at the flange, including all contacts of the step."""
         return self._dynamics.with_contacts(forces, contacts)

@@ -1,4 +1,4 @@
-"""The external wrench on an arm's tool: computed on request, filtered, and tared."""
+"""External wrench on an arm's tool: computed on request, filtered and tared."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ NO_WRENCH: Final[Wrench] = (0.0,) * 6
 class ToolWrench:
     """External force and torque on a tool at its flange, in the flange's axes.
 
-    As on a UR, the payload is subtracted: the one that was set, or the tool of the
-    description.  The filter has two poles at ``DEFAULT_CUTOFF``, and any time may pass
-    between two readings: nothing is computed in between.
+    As on a UR, the payload is subtracted: the payload that was set, or else the tool in
+    the description.  The filter has two poles at ``DEFAULT_CUTOFF``.  Any time may pass
+    between two readings, since nothing is computed in between.
     """
 
     def __init__(self, model: RobotModel, flange: str, engine: Engine) -> None:
@@ -34,7 +34,7 @@ class ToolWrench:
         self._dt = engine.dt
         self._offset: Wrench = NO_WRENCH
         self._passed: list[tuple[float, float]] = []
-        """The outputs of both poles, without the tare."""
+        """Outputs of the filter's first and second pole, before the tare."""
         self._time = -math.inf
         self.subtract(None)
 
@@ -46,7 +46,7 @@ class ToolWrench:
     def read(
         self, before: JointState, after: JointState, contacts: tuple[Contact, ...]
     ) -> Wrench:
-        """Return force [N] and torque [N·m] after a step of the physics."""
+        """Return force [N] and torque [N·m] after a physics step."""
         elapsed, self._time = after.time - self._time, after.time
         if elapsed != 0.0 or not self._passed:
             raw = self._raw(before, after, contacts)
@@ -65,7 +65,7 @@ class ToolWrench:
         return fx, fy, fz, tx, ty, tz
 
     def zero(self) -> None:
-        """Tare: subtract the last reading from now on."""
+        """Tare: subtract the latest reading from now on."""
         fx, fy, fz, tx, ty, tz = (second for _, second in self._passed)
         self._offset = fx, fy, fz, tx, ty, tz
 

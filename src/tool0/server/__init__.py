@@ -1,1 +1,1 @@
-"""One server for every connection, over the Unix socket and over WebSocket."""
+"""One server for all connections, over the Unix socket and over WebSocket."""

@@ -1,6 +1,6 @@
-"""Accepts connections, also while the process is short of file descriptors.
+"""Accepts connections, even while the process is short of file descriptors.
 
-asyncio's servers would log hundreds of failures at once, and retry for each.
+asyncio's servers would log hundreds of failures at once, and retry after each of them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ async def accept_forever(
 ) -> None:
     """Accept connections and pass each to ``take``, which then owns it.
 
-    A failure is logged once, until accepting succeeds again.
+    A failure is logged only once until accepting succeeds again.
     """
     loop = asyncio.get_running_loop()
     has_failed = False
@@ -48,7 +48,7 @@ async def accept_forever(
 
 
 def descriptor_limit() -> float:
-    """Return how many file descriptors this process may have."""
+    """Return the largest number of file descriptors that this process may have."""
     try:
         import resource
     except ImportError:  # Windows has no such limit

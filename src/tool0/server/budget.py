@@ -1,9 +1,10 @@
 """The processor time that all clients of a process may use together.
 
-Each connection has an account, to which the work for it is charged.  While all together
-use less than their share, or only one of them works, nobody waits.  Otherwise each may
-use an equal part, and one that has used more waits: it is not read meanwhile, so that
-its socket slows it down.  A stop is never asked for its account.
+Each connection has an account, to which the work for that connection is charged.  While
+all connections together use less than their share, or only one of them is active, none
+has to wait.  Otherwise each may use an equal part, and a connection that has used more
+waits: its messages are not read meanwhile, so that its socket slows it down.  A stop
+never waits for its account.
 """
 
 from __future__ import annotations
@@ -16,19 +17,21 @@ from contextlib import contextmanager
 from typing import Final, final
 
 SHARE: Final = 0.3
-"""Part of one processor that all clients together may use in the long run."""
+"""Fraction of one processor that all clients together may use in the long run."""
 BURST: Final = 0.5
-"""Work of all that nobody waits for [s]."""
+"""Work of all clients together for which none has to wait [s]."""
 RESERVE: Final = 0.01
-"""Work of one client that never waits for that of the others [s]."""
+"""Work of one client that never has to wait for other clients [s]."""
 SLICE: Final = 0.3e-3
-"""Work until the event loop looks at its sockets again [s]: a stop may have come."""
+"""Work until the event loop polls its sockets again [s], since a stop may have
+arrived."""
 MAX_CHARGE: Final = 0.01
-"""Most that one piece of work costs [s]: a long plan must not silence its client."""
+"""Largest charge for one piece of work [s], so that a long plan does not silence its
+client."""
 _ACTIVE: Final = 0.1
-"""A client that has used nothing for so long leaves its part to others [wall s]."""
+"""Time without any work after which a client leaves its part to others [wall s]."""
 _LONGEST_WAIT: Final = 0.05
-"""Longest wait of an account until it is looked at again: others may have left
+"""Longest time until a waiting account is checked again, since others may have left
 meanwhile [wall s]."""
 _SHORTEST_WAIT: Final = 1e-3
 """Shortest wait of an account [wall s]."""
@@ -36,7 +39,7 @@ _SHORTEST_WAIT: Final = 1e-3
 
 @final
 class Budget:
-    """Processor time that all accounts of an event loop may use together."""
+    """Processor time that all accounts of an event loop share."""
 
     def __init__(
         self,
@@ -49,10 +52,10 @@ class Budget:
         """Start with a full burst.
 
         Args:
-            share: Of one processor, for all together in the long run.
-            burst: Work of all that nobody waits for [s].
-            is_strict: Whether one that works alone has to wait, too.
-            now: Returns the wall time [s].
+            share: Fraction of one processor for all clients together, in the long run.
+            burst: Work of all clients together for which none has to wait [s].
+            is_strict: Whether a client that is active alone has to wait, too.
+            now: Function that returns the wall time [s].
         """
         self.share, self._burst, self.now = share, burst, now
         self._is_strict = is_strict
@@ -60,8 +63,8 @@ class Budget:
         self._active: dict[Account, float] = {}
         """Time at which each account was last charged."""
         self._slice_began_at: float | None = None
-        """Processor time of the event loop when it last looked at its sockets [s]; None
-        if nothing was done since."""
+        """Processor time of the event loop's thread when it last polled its sockets
+        [s]; None if no work was done since then."""
         self._turns: deque[asyncio.Future[None]] = deque()
 
     def account(self) -> Account:
@@ -70,7 +73,7 @@ class Budget:
 
     @property
     def left(self) -> float:
-        """Work that nobody waits for now [s]; at most 0 while there is too much."""
+        """Remaining work for which no client has to wait [s]; at most 0 if overused."""
         now = self.now()
         gained = (now - self._counted_at) * self.share
         self._left = min(self._burst, self._left + gained)
@@ -79,14 +82,14 @@ class Budget:
 
     @property
     def is_ample(self) -> bool:
-        """Whether nobody has to wait."""
+        """Whether no client has to wait."""
         return self.left > 0.0 or (self.n_active <= 1 and not self._is_strict)
 
     @property
     def n_active(self) -> int:
-        """Number of accounts that were charged a short time ago."""
+        """Number of accounts that were charged recently."""
         oldest = self.now() - _ACTIVE
-        # In the order of these times: an account that is charged moves to the end.
+        # Sorted by these times, since a charged account moves to the end.
         while self._active:
             account, charged_at = next(iter(self._active.items()))
             if charged_at >= oldest:
@@ -96,23 +99,23 @@ class Budget:
 
     @property
     def part(self) -> float:
-        """The equal part of each active account, of one processor."""
+        """Equal part of one processor for each active account."""
         return self.share / max(1, self.n_active)
 
     @property
     def is_slice_used(self) -> bool:
-        """Whether the event loop must look at its sockets before further work."""
+        """Whether the event loop must poll its sockets before further work."""
         start = self._slice_began_at
         return start is not None and time.thread_time() - start >= SLICE
 
     def charge(self, account: Account, seconds: float) -> None:
-        """Note work for an account."""
+        """Charge work to an account."""
         self._left = max(self.left - seconds, -RESERVE)
         self._active.pop(account, None)
         self._active[account] = self._counted_at
 
     def begin_work(self) -> float:
-        """Return the processor time of this thread, the event loop's [s]."""
+        """Return the processor time of this thread, which is the event loop's [s]."""
         start = time.thread_time()
         if self._slice_began_at is None:
             self._slice_began_at = start
@@ -120,14 +123,14 @@ class Budget:
         return start
 
     async def turn(self) -> None:
-        """Wait until the event loop has looked at its sockets; one client at a time."""
+        """Wait until the event loop has polled its sockets; one client at a time."""
         self.begin_work()
         turn = asyncio.get_running_loop().create_future()
         self._turns.append(turn)
         await turn
 
     def _end_slice(self) -> None:
-        """Give the next client its turn: the event loop has looked at its sockets."""
+        """Give the next client its turn after the event loop has polled its sockets."""
         self._slice_began_at = None
         while self._turns:
             turn = self._turns.popleft()
@@ -152,7 +155,7 @@ class Account:
 
     @property
     def has_spare(self) -> bool:
-        """Whether all together use less than their share."""
+        """Whether all clients together use less than their share."""
         return self._budget.left > 0.0
 
     async def admit(self) -> None:
@@ -164,26 +167,26 @@ class Account:
                 await self._budget.turn()
 
     async def pay(self, seconds: float) -> None:
-        """Note work for this client, and wait until more may begin."""
+        """Charge work for this client, and wait until more may begin."""
         self._budget.begin_work()
         self.charge(seconds)
         await self.admit()
 
     async def give_way(self) -> None:
-        """Poll the event loop's sockets in the middle of long work, if it is time."""
+        """Poll the event loop's sockets during long work, if it is time to."""
         self._budget.begin_work()
         if self._budget.is_slice_used:
             await self._budget.turn()
 
     def charge(self, seconds: float) -> None:
-        """Note work for this client."""
+        """Charge work for this client."""
         seconds = min(seconds, MAX_CHARGE)
         self._left = max(self._own() - seconds, -MAX_CHARGE)
         self._budget.charge(self, seconds)
 
     @contextmanager
     def working(self) -> Iterator[None]:
-        """Charge the work of this thread, the event loop's, for this client."""
+        """Charge the work of this thread, the event loop's, to this client."""
         start = self._budget.begin_work()
         try:
             yield
@@ -191,7 +194,7 @@ class Account:
             self.charge(time.thread_time() - start)
 
     def _own(self) -> float:
-        """Return the work that this client may use whatever others do [s]."""
+        """Return the work that this client may do regardless of the others [s]."""
         now = self._budget.now()
         gained = (now - self._counted_at) * self._budget.part
         self._left = min(RESERVE, self._left + gained)

@@ -1,4 +1,4 @@
-"""A process beside a bring-up: it starts with the robot, and again when it dies."""
+"""A process beside a bring-up, started with the robot and restarted when it dies."""
 
 from __future__ import annotations
 
@@ -24,16 +24,17 @@ if TYPE_CHECKING:
 C = TypeVar("C", bound="Companion")
 
 START_TIMEOUT: Final = 60.0
-"""Longest wait for the process to be up [wall s]."""
+"""Longest wait until the process is up [wall s]."""
 FIRST_PAUSE: Final = 0.5
-"""Pause before the process starts again after its death [wall s]; twice as long each
+"""Pause before the process is started again after its death [wall s], doubled each
 time."""
 LONGEST_PAUSE: Final = 30.0
-"""Longest pause before the process starts again [wall s]."""
+"""Longest pause before the process is started again [wall s]."""
 UNABLE: Final = 78
-"""Exit status of a program that lacks what it needs: it would only fail again."""
+"""Exit status of a program whose requirements are missing, so that it would only fail
+again."""
 _GRACE: Final = 3.0
-"""Time in which the process has to end when it is stopped [wall s]."""
+"""Time within which the process must end when it is stopped [wall s]."""
 _LAST_LINES: Final = 12
 _LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[[\d.]+\] (\[.*)")
 _LEVELS: Final = {
@@ -47,20 +48,20 @@ _numbers = itertools.count(1)
 
 
 class Companion:
-    """Presents a robot by a program that runs until this is closed.
+    """Presents a robot through a program that runs until the companion is closed.
 
-    It is a context manager.  The program starts again when it dies, unless its exit
+    It is a context manager.  The program is restarted when it dies, unless its exit
     status is ``UNABLE``.  A line ``{"ready": true, …}`` on its standard output reports
-    that it is up; other lines are its log, as ROS prints it: ``[WARN] [time] [name]:
-    text``.
+    that the program is up; other lines are its log in ROS's format: ``[WARN] [time]
+    [name]: text``.
     """
 
     title: ClassVar[str]
-    """Name of the interface, for messages: ``ROS 2``."""
+    """Name of the interface for messages, such as ``ROS 2``."""
     kind: ClassVar[str]
-    """Kind of the program, for messages: ``node``."""
+    """Kind of the program for messages, such as ``node``."""
     unavailable: ClassVar[type[Tool0Error]]
-    """The error if the program does not start."""
+    """Error class for a program that does not start."""
 
     def __init__(
         self,
@@ -71,10 +72,11 @@ class Companion:
         """Start the program; ``_wait_for_report`` waits until it is up.
 
         Args:
-            robot: A robot of this process or another one, which the caller closes
-                after this; or the name of a bring-up, which may start later.
-            command: Returns the program and its arguments for the name of a bring-up.
-            environment: Its variables.
+            robot: A robot of this or another process, which the caller closes after the
+                companion; or the name of a bring-up, which may start later.
+            command: Function that returns the program and its arguments, given the name
+                of a bring-up.
+            environment: Environment variables of the program.
         """
         self._program = f"{self.title} {self.kind}"
         self._logger = logging.getLogger(type(self).__module__)
@@ -102,7 +104,7 @@ class Companion:
 
     @property
     def pid(self) -> int | None:
-        """The process id of the program; None while it does not run."""
+        """Process id of the program; None while the program does not run."""
         child = self._child
         return None if child is None else child.pid
 
@@ -119,8 +121,8 @@ class Companion:
         """Wait until the program is up, and return its report.
 
         Raises:
-            Tool0Error: ``unavailable``, if it could not start, or not within
-                ``timeout`` [wall s].
+            Tool0Error: Raised as ``unavailable`` if the program did not start, or not
+                within ``timeout`` [wall s].
         """
         with self._changed:
             self._changed.wait_for(lambda: self._report or self._failure, timeout)
@@ -132,7 +134,7 @@ class Companion:
     # ---- in its thread --------------------------------------------------------------
 
     def _supervise(self) -> None:
-        """Run the program, again and again, until this is closed."""
+        """Run the program, again and again, until the companion is closed."""
         pause = FIRST_PAUSE
         while not self._is_closing.is_set():
             start = time.monotonic()
@@ -165,7 +167,7 @@ class Companion:
             pause = min(2.0 * pause, LONGEST_PAUSE)
 
     def _run(self) -> int:
-        """Run the program to its end; return its exit status."""
+        """Run the program until it ends; return its exit status."""
         self._lines.clear()
         ours, theirs = os.pipe()
         with open(ours, encoding="utf-8", errors="replace") as output:  # noqa: PTH123
@@ -189,7 +191,7 @@ class Companion:
         return status
 
     def _take(self, line: str) -> None:
-        """Take a line of the program's output: a report, or of its log."""
+        """Handle a line of the program's output: a report or part of its log."""
         if line.startswith("{"):
             with contextlib.suppress(ValueError):
                 report = json.loads(line)
@@ -212,11 +214,11 @@ class Companion:
 def _served_name(
     robot: Connected | str, label: str, stack: contextlib.ExitStack
 ) -> str:
-    """Return the name at which a robot is served, and serve it if it is ours.
+    """Return the name at which a robot is served, and serve it if it is local.
 
     Args:
-        robot: A robot of this process or another one, or the robot's name.
-        label: Part of the name, if one has to be made.
+        robot: A robot of this or another process, or the robot's name.
+        label: Part of the name if a name has to be made up.
         stack: Ends the service.
     """
     if isinstance(robot, str):

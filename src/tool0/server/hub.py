@@ -1,4 +1,4 @@
-"""All connections of one robot: each can read it and drive it."""
+"""All connections of one robot; each of them can read and drive the robot."""
 
 from __future__ import annotations
 
@@ -42,16 +42,16 @@ logger = logging.getLogger(__name__)
 
 
 _ADVANCING: Final = (Run, Step)
-"""Requests that may execute the ticks of a simulation without real time: those are
-nobody's to pay."""
+"""Requests that may execute the ticks of a simulation without real time; their ticks
+are charged to no client."""
 _POST_COST: Final = 0.1e-3
 """Processor time of a streamed request in the thread of the tick [s]."""
 _STREAM_COST: Final = 2e-3
-"""Processor time of starting or ending a stream, which takes threads of its own [s]."""
+"""Processor time of starting or ending a stream, which uses separate threads [s]."""
 
 
 class Service(Protocol):
-    """Accepts connections at an address; it listens from its construction on."""
+    """Accepts connections at an address, where it listens from its construction on."""
 
     @property
     def listener(self) -> socket.socket: ...
@@ -61,7 +61,7 @@ class Service(Protocol):
         """Whether to start before the first peer connects."""
 
     async def start(self, hub: Hub) -> None:
-        """Accept peers, in the server's event loop."""
+        """Accept peers; runs in the server's event loop."""
 
     async def stop(self) -> None:
         """Stop accepting peers; the hub then closes the connections."""
@@ -70,18 +70,18 @@ class Service(Protocol):
         """End the remaining tasks in the event loop."""
 
     def release(self) -> None:
-        """Free the address, also if the service was never started."""
+        """Free the address, even if the service was never started."""
 
 
 WORKERS: Final = 16
-"""Requests that are executed concurrently; further ones wait."""
+"""Number of requests that are executed concurrently; further ones wait."""
 _CLOSE_TIMEOUT: Final = 0.5
 """Longest wait for a peer to close its connection [wall s]."""
 
 
 @final
 class Hub:
-    """Carries out requests and feeds streams.  It lives in the server's event loop."""
+    """Carries out requests and feeds streams; it lives in the server's event loop."""
 
     def __init__(self, backend: Backend, name: str) -> None:
         self.backend = backend
@@ -96,13 +96,13 @@ class Hub:
         self._urgent: set[asyncio.Task[bool]] = set()
         self._outages = Outages()
         self.attach_view: Callable[[Session, SubscribeView], None] | None = None
-        """Serves the panel's view to a session; None without a panel."""
+        """Function that serves the panel's view to a session; None without a panel."""
         self.when_shown: Callable[[], None] = lambda: None
         """Called when a page has drawn the robot."""
         self.when_refused: Callable[[str], None] = lambda message: None
         """Called when a streamed setpoint was refused."""
         self.setpoint_requests: tuple[type[Request[Any]], ...] = (SteerJoints,)
-        """Requests that are streams of setpoints when they have no id."""
+        """Types of requests that are streams of setpoints if they have no id."""
         self._hello = encode(
             Hello(
                 protocol=PROTOCOL,
@@ -128,7 +128,7 @@ class Hub:
             self._return_arms(session)
 
     async def close(self) -> None:
-        """Close every connection; requests in progress are still carried out."""
+        """Close every connection, but still carry out requests in progress."""
         self._setpoints.close()
         if self._streams is not None:
             self._streams.close()
@@ -138,13 +138,13 @@ class Hub:
         self._urgent_worker.shutdown(wait=False)
 
     def drop_stuck(self) -> None:
-        """Drop the connections that do not read."""
+        """Drop the connections whose peers do not read."""
         for session in list(self.sessions):
             if session.is_stuck():
                 session.drop()
 
     def look_for_outage(self) -> None:
-        """Drop waiting requests if this process was frozen; call it often."""
+        """Drop waiting requests if this process was frozen; must be called often."""
         if self._outages.look():
             self._setpoints.drop_all()
 
@@ -179,7 +179,7 @@ class Hub:
         return False
 
     def _stop(self, session: Session, ident: Ident, request: Request[Any]) -> None:
-        """Carry out a stop, before everything that waits."""
+        """Carry out a stop before everything that waits."""
         if (refusal := self._missing(request)) is not None:
             self._refuse(session, ident, refusal)
             return
@@ -204,14 +204,14 @@ class Hub:
             self._refuse(session, None, error)
 
     def _missing(self, request: Request[Any]) -> ControlError | None:
-        """Return why the robot does not offer a request; None if it does."""
+        """Return why the robot does not offer a request; None if it does offer it."""
         if request.is_of_connection:
             return None
         reason = self.backend.why_missing(type(request))
         return missing(type(request), reason) if reason else None
 
     def _refuse(self, session: Session, ident: Ident, error: Exception) -> None:
-        """Answer with an error; of a stream that fails all the time, once a second."""
+        """Answer with an error; for a stream that keeps failing, only once a second."""
         if ident is not None or self._outages.is_new(session, str(error)):
             session.send(encode_error(ident, _logged(error)))
 
@@ -234,7 +234,7 @@ class Hub:
             self._note_taken(session, request)
 
     def _note_taken(self, session: Session, request: TakeArm | ReturnArm) -> None:
-        """Note which peer moves an arm; the request has been carried out."""
+        """Note which peer moves an arm, after the request was carried out."""
         arm = request.arm
         if arm is None:  # the only one
             arm = self.backend.answer(ListArms())[0].name
@@ -273,7 +273,7 @@ class Hub:
             session.send(reply)
 
     def _return_arms(self, session: Session) -> None:
-        """Stop the arms that a peer has taken: it moves them no longer."""
+        """Stop the arms that a peer has taken, and forget that the peer moves them."""
         for arm, by in session.arms.items():
             with contextlib.suppress(RuntimeError):  # the server ends
                 self._workers.submit(self._return_arm, ReturnArm(arm=arm, by=by))
@@ -308,9 +308,9 @@ class Hub:
     def _reply(
         self, ident: Ident, request: Request[Any]
     ) -> tuple[bytes, list[tuple[int, Goal]], float]:
-        """Return the reply, the goals that the request started, and its cost [s].
+        """Return the reply, the goals that the request started, and the cost [s].
 
-        In a worker.
+        It runs in a worker thread.
         """
         start = time.thread_time()
         response = self.backend.answer(request)
@@ -332,7 +332,7 @@ class Hub:
         number: int,
         goal: Goal,
     ) -> None:
-        """Report a goal to the connection that started it, from any thread."""
+        """Report a goal's end to the connection that started it, from any thread."""
         assert goal.result is not None  # it has finished
         message = GoalEnded(
             goal=number, controller=goal.controller, outcome=outcome_of(goal.result)
@@ -364,13 +364,13 @@ def _logged(error: Exception) -> Exception:
 
 
 _CHECK_PERIOD: Final = 0.1
-"""Wall time between checks for connections that do not read, and for outages [s]."""
+"""Wall time between checks for outages and for connections that do not read [s]."""
 
 
 async def serve(
     backend: Backend, services: Sequence[Service], name: str, wake: socket.socket
 ) -> None:
-    """Serve until ``wake`` can be read."""
+    """Serve until ``wake`` becomes readable."""
     wake.setblocking(False)
     stop = asyncio.create_task(asyncio.get_running_loop().sock_recv(wake, 1))
     hub = Hub(backend, name)

@@ -1,4 +1,4 @@
-"""Lines of JSON over the Unix socket, read no faster than they are taken."""
+"""Lines of JSON over the Unix socket, read no faster than they are processed."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from tool0.errors import TransportError
 from tool0.server.budget import Account
 
 MAX_LINE: Final = 1 << 23
-"""Longest request [bytes]; 10 000 points of 6 joints with velocities and accelerations
-fit."""
+"""Longest request [bytes]; enough for 10 000 points of 6 joints with velocities and
+accelerations."""
 _CHUNK: Final = 1 << 15
-"""Bytes that are read at once, and kept before a program has to wait."""
+"""Number of bytes that are read at once, and kept before a program has to wait."""
 _READ_COST: Final = 50e-6
-"""Processor time of the system calls for a read [s]."""
+"""Processor time of the system calls for one read [s]."""
 _arriving: Final = memoryview(bytearray(_CHUNK))
-"""Buffer into which the event loop reads: what has arrived is copied at once."""
+"""Buffer into which the event loop reads; its content is copied at once."""
 
 
 @final
 class LineTransport(asyncio.BufferedProtocol):
-    """One program; see ``session.Transport``."""
+    """Connection to one program; see ``session.Transport``."""
 
     is_trusted: Final = True
     files: Final = None
@@ -32,10 +32,11 @@ class LineTransport(asyncio.BufferedProtocol):
         self._transport: asyncio.Transport
         self._buffer = bytearray()
         self._searched = 0
-        """Bytes of the buffer in which no line ends."""
+        """Number of bytes at the start of the buffer that are known to contain no
+        newline."""
         self._is_paused = False
         self._has_ended = False
-        """Whether nothing more arrives."""
+        """Whether no more data will arrive."""
         self._is_lost = False
         self._arrived, self._is_writable = asyncio.Event(), asyncio.Event()
         self._is_writable.set()
@@ -77,7 +78,7 @@ class LineTransport(asyncio.BufferedProtocol):
     # ---- what a session calls -------------------------------------------------------
 
     async def send(self, texts: Sequence[bytes]) -> None:
-        # A write that fails closes the transport at once; asyncio says so later.
+        # A failed write closes the transport at once; asyncio reports it later.
         if self._is_lost or self._transport.is_closing():
             raise ConnectionResetError
         self._transport.write(b"\n".join((*texts, b"")))
@@ -94,14 +95,14 @@ class LineTransport(asyncio.BufferedProtocol):
                 self._read_on()
                 await self._arrived.wait()
                 if len(self._buffer) > _CHUNK:
-                    await self.account.admit()  # each part of a long line is paid for
+                    await self.account.admit()  # each part of a long line is charged
             elif line.strip():
                 return line
             else:
                 await self.account.give_way()
 
     def _take(self) -> bytes | None:
-        """Return the next line; None if it has not arrived."""
+        """Return the next line; None if it has not arrived completely."""
         end = self._buffer.find(b"\n", self._searched)
         if (len(self._buffer) if end < 0 else end) > MAX_LINE:
             raise TransportError(

@@ -30,11 +30,11 @@ from tool0.protocol.trajectories import CommandTrajectory, FollowTrajectory
 from tool0.server.session import Session
 
 READING: Final = 1.0
-"""Wall time after an outage until what peers sent meanwhile has been read [s]."""
+"""Wall time after an outage until messages sent meanwhile have been read [s]."""
 _REPEATED: Final = 1.0
-"""Wall time between two equal errors to one peer, if no reply waits for them [s]."""
+"""Wall time between two equal errors to one peer for requests without a reply [s]."""
 PAUSE: Final = 0.5
-"""Wall time without setpoints after which a refused stream is a new one [s]."""
+"""Wall time without setpoints after which a refused stream counts as a new one [s]."""
 MOVING: Final = (
     CommandGripper,
     CommandJoints,
@@ -63,22 +63,22 @@ MOVING: Final = (
     StepRun,
     TakeArm,
 )
-"""Requests that let something move; ``command_trajectory`` without points stops."""
+"""Requests that can cause motion; ``command_trajectory`` without points is a stop."""
 
 
 @final
 class Outages:
-    """The outages of this process, as its connections see them."""
+    """The outages of this process, as seen by its connections."""
 
     def __init__(self) -> None:
         self._freeze: FreezeMeter | None = None
-        """Meter of freezes; made at the first look, since a server may wait long for
+        """Meter of freezes, made at the first check since a server may wait long for
         its first peer."""
         self._duration = 0.0
         self._until = 0.0
         self._errors: dict[Session, tuple[str, float]] = {}
         self._refused: dict[Session, float] = {}
-        """Time at which a setpoint of each session's stream was refused last [wall
+        """Time at which each session last had a setpoint of a stream refused [wall
         s]."""
 
     def look(self) -> bool:
@@ -93,10 +93,10 @@ class Outages:
     def refusal(
         self, session: Session, request: Request[Any], *, is_streamed: bool
     ) -> ControlError | None:
-        """Return why a request is not carried out; None if it is.
+        """Return why a request is not carried out; None if it is carried out.
 
         Setpoints that continue a stream are refused until the stream pauses, since
-        nobody has confirmed again that the robot should move.
+        nobody has confirmed that the robot should still move.
         """
         if not isinstance(request, MOVING) or not (self._until or self._refused):
             return None
@@ -115,7 +115,7 @@ class Outages:
         )
 
     def is_new(self, session: Session, message: str) -> bool:
-        """Return whether a peer has not been sent this error within the last second."""
+        """Return whether a peer has not received this error within the last second."""
         now = time.monotonic()
         last, at = self._errors.get(session, ("", 0.0))
         if message == last and now - at < _REPEATED:

@@ -1,4 +1,4 @@
-"""Files that a peer may name: pages only some of them."""
+"""Files that a peer may name; panel pages may only name some of them."""
 
 from __future__ import annotations
 
@@ -16,18 +16,19 @@ _PACKAGE: Final = "package://"
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PeerFiles:
-    """The files of this machine that a peer may have read and written."""
+    """Files of this machine that a peer may have the robot read and write."""
 
     folders: Sequence[Path]
-    """Folders in which, and below which, it may have files read and written."""
+    """Folders whose files, also in subfolders, a peer may have read and written."""
     known: Callable[[], Collection[Path]]
-    """Returns other files that it may have read.  So are those of ROS packages."""
+    """Function that returns other files which a peer may have read.  Files of ROS
+    packages may be read, too."""
 
     resolve: Callable[[str], Path]
-    """Returns the file that a URI names; Tool0Error if it cannot."""
+    """Function that returns the file of a URI, or raises Tool0Error."""
 
     def refusal(self, request: Request[Any]) -> ControlError | None:
-        """Return why a request may not name a file that it names; None if it may."""
+        """Return why a request may not use one of its files; None if it may use all."""
         for field in request.written_paths:
             path = getattr(request, field)
             if path is not None and not self._is_inside(path):
@@ -47,7 +48,7 @@ class PeerFiles:
         )
 
     def _is_inside(self, path: str) -> bool:
-        """Return whether a path leads into one of ``folders``, links followed."""
+        """Return whether a path leads into one of ``folders``, with links followed."""
         real = _real(path)
         return real is not None and any(
             real.is_relative_to(folder.resolve()) for folder in self.folders
@@ -66,7 +67,7 @@ class PeerFiles:
 
 
 def _real(path: str) -> Path | None:
-    """Return a path with its links followed; None if it is none."""
+    """Return a path with its links followed; None if it is not a valid path."""
     try:
         return Path(path).expanduser().resolve()
     except (OSError, RuntimeError, ValueError):

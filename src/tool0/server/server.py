@@ -37,10 +37,10 @@ class UnixSocketService:
     starts_at_once: Final = False
 
     def __init__(self, claim: Claim) -> None:
-        """Listen: peers wait until the server takes them.
+        """Listen; peers have to wait until the server accepts them.
 
         Raises:
-            TransportError: If the socket cannot be made.
+            TransportError: If the socket cannot be created.
         """
         self._claim = claim
         self.listener = _listen(claim)
@@ -69,7 +69,7 @@ class UnixSocketService:
             self._accepting.cancel()
 
     async def end(self) -> None:
-        """Do nothing: the hub has closed the connections."""
+        """Do nothing, since the hub has closed the connections."""
 
     def release(self) -> None:
         self.listener.close()
@@ -77,7 +77,7 @@ class UnixSocketService:
 
 
 async def _serve(hub: Hub, peer: socket.socket, has_room: bool) -> None:
-    """Serve a program until it disconnects, or reject it if there are too many."""
+    """Serve a program until it disconnects; reject it if there are too many."""
     import asyncio
 
     from tool0.protocol.codec import encode_error
@@ -117,12 +117,12 @@ _CLOSES_WITHIN: Final = 5.0
 
 @final
 class Server(contextlib.AbstractContextManager["Server"]):
-    """Serves a robot from construction to ``close``."""
+    """Serves a robot from construction until ``close``."""
 
     def __init__(
         self, backend: Backend, services: Sequence[Service], name: str = ""
     ) -> None:
-        """Start serving at the services' addresses; ``name`` is the bring-up's."""
+        """Start serving at the services' addresses; ``name`` is the bring-up's name."""
         self._backend = backend
         self._services = tuple(services)
         self._name = name
@@ -165,7 +165,7 @@ class Server(contextlib.AbstractContextManager["Server"]):
             self._wake.close()
 
     def _is_needed(self) -> bool:
-        """Wait for the first peer; return False if the server is closed before."""
+        """Wait for the first peer; return False if the server is closed first."""
         if any(service.starts_at_once for service in self._services):
             return True
         with selectors.DefaultSelector() as selector:

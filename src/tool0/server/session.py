@@ -33,29 +33,32 @@ from tool0.server.peer_files import PeerFiles
 logger = logging.getLogger(__name__)
 
 MAX_QUEUE: Final = 256
-"""Replies and events that may wait for a page that reads slowly."""
+"""Number of replies and events that may wait for a page that reads slowly."""
 MAX_UNREAD: Final = 1 << 24
-"""Replies that may wait for a program [bytes]; then no request of it is decoded."""
+"""Size of the replies that may wait for a program [bytes]; beyond it, none of the
+program's requests are decoded."""
 MAX_SNAPSHOTS: Final = 1024
-"""Snapshots that may wait for a slow reader, before it loses the oldest."""
+"""Number of snapshots that may wait for a slow reader before the oldest are dropped."""
 STUCK_AFTER: Final = 10.0
-"""Wall time after which a connection that does not read is dropped [s]."""
+"""Wall time after which a connection whose peer does not read is dropped [s]."""
 _CHUNK: Final = 4096
-"""Bytes that count as one message."""
+"""Number of bytes that count as one message."""
 MAX_TEXTS: Final = 1 << 18
-"""Messages that may wait until they are decoded [bytes], each with ``_OVERHEAD``.  Then
-nothing more is read."""
+"""Size of the messages that may wait to be decoded [bytes], each with ``_OVERHEAD``;
+beyond it, nothing more is read."""
 _OVERHEAD: Final = 64
-"""Size that is added to that of each waiting message [bytes]."""
+"""Size that is added to the size of each waiting message [bytes]."""
 MAX_BACKLOG: Final = 4096
-"""Requests of one connection that may wait for each other, in chunks: 16 MiB.  Further
-ones are rejected, so that what is behind them is always read."""
+"""Size of the requests of one connection that may wait for each other, in chunks: 16
+MiB.  Further requests are rejected, so that messages behind them are always read."""
 _SENT_AT_ONCE: Final = 1 << 14
-"""Replies that are sent together [bytes]: sending costs more than encoding them."""
+"""Size of the replies that are sent together [bytes], since sending costs more than
+encoding."""
 _REPLY_COST: Final = 0.1e-3
 """Processor time of sending a reply [s]."""
 _REQUEST_COST: Final = 0.3e-3
-"""Processor time of a request in other threads: that of the tick, and waking it [s]."""
+"""Processor time of a request in other threads, such as that of the tick, including the
+time to wake them [s]."""
 _OVERTAKEN: Final = ControlError(
     "a stop overtook this request, which would have undone it; send it again"
 )
@@ -66,11 +69,11 @@ _TOO_MANY: Final = TransportError(
 
 Ident = int | str | None
 TakeAtOnce = Callable[["Session", Ident, Request[Any]], bool]
-"""Takes a request that need not wait for others; returns whether it did."""
+"""Handles a request that need not wait for others; returns whether it did."""
 Stop = Callable[["Session", Ident, Request[Any]], None]
-"""Carries out a stop, at once."""
+"""Carries out a stop immediately."""
 CarryOut = Callable[["Session", Ident, Request[Any]], Awaitable[None]]
-"""Carries out the other requests, one after the other."""
+"""Carries out all other requests, one after the other."""
 
 
 class Transport(Protocol):
@@ -78,11 +81,11 @@ class Transport(Protocol):
 
     @property
     def is_trusted(self) -> bool:
-        """Whether the peer is a program of this user, which may read late."""
+        """Whether the peer is a program of this user, which is allowed to read late."""
 
     @property
     def files(self) -> PeerFiles | None:
-        """Files that the peer may name; None for all."""
+        """Files that the peer may name; None if it may name all."""
 
     @property
     def account(self) -> Account:
@@ -95,18 +98,19 @@ class Transport(Protocol):
         """Return the next message; None if the peer has disconnected.
 
         Raises:
-            TransportError: If it is too long to be read; the stream may be lost then.
+            TransportError: If the message is too long to be read; the stream may then
+                be lost.
         """
 
     async def close(self) -> None:
-        """Close the connection in order."""
+        """Close the connection properly."""
 
     def abort(self) -> None:
         """End the connection at once."""
 
 
 class _Waiting(NamedTuple):
-    """A request that waits for those before it."""
+    """A request that waits for the ones before it."""
 
     n_chunks: int
     ident: Ident
@@ -137,40 +141,40 @@ class Session:
         self._was_read = asyncio.Event()
         self._snapshots: deque[bytes] = deque()
         self.missed = 0
-        """Snapshots that were dropped since the last one that was queued."""
+        """Number of snapshots dropped since the last one that was queued."""
         self.arms: dict[str, str] = {}
-        """The arms that it has taken, and the program that it named."""
+        """Arms that the peer has taken, each with the program that the peer named."""
         self._latest: dict[str, bytes] = {}
         self._texts: deque[bytes | str | None] = deque()
-        """Messages that are not decoded yet; None is the end."""
+        """Messages that have not been decoded yet; None marks the end."""
         self._n_texts = 0
-        """Size of these messages [bytes]."""
+        """Size of the undecoded messages [bytes]."""
         self._has_text, self._has_room = asyncio.Event(), asyncio.Event()
         self._waiting: deque[_Waiting | None] = deque()
-        """Requests; None is the end."""
+        """Requests that wait; None marks the end."""
         self._current: Request[Any] | None = None
-        """The request that is carried out."""
+        """Request that is being carried out."""
         self._has_work = asyncio.Event()
         self._backlog = 0
-        """Chunks of the requests that wait or are carried out."""
+        """Size of the requests that wait or are being carried out, in chunks."""
         self._loop = asyncio.get_running_loop()
         self._sending_since: float | None = None
         self._tasks: list[asyncio.Task[None]] = []
         self._is_gone = False
-        """Whether the peer reads nothing any more."""
+        """Whether the peer no longer reads anything."""
 
     @property
     def is_busy(self) -> bool:
-        """Whether requests wait or are carried out; later ones must not overtake."""
+        """Whether requests wait or are in progress; later ones must not overtake."""
         return self._backlog > 0
 
     def is_stuck(self) -> bool:
-        """Return whether it has not read for too long."""
+        """Return whether the peer has not read for too long."""
         since = self._sending_since
         return since is not None and self._loop.time() - since > STUCK_AFTER
 
     def send(self, text: bytes) -> None:
-        """Send ``text`` after the others; a page with too much waiting is dropped."""
+        """Send ``text`` after all others; a page with too much waiting is dropped."""
         if len(self._queue) >= MAX_QUEUE and not self._transport.is_trusted:
             self.drop()
             return
@@ -187,7 +191,7 @@ class Session:
         self._wake.set()
 
     def send_latest(self, kind: str, text: bytes) -> None:
-        """Send ``text`` in place of an older one of its kind that was not sent yet."""
+        """Send ``text`` in place of an unsent older one of the same kind."""
         self._latest[kind] = text
         self._wake.set()
 
@@ -197,12 +201,12 @@ class Session:
         self.end()
 
     def end(self) -> None:
-        """Send and read nothing more."""
+        """Stop sending and reading."""
         for task in self._tasks:
             task.cancel()
 
     async def close(self) -> None:
-        """Close the connection in order."""
+        """Close the connection properly."""
         self.end()
         await self._transport.close()
 
@@ -236,7 +240,7 @@ class Session:
             self._was_read.set()
 
     def _next(self) -> list[bytes]:
-        """Return what is sent next, several replies at once; nothing if that is all."""
+        """Return the next text to send, with several replies at once; empty if done."""
         if self._queue:
             texts, size = [], 0
             while self._queue and size < _SENT_AT_ONCE:
@@ -276,7 +280,7 @@ class Session:
                 await self._has_room.wait()
 
     def _take(self, text: bytes | str) -> None:
-        """Take a message: a stop at once, before those that wait are decoded."""
+        """Take a message; carry out a stop before waiting messages are decoded."""
         if may_be_urgent(text) and self._take_stop(text):
             return
         if not self._texts and self._may_decode():
@@ -287,7 +291,7 @@ class Session:
         self._has_text.set()
 
     def _take_stop(self, text: bytes | str) -> bool:
-        """Carry out a stop; return False if it is none."""
+        """Carry out a stop; return False if the message is not one."""
         try:
             ident, request = decode_request(text, suggests=False)
         except RequestReadError:
@@ -304,7 +308,7 @@ class Session:
         return True
 
     def _revoke(self, stop: Request[Any]) -> None:
-        """Refuse waiting requests that would undo a stop that overtakes them."""
+        """Refuse waiting requests that would undo a stop which overtakes them."""
         methods = stop.revokes
         for text in [text for text in self._texts if _names(text, methods)]:
             assert text is not None  # it names something
@@ -346,7 +350,7 @@ class Session:
                     self._process(text)
 
     def _process(self, text: bytes | str) -> None:
-        """Decode a message; carry it out, or let it wait for those before it."""
+        """Decode a message; carry it out, or queue it behind those before it."""
         self.account.charge(_REPLY_COST)
         try:
             ident, request = decode_request(text, suggests=self.account.has_spare)
@@ -387,7 +391,7 @@ def _n_chunks(text: bytes | str) -> int:
 
 
 def _names(text: bytes | str | None, methods: Collection[str]) -> bool:
-    """Return whether a message has one of ``methods`` in it."""
+    """Return whether a message contains one of ``methods``."""
     if text is None:
         return False
     if isinstance(text, str):

@@ -10,13 +10,13 @@ from typing import Any, Final, final
 import msgspec
 
 INTERVAL: Final = 0.1
-"""Shortest time between two setpoints of one stream that are carried out [wall s]."""
+"""Shortest time between two setpoints of a stream that are carried out [wall s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class StreamedSetpoint:
-    """The newest setpoint of a stream, and who sent it."""
+    """Newest setpoint of a stream, and its sender."""
 
     sender: object
     request: Any
@@ -27,8 +27,8 @@ class StreamedSetpoint:
 class SetpointStreams:
     """Keeps the newest setpoint of each stream until it is due.
 
-    Only the newest of many slider events is executed.  The last one always is, even if
-    its sender has disconnected.
+    If many slider events arrive, only the newest is executed.  The last one is always
+    executed, even if its sender has disconnected.
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class SetpointStreams:
     def submit(self, setpoint: StreamedSetpoint) -> None:
         """Replace the waiting setpoint by ``setpoint``.
 
-        Joints named only in the older one of the same sender keep its positions.
+        Joints named only in the older setpoint of the same sender keep its positions.
         """
         key = getattr(setpoint.request, "controller", "")
         before = self._waiting.get(key)
@@ -55,12 +55,12 @@ class SetpointStreams:
             self._tasks[key] = asyncio.create_task(self._run(key))
 
     def drop(self, keys: Collection[str]) -> None:
-        """Drop the waiting setpoint: a newer request supersedes it."""
+        """Drop the waiting setpoint, since a newer request supersedes it."""
         for key in keys:
             self._waiting.pop(key, None)
 
     async def settle(self, keys: Collection[str]) -> None:
-        """Drop the waiting setpoints, and wait for those in progress."""
+        """Drop the waiting setpoints, and wait for setpoints in progress."""
         self.drop(keys)
         for key in keys:
             if key in self._locks:
@@ -72,7 +72,7 @@ class SetpointStreams:
         self._waiting.clear()
 
     def close(self) -> None:
-        """Drop everything."""
+        """Drop all setpoints and streams."""
         self.drop_all()
         for task in self._tasks.values():
             task.cancel()
@@ -84,7 +84,7 @@ class SetpointStreams:
             while key in self._waiting:
                 start = loop.time()
                 async with lock:
-                    setpoint = self._waiting.pop(key, None)  # settled meanwhile
+                    setpoint = self._waiting.pop(key, None)  # handled meanwhile
                     if setpoint is not None:
                         await self._carry_out(setpoint)
                 await asyncio.sleep(start + INTERVAL - loop.time())

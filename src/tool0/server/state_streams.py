@@ -38,15 +38,15 @@ from tool0.server.session import Session
 logger = logging.getLogger(__name__)
 
 POLL_PERIOD: Final = 0.004
-"""Period of polling for states [wall s]: twice the shortest snapshot period; nothing is
-missed in between."""
+"""Period of polling for states [wall s]: twice the shortest snapshot period; no state
+is missed in between."""
 _FLUSH_PERIOD: Final = 0.05
-"""Wall time after which a state that was held back is sent anyway [s]."""
+"""Wall time after which a delayed state is sent in any case [s]."""
 _FAST_PERIOD: Final = 0.02
-"""Wall time between states while simulated time runs fast [s]: each delays the tick by
-some 0.4 ms, since both need the interpreter."""
+"""Wall time between states while simulated time runs fast [s]: each state delays the
+tick by some 0.4 ms, since both need the interpreter."""
 _COMPANION_LOGGERS: Final = ("tool0.ros2", "tool0.ur")
-"""Loggers with what these processes have logged themselves."""
+"""Loggers of companions, which have already logged these messages themselves."""
 _ROUNDING: Final = 1e-6
 """Tolerance of times [s]."""
 
@@ -55,15 +55,15 @@ class _Pace(NamedTuple):
     """Way in which a stream learns of new states."""
 
     rate: float
-    """Rate of its subscription to the bus [Hz]."""
+    """Rate of the stream's subscription to the bus [Hz]."""
     interval: float
-    """Wall time between two looks at the bus [s]."""
+    """Wall time between two polls of the bus [s]."""
     is_woken: bool = False
-    """Whether the thread of the tick wakes the event loop for each snapshot: that costs
-    it one system call, and none while the event loop is awake already."""
+    """Whether the thread of the tick wakes the event loop for each snapshot; this costs
+    the thread one system call, but none if the event loop is already awake."""
     is_fast: bool = False
-    """Whether the newest snapshot is polled: then the stream costs the tick nothing but
-    what the interpreter does for another thread."""
+    """Whether the newest snapshot is polled; the stream then costs the tick only the
+    interpreter's switches to another thread."""
 
     @staticmethod
     def of(request: Subscribe, speed: float | None) -> _Pace:
@@ -78,43 +78,43 @@ class _Pace(NamedTuple):
 
 @final
 class StateStream:
-    """Sends states and events to the sessions that have asked for the same.
+    """Sends states and events to all sessions with the same request.
 
-    It lives in the event loop, so that the cost in the tick does not depend on the
-    number of its sessions.  A state is encoded once for all of them.
+    It lives in the event loop, so that its cost in the tick does not depend on the
+    number of sessions.  A state is encoded once for all of them.
     """
 
     def __init__(self, states: States, request: Subscribe) -> None:
-        """Start to send."""
+        """Start sending."""
         self._states = states
         self._request = request
         self._mask = StateMask(request.fields, request.controllers, request.arms)
         self._loop = asyncio.get_running_loop()
         self.opened: asyncio.Future[None] = self._loop.create_future()
-        """Done when states arrive; ControlError if they cannot."""
+        """Done once states arrive; fails with ControlError if they cannot."""
         self._sessions: dict[Session, bool] = {}
-        """Whether each has received a complete state."""
+        """Whether each session has received a complete state."""
         self._last: Snapshot | None = None
-        """The newest that was sent."""
+        """Newest snapshot that was sent."""
         self._due_time = -math.inf
-        """Time of the last state that was due by the rate [s]: changes come in between,
-        and delay none."""
+        """Time of the last state that was due at the rate [s]; states sent in between
+        because of changes do not delay the next one."""
         self._pace = _Pace.of(request, states.snapshot.speed)
         self._subscription: Subscription | None = None
         self._is_waking = False
-        """Whether the event loop is about to send."""
+        """Whether the event loop will send soon."""
         self._polled: Snapshot | None = None
-        """The newest one with arms, if they are sent while time runs fast."""
+        """Newest snapshot with arms, if arms are sent while time runs fast."""
         self._task = asyncio.create_task(self._run())
 
     def add(self, session: Session) -> None:
-        """Send to a session from now on."""
+        """Add a session, to which states are sent from now on."""
         self._sessions[session] = False
         if self._request.newest_only and self._last is not None:
             self._send_to(session, self._last)
 
     def remove(self, session: Session) -> bool:
-        """Send nothing more to a session; return whether there are others."""
+        """Remove a session; return whether there are others."""
         self._sessions.pop(session, None)
         return bool(self._sessions)
 
@@ -138,7 +138,7 @@ class StateStream:
                 self.opened.set_exception(error)
 
     async def _follow(self) -> None:
-        """Send the states of the bus, until time passes at another speed."""
+        """Send the states of the bus until the speed of time changes."""
         self._pace = pace = _Pace.of(self._request, self._states.snapshot.speed)
         self._subscription = await self._subscribed()
         if not self.opened.done():
@@ -155,7 +155,7 @@ class StateStream:
             self._subscription = None
 
     async def _subscribed(self) -> Subscription:
-        """Return a subscription, made in another thread: it waits for the tick."""
+        """Return a subscription, made in another thread since it waits for the tick."""
         made = asyncio.ensure_future(asyncio.to_thread(self._subscribe))
         try:
             return await asyncio.shield(made)
@@ -178,7 +178,7 @@ class StateStream:
         return subscription
 
     def _close(self, subscription: Subscription) -> None:
-        """Close a subscription in another thread: it waits for the tick."""
+        """Close a subscription in another thread, because it waits for the tick."""
 
         def close() -> None:
             with contextlib.suppress(ControlError):  # the simulation has ended
@@ -187,7 +187,7 @@ class StateStream:
         self._loop.run_in_executor(None, close)
 
     def _wake(self) -> None:
-        """Schedule sending in the event loop; in the thread of the tick."""
+        """Schedule sending in the event loop; called in the thread of the tick."""
         if not self._is_waking:
             self._is_waking = True
             with contextlib.suppress(RuntimeError):  # the server has ended
@@ -221,7 +221,7 @@ class StateStream:
         return subscription.pending()
 
     def _is_due(self, now: Snapshot) -> bool:
-        """Return whether a snapshot is due at this rate, or shows a change besides."""
+        """Return whether a snapshot is due at this rate, or shows another change."""
         if self._mask.needs_arms and not now.arms:
             return False  # from before the subscription
         before, pace = self._last, self._pace
@@ -259,7 +259,7 @@ class StateStream:
 
 @final
 class StateStreams:
-    """The streams of all sessions."""
+    """State streams of all sessions."""
 
     def __init__(self, states: States) -> None:
         self._states = states
@@ -267,10 +267,11 @@ class StateStreams:
         self._log: LogForwarder | None = None
 
     async def add(self, session: Session, request: Subscribe) -> None:
-        """Send states to ``session``, in place of those it has received.
+        """Send states to ``session``, in place of the states it has received so far.
 
         Raises:
-            ControlError: If there is no arm of a requested name, or no such rate.
+            ControlError: If a requested arm does not exist, or the rate is not
+                possible.
         """
         known = [box.arm for box in self._states.snapshot.control_boxes]
         for arm in request.arms:
@@ -290,7 +291,7 @@ class StateStreams:
             raise
 
     def remove(self, session: Session) -> None:
-        """Stop sending to ``session``."""
+        """Stop sending states to ``session``."""
         for request, stream in list(self._streams.items()):
             if not stream.remove(session):
                 stream.close()
@@ -315,10 +316,7 @@ class StateStreams:
 
 @final
 class LogForwarder(logging.Handler):
-    """Passes warnings and errors of tool0 on, in the event loop.
-
-    A program without logging handlers still sees them on standard error.
-    """
+    """Forwards tool0's warnings and errors, in the event loop."""
 
     def __init__(self, send: Callable[[LogMessage], None]) -> None:
         super().__init__(logging.WARNING)
@@ -327,7 +325,7 @@ class LogForwarder(logging.Handler):
         logging.getLogger("tool0").addHandler(self)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Pass the record on; print it if the program has no handler."""
+        """Forward the record; print it if the program has no handler."""
         if not record.name.startswith(_COMPANION_LOGGERS):
             is_error = record.levelno >= logging.ERROR
             message = LogMessage(
@@ -339,13 +337,16 @@ class LogForwarder(logging.Handler):
             logging.lastResort.handle(record)
 
     def close(self) -> None:
-        """Pass nothing on any more."""
+        """Stop forwarding."""
         logging.getLogger("tool0").removeHandler(self)
         super().close()
 
 
 def event_message(states: States, event: Event) -> EventMessage | None:
-    """Return an event as it is sent; None if it is for the panel and the log."""
+    """Return an event in the form in which it is sent; None if it is not sent.
+
+    Some events are only for the panel and the log.
+    """
     match event:
         case GoalFinished(goal):
             assert goal.result is not None  # it has finished

@@ -1,4 +1,4 @@
-"""External forces on links and objects, for a span of simulated time."""
+"""External wrenches on links and objects, for a span of simulated time."""
 
 from __future__ import annotations
 
@@ -18,60 +18,63 @@ _ROUNDING = 1e-9
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AppliedWrench:
-    """A force and a torque of constant direction, in the axes of the robot's root."""
+    """Force and torque of constant direction, in the axes of the robot's root frame."""
 
     name: str
-    """The link or object that they act on."""
+    """Name of the link or object that the wrench acts on."""
     force: Vector3
-    """Force [N], in the axes of the robot's root."""
+    """Force [N], in the axes of the robot's root frame."""
     torque: Vector3
-    """Torque [N·m], in the axes of the robot's root."""
+    """Torque [N·m], in the axes of the robot's root frame."""
     point: Vector3 | None = None
-    """Point at which the force acts at its start [m], in the robot's root; None is the
-    body's centre of mass.  The lever moves with the body but does not rotate."""
+    """Point of application of the force at its start [m], in the robot's root frame;
+    None is the body's centre of mass.  The lever moves with the body but does not
+    rotate."""
     start: float = 0.0
-    """Simulated time at which they begin [s]; now, if that is past."""
+    """Simulated time at which the wrench begins [s]; it begins at once if that time is
+    past."""
     duration: float = math.inf
     """Duration of the wrench [s]."""
 
 
 @final
 class AppliedWrenches:
-    """Starts and ends them.  Only the thread that owns the tick may use it."""
+    """Starts and ends wrenches.  Only the thread that owns the tick may use it."""
 
     def __init__(self, world: World) -> None:
         self._world = world
         self._waiting: tuple[AppliedWrench, ...] = ()
         self._acting: tuple[tuple[float, str, Wrench], ...] = ()
-        """End time, body, and wrench at its centre of mass, of each that acts."""
+        """End time, body, and wrench at the body's centre of mass, for each active
+        wrench."""
 
     @property
     def is_idle(self) -> bool:
-        """Whether no wrench acts or waits for its start."""
+        """Whether no wrench is active or waits for its start."""
         return not self._waiting and not self._acting
 
     def add(self, wrench: AppliedWrench) -> None:
-        """Apply a wrench from the next tick on, or from its start.
+        """Apply a wrench from the next tick on, or from its later start time.
 
         Raises:
-            EngineError: If there is no such link or object, or it cannot move.
+            EngineError: If the link or object does not exist or cannot move.
         """
         self.check(wrench.name)
         self._waiting = (*self._waiting, wrench)
 
     def check(self, name: str) -> None:
-        """Raise EngineError if there is no such link or object, or it cannot move."""
+        """Raise EngineError if the link or object does not exist or cannot move."""
         self._world.center_of_mass(name)
 
     def clear(self, name: str | None = None) -> None:
-        """End the wrenches on a link or object, or all of them."""
+        """End the wrenches on one link or object, or all wrenches."""
         self._waiting = tuple(w for w in self._waiting if name not in (None, w.name))
         left = tuple(item for item in self._acting if name not in (None, item[1]))
         if left != self._acting:
             self._hold(left)
 
     def forget(self) -> None:
-        """Forget all of them: the engine was reset."""
+        """Forget all wrenches, since the engine was reset."""
         self._waiting = self._acting = ()
 
     def tick(self, time: float) -> None:
@@ -92,7 +95,8 @@ class AppliedWrenches:
     def quiet_ticks(self, time: float, period: float, most: int) -> int:
         """Return how many of the next ``most`` ticks neither start nor end a wrench.
 
-        Or fewer, by one; the next tick is at ``time`` [s], and each takes ``period``.
+        The result may be too small by one.  The next tick is at ``time`` [s], and each
+        tick takes ``period`` [s].
         """
         changes = [wrench.start for wrench in self._waiting]
         changes += [end for end, _, _ in self._acting]
@@ -100,7 +104,7 @@ class AppliedWrenches:
         return most if quiet >= most else max(0, math.floor(quiet))
 
     def contacts(self) -> tuple[Contact, ...]:
-        """Return the active wrenches as contacts, for sensors."""
+        """Return the active wrenches as contacts, in the form that sensors use."""
         return tuple(
             Contact("", name, self._world.center_of_mass(name), *wrench)
             for _, name, wrench in self._acting

@@ -1,4 +1,4 @@
-"""Brings up a robot: from options to an initial pose with controllers running."""
+"""Bring-up of a robot: from options to an initial pose with running controllers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tool0.simulation.simulation import Simulation
 def start_simulation(
     description: RobotDescription, control: ControlConfig, simulation: SimulationConfig
 ) -> Simulation:
-    """Return a running simulation: the robot holds its pose.
+    """Return a running simulation in which the robot holds its pose.
 
     Raises:
         Tool0Error: If an option or a file is wrong.
@@ -62,10 +62,10 @@ def start_simulation(
 
 
 def _require_pose(collisions: CollisionFinder, setup: Setup) -> None:
-    """Raise PenetrationError if the initial pose cannot be.
+    """Raise PenetrationError if the initial pose is impossible.
 
-    A pose that nobody gave is accepted where it meets no object: it is that of a
-    description, of which the engine warns.
+    A pose that nobody specified is accepted if the robot meets no object in it: such a
+    pose comes from the description, and the engine warns about it.
     """
     model, cell, objects = (
         setup.description.model,

@@ -1,4 +1,4 @@
-"""Simulated time against the wall clock: when a tick is due, and late ticks."""
+"""Simulated time against the wall clock: times at which ticks are due, late ticks."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from collections.abc import Callable
 from typing import final
 
 CATCH_UP = 0.1
-"""Wall time that the simulation may lag behind and still catch up [s].
+"""Wall time by which the simulation may lag behind and still catch up [s].
 
-A larger lag is dropped, so that the robot does not race through the missed hours after
-the machine was suspended.
+A larger lag is dropped, so that the robot does not race through hours that it missed
+while the machine was suspended.
 """
 
 
@@ -24,7 +24,7 @@ class Pacer:
         speed: float = 1.0,
         now: Callable[[], float] = time.perf_counter,
     ) -> None:
-        """Start now; ``period`` and ``now`` are in [s] of simulated and wall time."""
+        """Start now; ``period`` is in simulated [s], ``now`` returns wall time [s]."""
         self._wall_period = period / speed
         self._now = now
         self._due = now()
@@ -32,11 +32,11 @@ class Pacer:
         self.overruns = 0
 
     def wait_time(self) -> float:
-        """Return how long to wait for the next tick [wall s]; at most 0 if due."""
+        """Return the wait until the next tick [wall s]; 0 or negative if it is due."""
         return self._due - self._now()
 
     def tick(self) -> int:
-        """Record that the due tick starts now; return how many are due, with it."""
+        """Record the start of the due tick; return how many are due, including it."""
         self._late = late = self._now() - self._due
         if late > CATCH_UP:
             self._due += late - CATCH_UP
@@ -57,20 +57,20 @@ class Pacer:
 
 @final
 class FollowedClock:
-    """The pace of an engine that waits for its own clock in each step."""
+    """Pace of an engine that waits for its own clock in each step."""
 
     overruns = 0
 
     def wait_time(self) -> float:
-        """Return 0: the next tick is always due."""
+        """Return 0, since the next tick is always due."""
         return 0.0
 
     def tick(self) -> int:
-        """Return how many ticks are due: one."""
+        """Return the number of due ticks, which is one."""
         return 1
 
     def tick_further(self, count: int) -> None:
-        """Nothing is late."""
+        """Do nothing, since no tick of such an engine is late."""
 
 
 @final
@@ -85,7 +85,7 @@ class SpeedMeter:
         self.restart(0.0, 0)
 
     def restart(self, sim_time: float, overruns: int) -> None:
-        """Start a window; the time before it, such as a pause, is ignored."""
+        """Start a window; earlier time, such as a pause, is ignored."""
         self._since = self._now(), sim_time
         self._overruns = overruns
         self.late_ticks = 0
@@ -112,9 +112,9 @@ class SpeedMeter:
 
 
 BEHIND = 0.95
-"""Part of the requested speed below which a second counts as slow."""
+"""Fraction of the requested speed below which a second counts as slow."""
 SLOW_WINDOWS = 3
-"""Slow seconds in excess of the others after which the simulation is behind."""
+"""Surplus of slow over other seconds after which the simulation is behind."""
 
 
 @final
@@ -126,7 +126,7 @@ class Lag:
         self._n_slow = 0
 
     def changes(self, share: float) -> bool:
-        """Take the reached share of the speed; return whether ``is_behind`` changes."""
+        """Take the achieved part of the speed; return whether ``is_behind`` changes."""
         step = 1 if share < BEHIND else -1
         self._n_slow = min(max(self._n_slow + step, 0), SLOW_WINDOWS)
         before = self.is_behind

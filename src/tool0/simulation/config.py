@@ -22,10 +22,11 @@ class ControlConfig:
 
     controllers_file: File | Sequence[File] | None = None
     """YAML files of ros_control, or of ros2_control for a robot with `<ros2_control>`;
-    later files override earlier ones.  If not given, the built-in controllers."""
+    later files override earlier ones.  Without any, the built-in controllers are
+    used."""
     controllers: Names | None = None
-    """Names of the controllers to load and start; if not given, the standard ones that
-    fit the robot."""
+    """Names of the controllers to load and start; if not given, the standard
+    controllers that fit the robot."""
     stopped_controllers: Names | None = None
     """Names of the controllers to load but not start."""
     gripper_action: bool = False
@@ -33,10 +34,10 @@ class ControlConfig:
     of the driven joint, instead of a JointTrajectoryController."""
     initial_pose: str | Mapping[str, float] | None = None
     """A named pose (built-in or saved), or positions by joint [rad | m]; the other
-    joints start as in the pose home, or near zero in a file without one."""
+    joints start as in the pose home, or near zero if the file has no such pose."""
     control_period: float | None = None
-    """Simulated time between controller updates [s]; if not given, from the
-    `update_rate` of ROS 2's controllers, otherwise dt."""
+    """Simulated time between controller updates [s]; if not given, it follows from the
+    `update_rate` of ROS 2's controllers, or else equals dt."""
 
 
 @final
@@ -50,8 +51,8 @@ class SimulationConfig:
     """Address of a real robot's controller, instead of an engine.  tool0 only reads the
     robot's state until you enable motion (docs/how-to/hardware.md)."""
     engine_options: Mapping[str, object] = field(default_factory=dict)
-    """Options of the engine by name; Gazebo has ``world`` (a world file instead of an
-    empty world with ground) and ``gui`` (True opens gzclient)."""
+    """Options of the engine by name; Gazebo has ``world`` (a world file that replaces
+    the empty world with ground) and ``gui`` (True opens gzclient)."""
     dt: float = 0.001
     """Length of a physics step [s]."""
     spawn_z: Metres = SPAWN_Z
@@ -61,19 +62,19 @@ class SimulationConfig:
     """The objects around the robot: a YAML file, or a built-in scene (table_and_bin,
     table_and_cubes, shelf)."""
     cameras: tuple[Camera, ...] = ()
-    """Further cameras; one with the name of another replaces it
+    """Further cameras; they replace existing cameras of the same name
     (docs/how-to/cameras.md)."""
     grasp_assist: bool = False
     """Attach a gripped object to the gripper until it opens, regardless of friction
     and force."""
     allow_penetration: bool = False
     """Start even if the initial pose puts a link into the ground, an object or another
-    link; the physics then throws them apart."""
+    link; the physics then pushes them apart violently."""
     realtime: bool = True
     """Keep pace with the wall clock.  Otherwise, simulate as fast as possible; in
     Python, time then passes only in ``run`` and ``wait``."""
     speed: float = 1.0
-    """Simulated seconds per wall second in real time."""
+    """Simulated seconds per wall second if the simulation runs in real time."""
     paused: bool = False
     """Start paused; `tool0 resume` continues."""
     record: File | None = None

@@ -33,9 +33,9 @@ DEFAULT_STOPPED_CONTROLLERS = (
     "joint_group_eff_controller",
     "joint_group_pos_controller",
 )
-"""Controllers of ROS 1 that are loaded, not started, as in the launch file
-``ur5_bringup.launch``; only those that the YAML defines.  In a cell, those of each
-robot, with its name as prefix."""
+"""Controllers of ROS 1 that are loaded but not started, as in the launch file
+``ur5_bringup.launch``, provided that the YAML defines them.  In a cell, each robot has
+them, prefixed with its name."""
 
 
 UNSCALED = "joint_trajectory_controller"
@@ -50,9 +50,9 @@ class ControllerChoice(NamedTuple):
     config: ControllerConfig
     started: tuple[str, ...]
     stopped: tuple[str, ...]
-    """Controllers to load, but not to start."""
+    """Controllers to load but not to start."""
     findings: tuple[Finding, ...]
-    """Warnings of what does not move, unless the options request it."""
+    """Warnings about joints that nothing moves, unless the options ask for that."""
 
 
 def choose_controllers(
@@ -60,11 +60,12 @@ def choose_controllers(
 ) -> ControllerChoice:
     """Return the controllers that the options name, or the default ones.
 
-    Of a YAML of yours, those that drive joints without doubt are started, too.  A real
-    robot (``is_real``) is moved by the controller that follows its speed slider.
+    From the user's own YAML, all controllers that certainly drive joints are started,
+    too.  A real robot (``is_real``) is moved by the controller that follows its speed
+    slider.
 
     Raises:
-        ConfigError: If the YAML does not define one of the names, or is wrong.
+        ConfigError: If the YAML is wrong or does not define one of the names.
     """
     config = _config(description, control)
     prefixes = ("", *controller_prefixes(description))
@@ -113,7 +114,7 @@ def _file_of(config: ControllerConfig) -> SourceLocation:
 def _defaults(
     description: RobotDescription, control: ControlConfig, config: ControllerConfig
 ) -> tuple[Sequence[str], Sequence[str]]:
-    """Return the controllers to start and to load, if the YAML defines them."""
+    """Return the controllers to start and to load, as far as the YAML defines them."""
     if config.dialect is not ROS2:
         return DEFAULT_CONTROLLERS, DEFAULT_STOPPED_CONTROLLERS
     usual = started_controllers()
@@ -146,7 +147,7 @@ def _existing(
     default: Sequence[str],
     prefixes: Sequence[str],
 ) -> tuple[str, ...]:
-    """Return the names, which must be defined, or the default ones that are."""
+    """Return the given names, which must be defined, or the defined default ones."""
     defined = config.names
     if names is None:
         usual = dict.fromkeys(prefix + name for prefix in prefixes for name in default)
@@ -165,7 +166,7 @@ def _findings(
     config: ControllerConfig,
     started: tuple[str, ...],
 ) -> list[Finding]:
-    """Return a warning if nothing can move, unless the options request it."""
+    """Return a warning if nothing can move, unless the options ask for that."""
     here = SourceLocation(description.source)
     driven = [item.joint for item in description.model.transmissions]
     if not driven:

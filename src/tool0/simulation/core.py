@@ -34,7 +34,7 @@ from tool0.simulation.wanted import WantedMotions
 @final
 @dataclass(frozen=True, slots=True)
 class SavedCore:
-    """A core at one instant, without its engine."""
+    """State of a core at one instant, excluding the state of its engine."""
 
     controllers: Mapping[str, SavedController]
     drives: SavedDrives
@@ -47,7 +47,7 @@ class SavedCore:
 
 @final
 class Core:
-    """The core that the loop ticks; an Executor moves its robot.
+    """The core that the loop ticks; an Executor moves the core's robot.
 
     Only the thread of the tick may use it.
     """
@@ -67,8 +67,8 @@ class Core:
         """Put the robot into its initial pose.
 
         ``initial_position`` [rad | m] has shape (n_joints,), in the engine's order;
-        ``scene`` is what the engine was made with.  ``control_period`` [s] is a whole
-        multiple of the engine's step, and that step if left out.
+        ``scene`` is the scene that the engine was made with.  ``control_period`` [s] is
+        a whole multiple of the engine's step, which is also the default.
         """
         self.model = model
         self.engine = engine
@@ -78,7 +78,7 @@ class Core:
         self.pulls = PullSprings(model, engine.joint_names, self.scene.wrenches)
         self.arms = Arms(model, engine, hardware, manager)
         self.own_drives = engine if isinstance(engine, OwnDrives) else None
-        """The drives of a real robot; None for those of a simulated one."""
+        """Drives of a real robot; None for a simulated robot."""
         self._wanted = WantedMotions(model, hardware, manager, self.arms)
         self.ticks = 0
         self.control_period = engine.dt if control_period is None else control_period
@@ -86,11 +86,11 @@ class Core:
         hardware.set_steps_per_command(self._steps_per_tick)
         self._kernel = Kernel(engine, hardware, manager, self.control_period)
         self._program: TickProgram | None = None
-        """Program that executes the ticks, while it has the state of controllers and
+        """Program that executes the ticks, while it holds the state of controllers and
         drives."""
         self._brakes: Mapping[int, float] = {}
         self._rotors: Mapping[int, float] = {}
-        """Brakes and rotors that the engine has now, by joint."""
+        """Brakes and rotor inertias that are set in the engine now, by joint."""
         self.initial_position = list(initial_position)
         """Start positions of the joints [rad | m], shape (n_joints,)."""
         self._start = self.initial_position
@@ -113,13 +113,13 @@ class Core:
     def newest_command(self) -> list[float]:
         """Return each joint's last command, in the unit of its interface.
 
-        It may only be read, and until the next tick.
+        The list is read-only, and is valid until the next tick.
         """
         program = self._program
         return self.hardware.command if program is None else program.command
 
     def wanted_positions(self) -> Mapping[str, float]:
-        """Return the setpoint of each joint that is moved by position [rad | m]."""
+        """Return the setpoint of each joint under position control [rad | m]."""
         command, hardware = self.newest_command(), self.hardware
         wanted = {
             name: command[hardware.index[name]]
@@ -181,7 +181,8 @@ class Core:
     def advance(self, most: int) -> int:
         """Tick at least once and up to ``most`` times; return how many times.
 
-        The kernel executes what it can; after a tick in Python, this returns.
+        The kernel executes as many ticks as it can; this returns after a tick in
+        Python.
         """
         most = self.scene.wrenches.quiet_ticks(self.time, self.control_period, most)
         program = None if self.engine.stepper is None or not most else self.program()
@@ -194,16 +195,16 @@ class Core:
         return self.apply_kernel_result(*program.run(most, stepper))
 
     def program(self) -> TickProgram | None:
-        """Load the coming ticks into the kernel; None if only Python can run them."""
+        """Load the next ticks into the kernel; None if only Python can execute them."""
         if self._program is None and self.pulls.is_idle and self.arms.is_idle:
             self._set_mechanics()
             self._program = self._kernel.load(self.state)
         return self._program
 
     def apply_kernel_result(self, result: Ended, done: int) -> int:
-        """Follow a run of the program by ``done`` ticks; return how many they are now.
+        """Account for ``done`` ticks that the kernel ran; return how many are done now.
 
-        After an event, Python executes one tick more.
+        After an event, Python executes one more tick.
         """
         program, stepper = self._program, self.engine.stepper
         if program is None or stepper is None:
@@ -232,9 +233,9 @@ class Core:
         return done + 1
 
     def sync_from_kernel(self) -> None:
-        """Give controllers and drives their state back, if the kernel has it.
+        """Give controllers and drives their state back if the kernel holds it.
 
-        Whatever reads or changes them between two ticks needs this first.
+        Call this before anything reads or changes them between two ticks.
         """
         program, self._program = self._program, None
         if program is not None:
@@ -251,7 +252,7 @@ class Core:
         return self._before, self.state
 
     def check_contacts(self) -> None:
-        """Find joints that push without moving, and grips, between two ticks."""
+        """Find joints that push without moving, and grips; called between two ticks."""
         if self.own_drives is not None:
             self.grip_contacts.note(self.own_drives.gripping)
             return
@@ -262,28 +263,29 @@ class Core:
     # ---- sensors, time, safety ------------------------------------------------------
 
     def start_sensor(self, sensor: ForceTorqueSensor) -> None:
-        """Sample once now, and then in the tick."""
+        """Sample a sensor once now, and then in the tick."""
         sensor.subtract(self.hardware.payloads)
         sensor.restart(self._before, self.state, self._forces_on)
         self._sensors = (*self._sensors, sensor)
 
     def stop_sensor(self, sensor: ForceTorqueSensor) -> None:
-        """Stop sampling; a sensor that is not running is left alone."""
+        """Stop sampling a sensor; do nothing if it is not running."""
         self._sensors = tuple(s for s in self._sensors if s is not sensor)
 
     def arm_samples(self) -> Mapping[str, ArmSample]:
-        """Return what moves each arm, and the wrench on its tool, between two ticks."""
+        """Return each arm's motion and the wrench on its tool, between two ticks."""
         return self.arms.samples(self.time, *self.last_step, self._forces())
 
     def zero_wrench(self, arm: str | None) -> None:
-        """Tare the wrench on an arm's tool in samples from now on."""
+        """Tare the wrench on an arm's tool in all samples from now on."""
         self.arm_samples()
         self.arms.find(arm).zero_wrench()
 
     def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
-        """Return to the initial pose changed by ``position``, objects to their start.
+        """Reset the robot to its initial pose with ``position``, and objects to theirs.
 
-        ``keep_time`` lets simulated time continue, as after ROS's reset_world.
+        ``position`` replaces the initial position of some joints.  ``keep_time`` lets
+        simulated time continue, as ROS's reset_world does.
         """
         self._start = start = joint_positions(
             self.model, position, self.initial_position
@@ -307,7 +309,7 @@ class Core:
             sensor.restart(self._before, self.state, self._forces_on)
 
     def saved(self) -> SavedCore:
-        """Return controllers, drives and clock as they are, but not the engine.
+        """Return the state of controllers, drives and clock, but not the engine's.
 
         Raises:
             ControlError: If a controller or an arm is in a state that cannot be saved.
@@ -329,7 +331,7 @@ class Core:
         )
 
     def resume(self, saved: SavedCore) -> None:
-        """Continue with a saved state of the same controllers, but for the engine."""
+        """Continue with a saved state of the same controllers, but not the engine's."""
         self.sync_from_kernel()
         self.manager.resume(saved.controllers)
         self.hardware.resume(saved.drives)
@@ -342,14 +344,14 @@ class Core:
     def set_payload(self, arm: str | None, payload: Payload | None) -> None:
         """Set the payload that drives and sensors expect at an arm's flange.
 
-        None is what the description has there.
+        None is the payload of the description.
         """
         self.arms.find(arm).set_payload(payload)
         for sensor in self._sensors:
             sensor.subtract(self.hardware.payloads)
 
     def set_stopped(self, engaged: bool) -> None:
-        """Brake every joint, or release the brakes; controllers then hold still."""
+        """Engage or release the brakes of every joint; controllers then hold still."""
         if engaged == self.hardware.is_stopped:
             return
         self.hardware.set_stopped(engaged, self.state)
@@ -359,7 +361,7 @@ class Core:
             arm.note_restart(self.state, stopped)
 
     def note_commanded(self, joints: Collection[str]) -> None:
-        """Leave ``joints`` out of the drift from now on."""
+        """Exclude ``joints`` from the drift from now on."""
         if not self._commanded.issuperset(joints):
             self._commanded.update(joints)
             self._watch_drift()
@@ -367,10 +369,11 @@ class Core:
     def drift(self, at_least: float = 0.0) -> float:
         """Return the largest drift of an uncommanded joint from its start [rad | m].
 
-        ``at_least`` if that is larger, as for joints that were all commanded.
+        The result is ``at_least`` if that is larger, for instance because all joints
+        were commanded.
         """
         position, start = self._uncommanded(self.state.position), self._their_start
-        if math.dist(position, start) <= at_least:  # no joint is further than all are
+        if math.dist(position, start) <= at_least:  # bounds each joint
             return at_least
         largest: float = max(map(abs, map(sub, position, start)))
         return max(at_least, largest)
@@ -387,14 +390,14 @@ class Core:
         return self.engine.world.contacts() + self.scene.wrenches.contacts()
 
     def _forces_on(self, links: frozenset[str]) -> tuple[Contact, ...]:
-        """Return the external forces, without all contacts if ``links`` have none."""
+        """Return the external forces; omit contacts if nothing touches ``links``."""
         if self.engine.world.is_touched(links):
             return self._forces()
         return self.scene.wrenches.contacts()
 
 
 def _whole_multiple(period: float, dt: float) -> int:
-    """Return how many steps of ``dt`` make ``period``, or raise ConfigError."""
+    """Return how many steps of ``dt`` make up ``period``, or raise ConfigError."""
     if 0.0 < period < math.inf:
         n_steps = round(period / dt)
         if n_steps and math.isclose(n_steps * dt, period, rel_tol=1e-9):

@@ -1,7 +1,7 @@
-"""The executor of motion: every motion of the robot starts, continues and ends here.
+"""The executor of motion: every motion of the robot starts and ends here.
 
 Joints are moved by a running controller, or by an arm's own motion controller once a
-program has taken the arm.  Clients, handlers and programs ask the executor only.
+program has taken the arm.  Clients, handlers and programs only call the executor.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ if TYPE_CHECKING:
     from tool0.kinematics.chain import Array
 
 STREAM_BRAKE = 4.0
-"""Deceleration of the leading joint where a stream ends, at least [rad/s²]; a stream of
-velocities ends as soon as with its own acceleration."""
+"""Smallest deceleration of the leading joint where a stream ends [rad/s²]; a stream of
+velocities ends at least as fast as its own acceleration allows."""
 
 
 @final
@@ -66,7 +66,7 @@ class Executor:
         goal: TrajectoryGoal,
         bounds: Mapping[str, DriveLimits] | None = None,
     ) -> Goal:
-        """Start a trajectory goal; ``bounds`` hold until a joint's next goal."""
+        """Start a trajectory goal; ``bounds`` apply until a joint's next goal."""
         trajectory = self._follower(controller)
         accepted = trajectory.follow(goal, self._start([trajectory]))
         self._note_command(controller, goal.joint_names, bounds)
@@ -78,9 +78,9 @@ class Executor:
         goal: TrajectoryGoal,
         bounds: Mapping[str, DriveLimits] | None = None,
     ) -> None:
-        """Follow a trajectory without a goal, as ROS's topic does.
+        """Follow a trajectory without a goal, as commanded by ROS's topic.
 
-        ``bounds`` are as for ``follow``.
+        ``bounds`` have the same meaning as for ``follow``.
         """
         trajectory = self._follower(controller)
         trajectory.command(goal, self.core.time)
@@ -93,10 +93,10 @@ class Executor:
         may_touch: frozenset[str],
         carried: frozenset[str],
     ) -> tuple[Goal, ...]:
-        """Start goals of several controllers at one instant, or none of them.
+        """Start goals of several controllers at the same time, or none of them.
 
-        They stop at a contact of what they move, and of the objects ``carried``, that
-        is not there now, but for those with ``may_touch``.
+        They stop at a new contact of a moved link or of an object in ``carried``,
+        unless the contact is with something in ``may_touch``.
         """
         followers = {name: self._follower(name) for name in goals}
         accepted, start = [], self._start(list(followers.values()))
@@ -133,9 +133,10 @@ class Executor:
     def move_joints(
         self, positions: Mapping[str, float], speed: float, controller: str | None
     ) -> tuple[Goal, ...]:
-        """Start smooth motions of every controller concerned at one instant, or none.
+        """Start smooth motions of all controllers concerned at the same time, or none.
 
-        Without a ``controller``, the joints are moved by those that claim them.
+        Without a ``controller``, the joints are moved by the controllers that claim
+        them.
         """
         moves = self._moves(positions, controller)
         planned = []
@@ -156,8 +157,8 @@ class Executor:
     ) -> tuple[Goal, ...]:
         """Start motions that take ``duration`` simulated seconds, all or none.
 
-        They are cubics that end at rest; the controllers' other joints keep their
-        setpoints.  Controllers are those of ``move_joints``.
+        They are cubic splines that end at rest; the controllers' other joints keep
+        their setpoints.  The controllers are chosen as in ``move_joints``.
         """
         goals = {}
         for name, targets in self._moves(positions, controller).items():
@@ -180,14 +181,14 @@ class Executor:
     def steer(
         self, controller: str, positions: Mapping[str, float], speed: float
     ) -> None:
-        """Replace a controller's motion by a smooth one, without a goal."""
+        """Replace a controller's motion with a smooth one, without a goal."""
         trajectory = self._follower(controller)
         path = self._planned(trajectory, positions, speed)
         trajectory.command(motion_plan(path), self.core.time)
         self._note_command(controller, positions)
 
     def _start(self, followers: Sequence[TrajectoryFollower]) -> float:
-        """Return when motions start that these controllers begin now [s]."""
+        """Return the time at which motions that are begun now start [s]."""
         now = self.core.time
         if self.core.own_drives is None:
             return now
@@ -195,10 +196,10 @@ class Executor:
         return now + self._delay_from([v for one in motions for v in one.velocities])
 
     def _delay_from(self, velocities: Sequence[float]) -> float:
-        """Return how long a motion from these velocities waits [s].
+        """Return how long a motion from these velocities waits before it starts [s].
 
-        A real robot that rests should know its motion before it starts, so that the
-        network's delays do not change it.
+        A real robot at rest should know its motion before the motion starts, so that
+        network delays do not change it.
         """
         own_drives = self.core.own_drives
         if own_drives is None or any(velocities):
@@ -225,8 +226,8 @@ class Executor:
     ) -> Goal:
         """Start a gripper goal in joint units: [rad | m] and [N·m | N].
 
-        Without ``bounds``, they are the controller's for ``max_effort`` and
-        ``max_velocity``.
+        Without ``bounds``, the controller's limits for ``max_effort`` and
+        ``max_velocity`` apply.
         """
         gripper = self._drivable(controller)
         if not isinstance(gripper, GripperDriver):
@@ -249,7 +250,7 @@ class Executor:
     # ---- arms that a program has taken ----------------------------------------------
 
     def take_arm(self, arm: str | None, by: str, *, protected: bool = False) -> None:
-        """Take an arm for a program, in place of its controllers: ``Arm.take``."""
+        """Take an arm for a program, in place of its controllers: see ``Arm.take``."""
         found = self.core.arms.find(arm)
         found.take(by, self.core.state, protected=protected)
         self._note_command(found.motion.spec.name)
@@ -257,8 +258,8 @@ class Executor:
     def release_arm(self, arm: str | None, by: str | None = None) -> bool:
         """Stop an arm, and start its controllers again once it rests.
 
-        An arm that something else than ``by`` has taken is left alone; returns whether
-        it was not.
+        With ``by``, the arm is left alone if something else has taken it; returns False
+        then.
         """
         found = self.core.arms.find(arm)
         if by is not None and found.box.state.taken_by != by:
@@ -274,7 +275,7 @@ class Executor:
         after: int | None = None,
         at: float | None = None,
     ) -> int:
-        """Start a path of an arm, from now on or as the rest of another one.
+        """Start a path of an arm, now or in place of the rest of another path.
 
         Returns the path's number: see ``ArmMotion.execute``.
         """
@@ -294,7 +295,7 @@ class Executor:
         lookahead_time: float,
         gain: float,
     ) -> None:
-        """Follow a target of a stream, ``positions`` [rad]: see ``ServoStream``."""
+        """Follow ``positions`` [rad] as a target of a stream: see ``ServoStream``."""
         now, controller = self.core.time, self._mover(arm)
         controller.require_positions(positions, now)
         controller.servo(now).aim(positions, lookahead_time=lookahead_time, gain=gain)
@@ -320,23 +321,23 @@ class Executor:
         duration: float | None,
         lever: Array,
     ) -> None:
-        """Move the point ``lever`` of the flange with a twist, as ``speed_joints``."""
+        """Move the flange's point ``lever`` with a twist, like ``speed_joints``."""
         now, controller = self.core.time, self._mover(arm)
         until = now + (duration or math.inf)
         controller.speed(now).aim(twist, acceleration, until=until, lever=lever)
 
     def drive(self, arm: str | None, command: TorqueCommand) -> None:
-        """Drive the joints of an arm with torques: ``Arm.drive``."""
+        """Drive the joints of an arm with torques: see ``Arm.drive``."""
         self.core.arms.find(arm).drive(command, self.core.state)
 
     def end_torques(self, arm: str | None) -> None:
-        """Return an arm to position control: ``Arm.end_torques``."""
+        """Return an arm to position control: see ``Arm.end_torques``."""
         self.core.arms.find(arm).end_torques(self.core.state)
 
     def start_compliance(
         self, arm: str | None, task: ComplianceTask, controller: str | None = None
     ) -> None:
-        """Start force mode or freedrive of an arm: ``Arm.start_compliance``."""
+        """Start force mode or freedrive of an arm: see ``Arm.start_compliance``."""
         self.core.arms.find(arm).start_compliance(task, self.core.state, controller)
         if controller is not None:
             self._note_command(controller)
@@ -344,14 +345,14 @@ class Executor:
     def end_compliance(
         self, arm: str | None, controller: str | None = None, *, is_freedrive: bool
     ) -> None:
-        """End force mode, or freedrive: ``Arm.end_compliance``."""
+        """End force mode or freedrive: see ``Arm.end_compliance``."""
         found = self.core.arms.find(arm)
         found.end_compliance(self.core.state, controller, is_freedrive=is_freedrive)
 
     # ---- stops ----------------------------------------------------------------------
 
     def cancel(self, goal: Goal) -> None:
-        """Stop the motion of an active goal; one that has ended is left alone."""
+        """Stop the motion of an active goal; do nothing if the goal has ended."""
         if goal.status.is_terminal:
             return
         controller = self._manager.running(goal.controller)
@@ -392,7 +393,7 @@ class Executor:
             controller.stop_motion(rate, self.core.time, along_path=False)
 
     def supervise(self) -> None:
-        """Stop the arms whose motion fails, between two ticks."""
+        """Stop the arms whose motion fails; called between two ticks."""
         for arm, reason, is_beyond_limits in self.supervision.failures():
             self.core.sync_from_kernel()
             stop = arm.stop_protectively if is_beyond_limits else arm.fail
@@ -424,7 +425,7 @@ class Executor:
     def _moves(
         self, positions: Mapping[str, float], controller: str | None
     ) -> Mapping[str, Mapping[str, float]]:
-        """Return what each controller is to move; those that claim the joints."""
+        """Return the positions by controller; by default, the joints' controllers."""
         if controller is not None:
             return {controller: positions}
         return self._joints_by_controller(positions)
@@ -432,7 +433,7 @@ class Executor:
     def _joints_by_controller(
         self, positions: Mapping[str, float]
     ) -> Mapping[str, Mapping[str, float]]:
-        """Return the positions of each running trajectory controller's joints.
+        """Return the positions, grouped by the joints' running trajectory controllers.
 
         Raises:
             ControlError: If no such controller drives a joint.
@@ -458,8 +459,8 @@ class Executor:
     ) -> Path:
         """Return a smooth motion from a controller's setpoint to ``positions``.
 
-        Its other joints continue their motion, or stay.  ``speed`` is a fraction of
-        each joint's largest velocity.
+        The controller's other joints continue their motion, or stay.  ``speed`` is a
+        fraction of each joint's largest velocity.
         """
         joints = controller.spec.joint_models
         what = f"a motion of '{controller.spec.name}'"
@@ -474,7 +475,7 @@ class Executor:
         return plan_joints(joints, start, targets, speed=speed)
 
     def _drivable(self, name: str) -> Controller:
-        """Return a controller that may move joints now."""
+        """Return a controller by name if it may move joints now."""
         if self.core.hardware.is_stopped:
             raise ControlError(
                 "the emergency stop is engaged; release it before moving the robot"
@@ -482,7 +483,7 @@ class Executor:
         return self._manager.running(name)
 
     def _follower(self, name: str) -> TrajectoryFollower:
-        """Return a trajectory controller that may move joints now."""
+        """Return a trajectory controller by name if it may move joints now."""
         self._drivable(name)
         return self.trajectory_controller(name)
 
@@ -494,7 +495,7 @@ class Executor:
     ) -> None:
         """Record a command; limit the drives it moves, and lift the limits of others.
 
-        ``joints`` are those that the goal names; None for all of the controller.
+        ``joints`` are those that the goal names; None stands for all of the controller.
         """
         for _, claimed in self._manager.status(controller).claimed:
             self.core.note_commanded(claimed)

@@ -1,7 +1,7 @@
 """The journal: every request that changed the simulation, with its step.
 
-Between two requests a simulation is deterministic.  A session therefore repeats to the
-bit from its start (``simulation/handlers/reproduction``) and its journal.
+Between two requests a simulation is deterministic.  A session can therefore be repeated
+bit for bit from its start (``simulation/handlers/reproduction``) and its journal.
 """
 
 from __future__ import annotations
@@ -18,42 +18,43 @@ from tool0.simulation.core import Core
 from tool0.simulation.loop import Loop
 
 MOST_REQUESTS: Final = 200_000
-"""Requests kept: 400 s of a stream at 500 Hz."""
+"""Number of requests that are kept: 400 s of a stream at 500 Hz."""
 AT_ONCE: Final = 500
-"""Requests read at once: the tick does not wait for many."""
+"""Largest number of requests read at once, so that the tick does not wait long."""
 MOST_ITEMS: Final = 2_000_000
-"""Trajectory points, knots of paths and the like kept with them."""
+"""Number of trajectory points, path knots and similar items kept with the requests."""
 
 
 class Executed(Struct, frozen=True, gc=False):
     """A request that changed the simulation, or failed to.
 
-    Neither it nor a request is part of a cycle: the garbage collector does not look at
-    them.  With a stream of 500 Hz it would stop every thread for 0.1 s after a minute.
+    Neither an entry nor a request is part of a reference cycle, so the garbage
+    collector ignores them.  Otherwise, with a stream at 500 Hz, it would stop every
+    thread for 0.1 s after a minute.
     """
 
     number: int
-    """Place in the journal, from 0 on."""
+    """Number of the entry in the journal, from 0 on."""
     step: int
-    """Ticks since the start; unlike ``tick``, a reset does not set it back."""
+    """Ticks since the start; unlike ``tick``, not set back by a reset."""
     tick: int
     """Ticks since the start or the last reset, as in a snapshot."""
     time: float
     """Simulated time [s]."""
     request: Struct
-    """The request."""
+    """Request that was carried out."""
     error: str | None
-    """Why it failed."""
+    """Error of the request; None if it succeeded."""
     n_items: int
     """Total length of the request's sequences."""
 
 
 @final
 class Journal:
-    """Keeps requests in the order of their ends.  Any thread may read them."""
+    """Keeps requests in the order in which they ended.  Any thread may read them."""
 
     def __init__(self, core: Core, loop: Loop) -> None:
-        """Start empty; ``loop`` owns the time of ``core``."""
+        """Start empty; ``loop`` controls the time of ``core``."""
         self._core, self._loop = core, loop
         self._lock = threading.Lock()
         self._entries: deque[Executed] = deque()
@@ -61,9 +62,9 @@ class Journal:
         self._count = 0
 
     def begin(self, request: Struct) -> Callable[[Exception | None], None]:
-        """Note the instant of a request; call the result with its outcome.
+        """Note the time of a request; call the result with the request's outcome.
 
-        In the thread of the tick.
+        Call both in the thread of the tick.
         """
         step, tick, time = self._loop.steps, self._core.ticks, self._core.time
 
@@ -76,11 +77,7 @@ class Journal:
         return end
 
     def after(self, number: int = -1) -> tuple[Executed, ...]:
-        """Return the entries after one, oldest first: some of them, if they are many.
-
-        The oldest are dropped in a very long session: then the first entry's number is
-        above ``number + 1``, and the session cannot be repeated.
-        """
+        """Return the entries after ``number``, oldest first; only the first of many."""
         with self._lock:
             first = self._count - len(self._entries)
             start = max(number + 1 - first, 0)

@@ -1,4 +1,4 @@
-"""The loop: drain the mailbox, tick, publish; in its own thread or in the caller's.
+"""The loop drains the mailbox, ticks and publishes, in its or the caller's thread.
 
 The mailbox is the only input: operations from any thread, each executed between two
 ticks by the thread that owns the tick.  In real time that is the loop's own thread;
@@ -31,7 +31,7 @@ from tool0.simulation.publisher import Publisher
 logger = logging.getLogger(__name__)
 
 POLL_PERIOD = 0.05
-"""Longest time between checks that the loop still runs [wall s]."""
+"""Longest time between checks whether the loop is still running [wall s]."""
 
 R = TypeVar("R")
 
@@ -44,7 +44,7 @@ class _Operation(NamedTuple):
 
 @final
 class Loop:
-    """Owns the time of one core, whose robot an executor moves."""
+    """Controls the time of one core, whose robot an executor moves."""
 
     def __init__(
         self,
@@ -56,15 +56,16 @@ class Loop:
     ) -> None:
         """Publish the first snapshot; nothing runs yet.
 
-        ``speed`` is in simulated seconds per wall second; None runs only on
-        request, as fast as possible.
+        ``speed`` is in simulated seconds per wall second; with None, time passes only
+        on request, as fast as possible.
         """
         self._executor = executor
         self._core = core = executor.core
         self._mailbox: Mailbox[_Operation | None] = Mailbox()
-        """None wakes the thread of the tick for what is urgent."""
+        """Waiting operations; None wakes the thread of the tick for an urgent
+        operation."""
         self._urgent: deque[_Operation] = deque()
-        """Overtakes the mailbox."""
+        """Urgent operations, which overtake those in the mailbox."""
         self._bus = bus
         self.is_paused = paused
         self.speed = None if speed is None else _checked_speed(speed)
@@ -77,13 +78,13 @@ class Loop:
         self.fault: Exception | None = None
         self._update_running()
         self.steps = 0
-        """Ticks since the start; unlike time, a reset does not set it back."""
+        """Ticks since the start; unlike time, not set back by a reset."""
         self.when_observed: Callable[[Snapshot], None] = lambda snapshot: None
         """Called after snapshots at the default period, between two ticks."""
         self.when_frozen: Callable[[float], None] = lambda duration: None
-        """Called in real time, before the next tick, when the process was frozen: for
-        how long [wall s].  Not with an engine in a process of its own, which may be
-        late on its own."""
+        """Called in real time before the next tick if the process was frozen, with the
+        duration of the freeze [wall s].  Not called if the engine has its own process,
+        which may be late by itself."""
         executor.when_goal_starts = lambda goal: goal.when_finished(
             lambda done: bus.announce(GoalFinished(done, core.time))
         )
@@ -102,7 +103,7 @@ class Loop:
 
     @property
     def control_period(self) -> float:
-        """Simulated time of a tick [s]."""
+        """Simulated time per tick [s]."""
         return self._core.control_period
 
     @property
@@ -111,7 +112,7 @@ class Loop:
 
     @property
     def max_drift(self) -> float:
-        """Largest departure of an uncommanded joint from its initial pose so far."""
+        """Largest deviation of an uncommanded joint from its initial pose so far."""
         return self._publisher.max_drift
 
     @property
@@ -131,9 +132,9 @@ class Loop:
     ) -> R:
         """Carry out ``operation`` between two ticks, and return what it returns.
 
-        It runs in the thread of the tick; a snapshot follows if it ``publishes``.  That
-        thread itself may call this between two ticks, too.  An urgent one is the next
-        of all: only the operation in progress is before it.
+        The operation runs in the thread of the tick, which may also call this method
+        between two ticks.  If ``publishes``, a snapshot follows.  An urgent operation
+        runs next: it waits only for the operation in progress.
 
         Raises:
             ControlError: If the simulation is closed.
@@ -164,7 +165,8 @@ class Loop:
     ) -> None:
         """Carry out ``operation`` before the next tick, without waiting for it.
 
-        ``when_failed`` is called with its exception, in the thread of the tick.
+        If the operation raises an exception, ``when_failed`` is called with it, in the
+        thread of the tick.
 
         Raises:
             ControlError: If the simulation is closed.
@@ -184,11 +186,12 @@ class Loop:
     def run(self, duration: float, until: Callable[[], bool] = lambda: False) -> None:
         """Advance ``duration`` simulated seconds, or fewer if ``until`` returns True.
 
-        It is called at every snapshot, and when a goal ends: not after every tick.
+        ``until`` is called at every snapshot and when a goal ends, but not after every
+        tick.
 
         Raises:
-            EngineError: If the physics failed; a reset makes it run again.
-            ControlError: If the loop is paused or closed meanwhile.
+            EngineError: If the physics failed; it runs again after a reset.
+            ControlError: If the loop is paused or closed in the meantime.
         """
         end = self.steps + duration / self._core.control_period - 0.5
         while self.steps < end and not until():
@@ -212,12 +215,13 @@ class Loop:
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
         """Advance time until ``goal`` ends; return whether it has.
 
-        ``timeout`` [s] is of wall time in real time, otherwise of simulated time; None
-        waits without limit.
+        ``timeout`` [s] is in wall time if the loop runs in real time, otherwise in
+        simulated time; None waits without limit.
 
         Raises:
-            EngineError: If the physics failed: the goal would never end.
-            ControlError: If the loop is closed, or paused without real time.
+            EngineError: If the physics failed, so that the goal would never end.
+            ControlError: If the loop is closed, or if it is paused and does not run in
+                real time.
         """
         limit = math.inf if timeout is None else timeout
         if goal.status.is_terminal:
@@ -233,20 +237,20 @@ class Loop:
         return True
 
     def set_paused(self, paused: bool) -> None:
-        """Pause or resume simulated time.  In the thread of the tick."""
+        """Pause or resume simulated time, in the thread of the tick."""
         self.is_paused = paused
         self._update_running()
         self._restart_clock()
 
     def set_speed(self, factor: float) -> None:
-        """Run at ``factor`` times real time.  In the thread of the tick."""
+        """Run at ``factor`` times real time, in the thread of the tick."""
         if self.speed is None:
             raise ControlError("this simulation does not run in real time")
         self.speed = _checked_speed(factor)
         self._restart_clock()
 
     def step(self, ticks: int) -> None:
-        """Run ``ticks`` control periods while paused.  In the thread of the tick."""
+        """Run ``ticks`` control periods while paused, in the thread of the tick."""
         if not self.is_paused:
             raise ControlError("pause the simulation before stepping it")
         self.check()
@@ -259,7 +263,7 @@ class Loop:
         self.check()
 
     def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
-        """Reset the core and clear a fault.  In the thread of the tick."""
+        """Reset the core and clear a fault, in the thread of the tick."""
         self._core.reset(position, keep_time)
         self._executor.supervision.forget()
         self.fault = None
@@ -270,15 +274,15 @@ class Loop:
     def publish_every(self, period: float) -> float:
         """Publish snapshots at least every ``period`` [s] from now on.
 
-        In the thread of the tick.  Returns the period that applies: the longest one
-        that divides the default period and the control period divides.
+        Call it in the thread of the tick.  Returns the period that applies: the longest
+        one that is a multiple of the control period and divides the default period.
         """
         control_period = self._core.control_period
         self._snapshot_ticks = ticks_between_snapshots(period, control_period)
         return self._snapshot_ticks * control_period
 
     def close(self) -> None:
-        """End the loop, answer the rest of the mailbox, and close the engine."""
+        """End the loop, answer the remaining operations, and close the engine."""
         self._closing = True
         self._update_running()
         if self._thread is not None:
@@ -290,13 +294,13 @@ class Loop:
             self._core.engine.close()
 
     def _update_running(self) -> None:
-        """Record whether ticks may follow each other; the tick checks only that."""
+        """Record whether the loop may tick on its own; the tick checks only this."""
         self._is_running = not (
             self.is_paused or self._closing or self.fault is not None
         )
 
     def check(self) -> None:
-        """Raise the reason why the simulation stands still, if it does."""
+        """Raise the reason why the simulation stands still, if there is one."""
         if self.fault is not None:
             raise self.fault
 
@@ -317,7 +321,7 @@ class Loop:
                 pacer.tick_further(self.steps - start - 1)
 
     def _cycle(self, most: float) -> None:
-        """Drain; then tick up to ``most`` times, unless an operation pauses that."""
+        """Drain the mailbox; tick up to ``most`` times unless that pauses the loop."""
         if self._mailbox:
             self._drain()
             if not self._is_running:
@@ -325,7 +329,7 @@ class Loop:
         self._tick(most)
 
     def _tick(self, most: float) -> None:
-        """Tick up to ``most`` times and up to the next snapshot; publish it if due."""
+        """Tick up to ``most`` times or until the next snapshot; publish it if due."""
         core, start = self._core, self._core.ticks
         left = self._snapshot_ticks - start % self._snapshot_ticks
         try:
@@ -340,9 +344,9 @@ class Loop:
             self._observe()
 
     def _observe(self) -> None:
-        """Publish a snapshot; at the default period, look at limits and contacts, too.
+        """Publish a snapshot; at the default period, also check limits and contacts.
 
-        So nothing that happens depends on the rates of subscribers.
+        These checks therefore do not depend on the rates of subscribers.
         """
         core = self._core
         if core.ticks % self._default_snapshot_ticks:
@@ -358,12 +362,12 @@ class Loop:
             self.when_observed(snapshot)
 
     def _attempt(self, action: Callable[[], None]) -> None:
-        """Call something outside the tick that uses the engine; it may fail."""
+        """Call an action outside the tick that uses the engine and may fail."""
         if self.fault is not None:
             return
         try:
             action()
-        except Exception as error:  # of any engine
+        except Exception as error:  # any engine may fail
             self._fail(error)
 
     def _fail(self, error: Exception) -> None:
@@ -379,7 +383,7 @@ class Loop:
             self._answer(operation)
 
     def _drain(self) -> None:
-        """Carry out the waiting operations; later ones come after a tick."""
+        """Carry out the waiting operations; those that arrive later wait for a tick."""
         for _ in range(len(self._mailbox)):
             # An operation may drain the rest itself.
             for operation in self._mailbox.take():
@@ -410,7 +414,7 @@ class Loop:
             future.set_result(answer)
 
     def _clock(self) -> Pacer | FollowedClock:
-        """Return the clock that says when a tick is due."""
+        """Return the clock that determines when a tick is due."""
         if self._core.own_drives is not None:
             return FollowedClock()
         return Pacer(self._core.control_period, self.speed or 1.0)
@@ -437,9 +441,9 @@ class Loop:
         return self.call(publish, publishes=False)
 
     def refresh(self) -> None:
-        """Publish a snapshot soon, without waiting for it; also while time is held.
+        """Publish a snapshot soon, without waiting for it, even if time stands still.
 
-        It has what was asked for since the last one.
+        The snapshot has the fields that were requested since the last one.
         """
         if not self._closing:
             self._mailbox.put(_Operation(self._publish, Future(), publishes=False))

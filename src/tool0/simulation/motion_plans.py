@@ -1,7 +1,6 @@
-"""Collision-free motions of a simulation: checked, planned, kept for execution.
+"""Collision-free motions of a simulation: checking, planning, keeping for execution.
 
-Everything is computed from snapshots, in the caller's thread, so that the tick does not
-wait.
+Everything is computed from snapshots in the caller's thread, so the tick does not wait.
 """
 
 from __future__ import annotations
@@ -61,15 +60,15 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 PRESSING: Final = 0.002
-"""Depth up to which a motion that nobody planned may press on something [m]: its
-controller stops it, or not."""
+"""Depth up to which an unplanned motion may press into something [m]; stopping it is up
+to the controller."""
 MOST_PLANS: Final = 100
-"""Plans that are kept; the oldest are forgotten."""
+"""Number of plans that are kept; the oldest are forgotten."""
 MOVED: Final = 1e-3
-"""Distance by which joints and objects may move between planning and executing [rad |
+"""Distance by which joints and objects may move between planning and execution [rad |
 m]."""
 _ROWS: Final = 200
-"""Poses of a plan at which its clearance is measured."""
+"""Number of poses of a plan at which its clearance is measured."""
 
 
 @final
@@ -83,19 +82,19 @@ class KeptPlan:
     """Joint → commanded position [rad]."""
     objects: Mapping[str, ObjectState]
     carried: frozenset[str]
-    """The objects that grippers held."""
+    """Names of the objects that grippers held."""
     arms: tuple[str, ...]
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Moving:
-    """The arms of a motion, and where they are."""
+    """The arms of a motion, and their positions."""
 
     chains: tuple[ArmChain, ...]
     """Chains of the arms, with the limits that apply."""
     positions: Mapping[str, float]
-    """Positions of all joints, commanded where they are commanded [rad | m]."""
+    """Positions of all joints, commanded ones where available [rad | m]."""
 
     @property
     def joints(self) -> tuple[Joint, ...]:
@@ -128,7 +127,7 @@ class MotionPlans:
         self._plans: dict[int, KeptPlan] = {}
         self._count = itertools.count(1)
         self._unchecked = ""
-        """Why motions are not checked, as it was logged."""
+        """Reason why motions are not checked, as it was logged."""
 
     def close(self) -> None:
         self.cancel()
@@ -139,9 +138,9 @@ class MotionPlans:
         """Plan a motion from the commanded ``positions`` [rad | m]; see ``PlanMotion``.
 
         Raises:
-            CollisionError: If start or target are in collision.
-            PlanningError: If no way is found.
-            UnreachableError: If no posture reaches a pose.
+            CollisionError: If the start or the target is in collision.
+            PlanningError: If no path is found.
+            UnreachableError: If no posture reaches a target pose.
         """
         moving = self._moving(request.targets, positions, request.joint_ranges)
         snapshot = self._simulation.snapshot
@@ -165,7 +164,7 @@ class MotionPlans:
         positions: Mapping[str, float],
         joints: Sequence[Joint],
     ) -> Path:
-        """Return a collision-free motion of one arm that is not kept.
+        """Return a collision-free motion of one arm, without keeping it.
 
         Args:
             target: Target of the motion.
@@ -173,7 +172,7 @@ class MotionPlans:
             joints: Joints of the arm from base to flange, with the limits that apply.
 
         Raises:
-            Tool0Error: As ``plan``.
+            Tool0Error: See ``plan``.
         """
         chain = self._simulation.arm(target.arm)
         moving = _Moving(chains=(chain.with_joints(joints),), positions=positions)
@@ -194,10 +193,10 @@ class MotionPlans:
         return kept.arms
 
     def to_execute(self, number: int, positions: Mapping[str, float]) -> KeptPlan:
-        """Return a plan that can be executed now, from commanded ``positions``.
+        """Return a kept plan that can be executed now, from commanded ``positions``.
 
         Raises:
-            ControlError: If it is unknown, or the start or the scene has changed.
+            ControlError: If the plan is unknown, or the start or the scene has changed.
         """
         self.arms_of(number)
         kept = self._plans[number]
@@ -239,7 +238,7 @@ class MotionPlans:
         positions: Mapping[str, float],
         line: Path | None,
     ) -> Checked:
-        """Return whether a motion would be free; ``line``: the tool's, if it is one."""
+        """Return whether a motion is free; ``line`` is its path if it is straight."""
         moving = self._moving((request.target,), positions, {})
         path = line
         if path is None:
@@ -257,10 +256,11 @@ class MotionPlans:
     def require_free(
         self, targets: Mapping[str, float], positions: Mapping[str, float]
     ) -> None:
-        """Raise CollisionError if the straight way of arms' joints would collide.
+        """Raise CollisionError if arms would collide on a straight path in joint space.
 
         Args:
-            targets: Joint → position [rad | m]; those of no arm are not looked at.
+            targets: Joint → position [rad | m]; joints that belong to no arm are
+                ignored.
             positions: Commanded positions of all joints.
         """
         chains = self._arms_with(targets)
@@ -278,8 +278,8 @@ class MotionPlans:
     def require_free_path(self, path: Path, positions: Mapping[str, float]) -> None:
         """Raise CollisionError if arms would collide on a path of their joints.
 
-        A robot whose shapes MuJoCo cannot read is not looked at, and a warning says so
-        once; nor is any without a compiled kernel.
+        Nothing is checked if MuJoCo cannot read the robot's shapes, or without a
+        compiled kernel; a warning then says so once.
         """
         try:
             found = self.check_path(path, positions)
@@ -312,7 +312,7 @@ class MotionPlans:
     def _found(
         self, request: PlanMotion, moving: _Moving, snapshot: Snapshot
     ) -> Iterator[tuple[FreeMotion, PlanningGroup]]:
-        """Plan; the checker of motions is valid within the context."""
+        """Plan a motion; its collision checker is valid within the context."""
         model = self._simulation.description.model
         goals = combined(
             [
@@ -368,7 +368,7 @@ class MotionPlans:
         )
 
     def _arms_with(self, joints: Iterable[str]) -> tuple[ArmChain, ...]:
-        """Return the arms that have some of the joints."""
+        """Return the arms that contain any of the joints."""
         names = set(joints)
         return tuple(
             chain
@@ -421,7 +421,7 @@ class MotionPlans:
         rules: Rules,
         keep_out: Sequence[KeepOut],
     ) -> PlanningGroup:
-        """Return the checker of motions; only with the lock."""
+        """Return the checker of motions; the caller must hold the lock."""
         simulation = self._simulation
         model = simulation.description.model
         if self._world is None:
@@ -454,7 +454,7 @@ class MotionPlans:
 
     @contextmanager
     def _searching(self) -> Iterator[Cancelled]:
-        """Hold the lock for a search that can be cancelled, also while it waits."""
+        """Hold the lock for a search that can be cancelled, even while it waits."""
         cancelled = Cancelled()
         self._searches.add(cancelled)
         try:
@@ -489,7 +489,7 @@ def _bounds(
 
 
 def _straight(moving: _Moving, end: Array) -> Path:
-    """Return a motion straight in joint space, at half of the speed."""
+    """Return a straight motion in joint space, at half the speed."""
     way = SmoothWay(np.array([moving.start, end]), [])
     return time_way(moving.joints, way, speed=0.5)
 

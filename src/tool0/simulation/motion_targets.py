@@ -20,9 +20,9 @@ from tool0.protocol.planning import PlanTarget
 from tool0.simulation.tool_poses import pose_in_base, tool_in_flange
 
 ROUNDING: Final = 1e-3
-"""Distance by which a target may be beyond a joint's limit [rad]."""
+"""Distance by which a target may lie beyond a joint's limit [rad]."""
 _FREE_TURNS: Final = 24
-"""Angles about a free axis that are tried."""
+"""Number of angles about a free axis that are tried."""
 
 
 def goals_of(
@@ -31,7 +31,7 @@ def goals_of(
     target: PlanTarget,
     positions: Mapping[str, float],
 ) -> Array:
-    """Return all positions of an arm's joints that are at a target, shape (n, 6).
+    """Return all positions of an arm's joints that reach a target, shape (n, 6).
 
     Args:
         model: The robot.
@@ -40,8 +40,8 @@ def goals_of(
         positions: Positions of all joints, where they are commanded [rad | m].
 
     Raises:
-        UnreachableError: If there are none, with the reason.
-        ControlError: If it is no target of this arm.
+        UnreachableError: If the target cannot be reached; the message has the reason.
+        ControlError: If the target is not one of this arm.
     """
     if (target.pose is None) == (not target.positions):
         raise ControlError("a target needs either joint positions or a pose")
@@ -60,7 +60,7 @@ def goals_of(
         ]
     goals = np.concatenate([np.empty((0, len(start))), *found])
     if not len(goals):
-        # the reason in words
+        # raises with the reason
         kinematics.solutions(T_base_tool @ T_tool_tip, start)
         raise UnreachableError("no posture of the target is within the limits")
     return goals
@@ -86,7 +86,7 @@ def _joint_goal(
 
 
 def combined(goals: Sequence[Array], start: Array) -> Array:
-    """Return the goals of several arms together: combinations of the nearest ones."""
+    """Return joint goals of several arms: combinations of each arm's nearest ones."""
     if len(goals) == 1:
         return goals[0]
     most = max(2, int(512 ** (1.0 / len(goals))))
@@ -99,7 +99,7 @@ def combined(goals: Sequence[Array], start: Array) -> Array:
 
 
 def within(joint: Joint, wanted: tuple[float, float] | None) -> Joint:
-    """Return a joint with narrower limits [rad | m]."""
+    """Return a copy of a joint with narrower limits [rad | m]."""
     if wanted is None:
         return joint
     lower = max(wanted[0], joint.limits.lower)
@@ -113,7 +113,7 @@ def within(joint: Joint, wanted: tuple[float, float] | None) -> Joint:
 
 
 def _turns(axis: str | None) -> list[Array]:
-    """Return the turns about an axis of the tool that are tried, shape (4, 4) each."""
+    """Return the rotations about a tool axis that are tried, each of shape (4, 4)."""
     if axis is None:
         return [np.eye(4)]
     turns = []

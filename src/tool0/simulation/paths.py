@@ -1,4 +1,4 @@
-"""A planned path in the forms that a trajectory controller follows."""
+"""Conversions of a planned path into the forms that a trajectory controller follows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The programs that run: each goes on after a snapshot, between two ticks."""
+"""The running programs; each continues after a snapshot, between two ticks."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Execution(Protocol):
     """Executes one program.  Any thread may use it, except for ``look``."""
 
     goal: Goal
-    """Ends with it."""
+    """Goal that ends with the program."""
 
     @property
     def status(self) -> ProgramRun:
@@ -23,16 +23,16 @@ class Execution(Protocol):
 
     @property
     def is_stopping(self) -> bool:
-        """Whether it was stopped, and ends as soon as its arm has been released."""
+        """Whether the program was stopped; it ends once its arm has been released."""
 
     def stop(self, reason: str) -> None:
-        """End it at the next snapshot."""
+        """End the program at the next snapshot."""
 
     def set_stepping(self, stepping: bool) -> None:
-        """Choose whether it pauses before its next step."""
+        """Choose whether the program pauses before its next step."""
 
     def look(self, snapshot: Snapshot) -> None:
-        """Go on; between two ticks, in the thread of the tick."""
+        """Continue; called between two ticks, in the thread of the tick."""
 
 
 E = TypeVar("E", bound=Execution)
@@ -42,7 +42,7 @@ E = TypeVar("E", bound=Execution)
 class ProgramRuns:
     """The last program of each arm.
 
-    Only the thread of the tick may ``start`` one and ``look``.
+    Only the thread of the tick may call ``start`` and ``look``.
     """
 
     def __init__(self) -> None:
@@ -52,11 +52,11 @@ class ProgramRuns:
 
     @property
     def states(self) -> tuple[ProgramRun, ...]:
-        """The last program of each arm that ran one."""
+        """Last program of each arm that has run one."""
         return tuple(run.status for run in tuple(self._last.values()))
 
     def start(self, arm: str, make: Callable[[int], E]) -> E:
-        """Start the program that ``make`` returns for its number.
+        """Start the program that ``make`` returns for the number of the program.
 
         Raises:
             ControlError: If a program of this arm still runs.
@@ -75,15 +75,15 @@ class ProgramRuns:
         return made
 
     def is_ending(self, arm: str) -> bool:
-        """Return whether the program of an arm was stopped, and has not ended yet."""
+        """Return whether an arm's program was stopped but has not ended yet."""
         last = self._last.get(arm)
         return last is not None and last.status.state not in ENDED and last.is_stopping
 
     def find(self, arm: str | None) -> Execution:
-        """Return the program that runs on an arm; the only one, without a name.
+        """Return the program that runs on an arm, or the only one if no arm is given.
 
         Raises:
-            ControlError: If none runs, or several without a name.
+            ControlError: If no program runs, or if several run and no arm is given.
         """
         running = {run.status.arm: run for run in self._active}
         if arm is None and len(running) == 1:
@@ -97,7 +97,7 @@ class ProgramRuns:
         return running[arm]
 
     def cancel(self, goal: Goal) -> bool:
-        """Stop the program of a goal; return whether it is one of a program."""
+        """Stop the program of a goal; return whether the goal belongs to a program."""
         run = next((run for run in self._last.values() if run.goal is goal), None)
         if run is not None:
             run.stop("it was stopped")

@@ -1,4 +1,4 @@
-"""The programs and the machine on which the results of a simulation depend."""
+"""The software versions and the machine on which simulation results depend."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ from tool0.kernel.library import kernel_status
 
 
 def current_versions(engine: str) -> dict[str, str]:
-    """Return the versions of tool0, of Python and of an engine's package."""
+    """Return the versions of tool0, Python and the engine's package."""
     found = {"tool0": version("tool0"), "python": platform.python_version()}
     return found | engine_definition(engine).versions()
 
 
 def batch_versions() -> dict[str, str]:
-    """Return the versions of tool0, of the batch engine's package and of numpy."""
+    """Return the versions of tool0, the batch engine's package and numpy."""
     engine = engine_definition(batch_engine())
     found = {"tool0": version("tool0")} | engine.versions()
     return found | {"numpy": version("numpy")}
 
 
 def kernel_digest() -> str:
-    """Return a digest of the kernel's sources and of the flags that compile it."""
+    """Return a digest of the kernel's sources and its compiler flags."""
     return source_digest()[:16]
 
 
 def current_platform() -> str:
-    """Return operating system and processor of this machine."""
+    """Return the operating system and the processor of this machine."""
     return f"{platform.system()} {platform.machine()}"
 
 
 def is_kernel_compiled() -> bool:
-    """Return whether compiled code executes the ticks; the results are the same."""
+    """Return whether compiled code executes the ticks; results do not depend on it."""
     return kernel_status().library is not None
 
 

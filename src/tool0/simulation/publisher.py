@@ -14,23 +14,24 @@ logger = logging.getLogger(__name__)
 
 
 class Pace(Protocol):
-    """Passing of time, as in the loop."""
+    """The loop's view of time, which the publisher reads."""
 
     is_paused: bool
     speed: float | None
-    """Requested simulated seconds per wall second; None runs on request."""
+    """Requested simulated seconds per wall second; None if time passes only on
+    request."""
     fault: Exception | None
-    """Why time stands still."""
+    """Error that has stopped time; None without one."""
     steps: int
     """Ticks since the start."""
 
     @property
     def is_realtime(self) -> bool:
-        """Whether it keeps pace with the wall clock."""
+        """Whether the simulation keeps pace with the wall clock."""
 
     @property
     def overruns(self) -> int:
-        """Late ticks since the start."""
+        """Number of late ticks since the start."""
 
 
 @final
@@ -42,14 +43,14 @@ class Publisher:
         self._meter = SpeedMeter()
         self._lag = Lag()
         self.max_drift = 0.0
-        """Largest departure of an uncommanded joint from its initial pose so far."""
+        """Largest deviation of an uncommanded joint from its initial pose so far."""
 
     def restart_meter(self, overruns: int) -> None:
-        """Measure the speed anew; ``overruns`` is how many ticks were late."""
+        """Restart the speed measurement; ``overruns`` is the number of late ticks."""
         self._meter.restart(self._core.time, overruns)
 
     def publish(self, pace: Pace, *, with_arms: bool = False) -> None:
-        """Publish a snapshot, ``with_arms`` whoever reads it."""
+        """Publish a snapshot; ``with_arms`` includes the arms in any case."""
         core, bus, meter = self._core, self._bus, self._meter
         self.max_drift = core.drift(self.max_drift)
         time, fault = core.time, pace.fault
@@ -76,7 +77,7 @@ class Publisher:
                 None if fault is None else str(fault),
                 pace.speed,
                 manager.setpoints(),
-                {},  # received setpoints: it is this process that computes them
+                {},  # received setpoints: none, since this process computes them
                 core.scene.objects,
                 world.object_states(),
                 core.stall_monitor.stalls,
@@ -90,7 +91,7 @@ class Publisher:
         )
 
     def _announce_lag(self, pace: Pace) -> None:
-        """Publish that the simulation falls behind the wall clock or keeps up again."""
+        """Announce that the simulation falls behind real time, or keeps up again."""
         if not pace.is_realtime or pace.is_paused:
             return
         factor, late_ticks = self._meter.factor, self._meter.late_ticks

@@ -1,7 +1,7 @@
-"""Springs that pull links towards places, for an arm that is guided by hand.
+"""Springs that pull links towards target points, for guiding an arm by hand.
 
-The force follows the link in the thread of the tick.  A program that computes it from
-snapshots is late, and a light wrist then swings.
+The force is updated in the thread of the tick.  A client that computed it from
+snapshots would lag, and a light wrist would then oscillate.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from tool0.hardware.engine import JointState
 from tool0.simulation.applied_wrenches import AppliedWrench, AppliedWrenches
 
 PERIOD: Final = 0.004
-"""Simulated time between two forces of a spring [s]."""
+"""Simulated time between two force updates of a spring [s]."""
 _ROUNDING: Final = 1e-9
 """Tolerance by which a time may differ from a multiple of the tick [s]."""
 
@@ -26,13 +26,13 @@ _ROUNDING: Final = 1e-9
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PullSpring:
-    """A damped spring from a point of a link to a place at rest."""
+    """A damped spring between a point of a link and a fixed target point."""
 
     link: str
     point: Vector3
-    """Point in the link's frame [m]."""
+    """Attachment point in the link's frame [m]."""
     target: Vector3
-    """Target in the robot's root [m]."""
+    """Target point in the robot's root frame [m]."""
     stiffness: float
     """Stiffness of the spring [N/m]."""
     damping: float
@@ -48,9 +48,10 @@ class _Pull(NamedTuple):
     until: float
     """Time at which the pull ends [s]."""
     due: float
-    """Time at which the next force begins [s]."""
+    """Time at which the next force update is due [s]."""
     before: Vector3
-    """Position of the point when the last force began, in the robot's root [m]."""
+    """Position of the attachment point when the last force began, in the robot's root
+    frame [m]."""
 
 
 @final
@@ -74,7 +75,7 @@ class PullSprings:
 
         Raises:
             ModelError: If there is no such link.
-            EngineError: If it cannot move.
+            EngineError: If the link cannot move.
         """
         link = self._model.link(spring.link).name
         self._wrenches.check(link)
@@ -87,7 +88,7 @@ class PullSprings:
             self._pulls[link] = known._replace(spring=spring, until=until)
 
     def release(self, link: str | None = None) -> None:
-        """End the spring on a link, or all of them."""
+        """End the spring on one link, or all springs."""
         self._pulls = {
             name: pull
             for name, pull in self._pulls.items()
@@ -95,7 +96,7 @@ class PullSprings:
         }
 
     def tick(self, state: JointState) -> None:
-        """Apply the forces that are due; end the springs that are over."""
+        """Apply the forces that are due; end the springs whose time is over."""
         now = state.time + _ROUNDING
         for link, pull in list(self._pulls.items()):
             if pull.until <= now:
@@ -125,6 +126,6 @@ class PullSprings:
         )
 
     def _place(self, spring: PullSpring, state: JointState) -> Vector3:
-        """Return where the spring's point of its link is, in the robot's root [m]."""
+        """Return the spring's attachment point in the robot's root frame [m]."""
         position = dict(zip(self._joint_names, state.position, strict=True))
         return link_pose(self._model, position, spring.link).apply(spring.point)

@@ -16,7 +16,7 @@ from tool0.simulation.applied_wrenches import AppliedWrenches
 
 @final
 class SceneObjects:
-    """The engine's objects, and the wrenches on them.
+    """Objects in the engine, and the wrenches on them.
 
     Only the thread that owns the tick may use them.
     """
@@ -30,14 +30,14 @@ class SceneObjects:
         """Objects of the scene, in the order of the engine's states."""
 
     def check_names(self, item: SceneObject) -> None:
-        """Raise ConfigError if an object has the name of a link."""
+        """Raise ConfigError if an object has the same name as a link."""
         Scene((item,)).check_beside(self._model)
 
     def spawn(self, item: SceneObject) -> None:
         """Add an object.
 
         Raises:
-            ConfigError: If it has the name of a link.
+            ConfigError: If the object has the same name as a link.
             ModelError: If the engine does not support such an object.
             EngineError: If the name is taken, or the engine refuses.
         """
@@ -46,13 +46,13 @@ class SceneObjects:
         self.objects = (*self.objects, item)
 
     def delete(self, name: str) -> None:
-        """Remove an object, or raise EngineError if there is none."""
+        """Remove an object, or raise EngineError if it does not exist."""
         self._world.delete(name)
         self.wrenches.clear(name)
         self.objects = tuple(item for item in self.objects if item.name != name)
 
     def changed(self, item: SceneObject) -> None:
-        """Note that the engine gave an object another size, mass or friction."""
+        """Note that the engine changed an object's size, mass or friction."""
         self.objects = tuple(
             item if other.name == item.name else other for other in self.objects
         )
@@ -62,7 +62,7 @@ class SceneObjects:
 
         Raises:
             ControlError: If the state is not finite, or its quaternion has no length.
-            EngineError: If there is no such object, or it cannot have this velocity.
+            EngineError: If the object does not exist or cannot have this velocity.
         """
         length = math.hypot(*state.quat_wxyz)
         values = (*state.position, *state.linear, *state.angular)

@@ -1,4 +1,4 @@
-"""Setup of a simulation: it makes the cores of a bring-up or a batch."""
+"""Setup of a simulation: makes the cores of a bring-up or a batch."""
 
 from __future__ import annotations
 
@@ -29,24 +29,24 @@ from tool0.simulation.core import Core
 @final
 @dataclass(frozen=True, kw_only=True)
 class Setup:
-    """Description and options, with the choices that follow from them."""
+    """Description and options, with the resulting choices."""
 
     description: RobotDescription
     control: ControlConfig
     options: SimulationConfig
     scene: Scene
-    """The objects at the start."""
+    """Objects at the start."""
     choice: ControllerChoice
-    """The controllers."""
+    """Chosen controllers."""
     poses: PoseStore
     position: list[float]
-    """The initial pose [rad | m], shape (n_joints,), in the order of the model."""
+    """Initial pose [rad | m], shape (n_joints,), in the order of the model."""
 
     @staticmethod
     def of(
         description: RobotDescription, control: ControlConfig, options: SimulationConfig
     ) -> Setup:
-        """Choose scene, controllers and initial pose.
+        """Choose the scene, the controllers and the initial pose.
 
         Raises:
             Tool0Error: If an option or a file is wrong.
@@ -103,15 +103,15 @@ class Setup:
         if isinstance(engine, OwnDrives):
             for arm in core.arms:
                 arm.stop(core.state)
-            # Time may be held before the first tick, and the robot's state is needed.
+            # Time may stand still before the first tick; the state is needed.
             core.arms.follow(engine.report, core.state)
         return core
 
     def _control_period(self, dt: float) -> float | None:
-        """Return the time between updates, of the options or else of the YAML [s].
+        """Return the time between updates, from the options or else the YAML [s].
 
         Raises:
-            ConfigError: If that of the YAML is no multiple of ``dt`` [s].
+            ConfigError: If the YAML's time is not a multiple of ``dt`` [s].
         """
         period = self.control.control_period or self.choice.config.control_period
         if period is None or period == self.control.control_period:
@@ -127,9 +127,9 @@ class Setup:
 
 
 def chosen_scene(description: RobotDescription, scene: Scene | File | None) -> Scene:
-    """Return the scene that is given, or that of the cell; ConfigError if it is wrong.
+    """Return the given scene, or else the cell's; ConfigError if it is wrong.
 
-    It is checked beside the robot.
+    The scene is checked together with the robot.
     """
     cell = description.cell
     found = scene or (cell and cell.scene) or Scene()
@@ -142,7 +142,7 @@ def chosen_scene(description: RobotDescription, scene: Scene | File | None) -> S
 def _initial_position(
     model: RobotModel, poses: PoseStore, pose: str | Mapping[str, float] | None
 ) -> list[float]:
-    """Return every movable joint's position, in the order of the model."""
+    """Return the position of every movable joint, in the order of the model."""
     try:
         given = poses.find(pose).positions if isinstance(pose, str) else pose or {}
     except ControlError as error:
@@ -154,7 +154,7 @@ def _initial_position(
 def _hardware(
     model: RobotModel, engine: Engine, config: ControllerConfig
 ) -> tuple[RobotHardware, ControllerManager]:
-    """Return the robot's hardware and its controllers, with the limits of the YAML."""
+    """Return the robot's hardware and controllers, with the limits from the YAML."""
     overrides = {
         name: replace(model.joint(name).limits, **limits)
         for name, limits in config.joint_limits().items()

@@ -1,4 +1,4 @@
-"""A robot in simulation with all its parts: the object of the request handlers."""
+"""A simulated robot with all its parts, on which the request handlers operate."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 class Service(Protocol):
-    """Something that belongs to a simulation, and ends with it."""
+    """Something that belongs to a simulation and is closed with it."""
 
     def close(self) -> None: ...
 
@@ -67,27 +67,29 @@ class Simulation:
     ) -> None:
         description, config = setup.description, setup.choice.config
         self.setup = setup
-        """Setup of its start; from it the journal leads to the present state."""
+        """Setup at the start; replaying the journal from there gives the present
+        state."""
         self.description = description
         self.executor = executor
         self.core = core = executor.core
-        """Both only for the thread of the tick."""
+        """``executor`` and ``core`` are only for the thread of the tick."""
         self.engine = core.engine
         self.loop = loop
         self.bus = bus
         self.poses = setup.poses
         self.defined_controllers = config.types
-        """The type of each controller of the YAML, loaded or not, in its order."""
+        """Type of each controller in the YAML, loaded or not, in the YAML's order."""
         self.parameters = config.parameters()
-        """The whole YAML, as plain values."""
+        """Whole YAML as plain values."""
         self.joint_limits: Mapping[str, JointLimits] = core.hardware.limits
-        """Limits of each driven joint: the URDF's, or those of the YAML."""
+        """Limits of each driven joint, from the YAML or else the URDF."""
         self.spawn_z = setup.options.spawn_z
         """Height of the robot's root above the world's origin [m]."""
         self.ground = ground
-        """Height of the ground [m], in the robot's root; None if there is none."""
+        """Height of the ground [m], in the robot's root frame; None if there is no
+        ground."""
         self.warnings = tuple(warnings)
-        """Findings about the controllers' YAML."""
+        """Findings about the YAML of the controllers."""
         self.cameras = Cameras(
             description.model, cameras, ground, lambda: self.snapshot
         )
@@ -106,17 +108,17 @@ class Simulation:
         self.goals = GoalRegistry()
         self.programs = ProgramStore(description.model.name)
         self.program_runs = ProgramRuns()
-        """Runs of programs; only for the thread of the tick."""
+        """Program runs; only for the thread of the tick."""
         loop.when_observed = self.program_runs.look
         self.journal = Journal(core, loop)
-        """The requests that changed the simulation, since its start."""
+        """Journal of the requests that changed the simulation since its start."""
         self._services: dict[object, Service] = {}
         self._lock = threading.Lock()
         self._wall_start = time.perf_counter()
 
     @property
     def snapshot(self) -> Snapshot:
-        """The newest state, at most one snapshot period old."""
+        """Newest snapshot; its age is at most one snapshot period."""
         snapshot = self.bus.latest
         if snapshot is None:  # the loop publishes one before a Simulation can exist
             raise ControlError("no snapshot was published yet")
@@ -139,14 +141,16 @@ class Simulation:
 
         Args:
             rate: Snapshots per simulated second [Hz]; the default rate if left out.
-            keep_all: Miss no snapshot, however late they are taken.
-            most_kept: With ``keep_all``: miss the oldest if more are waiting.
+            keep_all: Keep every snapshot until it is read, however late.
+            most_kept: Number of waiting snapshots above which ``keep_all`` drops the
+                oldest.
             with_commands: Whether the snapshots have the commands of the joints.
-            with_arms: Whether they have each arm's motion, and the wrench on its tool.
-            with_contacts: Whether they have the contacts and their forces.
-            forces_period: Simulated time between two snapshots that have these [s];
-                they take the tick 0.2 ms.
-            latest_only: Deliver events, and the newest snapshot only.
+            with_arms: Whether the snapshots have each arm's motion, and the wrench on
+                its tool.
+            with_contacts: Whether the snapshots have the contacts and their forces.
+            forces_period: Simulated time between two snapshots with contacts and forces
+                [s], which cost the tick 0.2 ms.
+            latest_only: Deliver all events, but only the newest snapshot.
             when_published: Called for every snapshot, in the thread of the tick.
         """
         if rate is not None and not MIN_SNAPSHOT_RATE <= rate <= MAX_SNAPSHOT_RATE:
@@ -176,7 +180,7 @@ class Simulation:
         return self.loop.time
 
     def refresh(self) -> None:
-        """Publish a snapshot soon, also while time is held."""
+        """Publish a snapshot soon, even if time stands still."""
         self.loop.refresh()
 
     def snapshot_with_arms(self) -> Snapshot:
@@ -184,7 +188,7 @@ class Simulation:
         return self.loop.snapshot_with_arms()
 
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
-        """Advance time until ``is_over()``: see ``protocol.backend.States``."""
+        """Advance time until ``is_over()`` is true: see ``protocol.backend.States``."""
         loop, bus = self.loop, self.bus
         limit = math.inf if timeout is None else timeout
         start, wall_start = loop.steps, time.monotonic()
@@ -206,12 +210,12 @@ class Simulation:
         return True
 
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
-        """Advance time until ``goal`` ends, as ``wait_until`` does."""
+        """Advance time until ``goal`` ends, in the same way as ``wait_until``."""
         return self.loop.wait_for_goal(goal, timeout)
 
     @property
     def process(self) -> OwnProcess:
-        """The process that owns the simulation."""
+        """Process that owns the simulation."""
         return self.bus.process
 
     def _update_snapshot_period(self) -> None:
@@ -222,11 +226,11 @@ class Simulation:
 
     @property
     def grasp_assist(self) -> bool:
-        """Whether grasp assist fixes a gripped object to the gripper."""
+        """Whether grasp assist attaches gripped objects to the gripper."""
         return self.core.grasp_assist is not None
 
     def gripper(self, name: str | None) -> ParallelGripper:
-        """Return a gripper by name, or the only one; raise ControlError otherwise."""
+        """Return a gripper by name, or the only gripper; ControlError otherwise."""
         grippers = find_grippers(self.description.model)
         if name is None:
             return only_part(grippers, "gripper", self.description.model)
@@ -237,16 +241,16 @@ class Simulation:
 
     @cached_property
     def arms(self) -> Mapping[str, ArmChain]:
-        """The arms by name: six revolute joints that end at a link ``…tool0``.
+        """Arms by name; an arm has six revolute joints and ends at a link ``…tool0``.
 
-        Their joints have the limits that apply.
+        The joints have the limits that apply.
         """
         from tool0.kinematics.chain import find_chains  # numpy, only when needed
 
         return find_chains(self.description.model, self.joint_limits)
 
     def arm(self, name: str | None) -> ArmChain:
-        """Return an arm by name, or the only one; raise ControlError otherwise."""
+        """Return an arm by name, or the only arm; ControlError otherwise."""
         arms = self.arms
         if name is not None:
             if name not in arms:
@@ -299,10 +303,7 @@ class Simulation:
         }
 
     def service(self, kind: Callable[[Simulation], ServiceType]) -> ServiceType:
-        """Return this simulation's one service of a class, created at its first use.
-
-        Packages above this one keep their state here; the simulation closes it.
-        """
+        """Return the simulation's single service of a class, created on first use."""
         with self._lock:
             found = self._services.get(kind)
             if found is None:

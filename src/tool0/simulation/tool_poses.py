@@ -1,4 +1,4 @@
-"""Poses of a tool as requests have them, in the frames of an arm."""
+"""Tool poses of requests, in the frames of an arm."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class OfTool(Protocol):
-    """The fields of every request and target about a tool."""
+    """Fields about the tool that every such request and target has."""
 
     @property
     def tip(self) -> str | None: ...
@@ -24,14 +24,14 @@ class OfTool(Protocol):
 
 
 class ToPose(OfTool, Protocol):
-    """A request or target with a pose of the tool."""
+    """A request or target that has a pose of the tool."""
 
     @property
     def pose(self) -> Any: ...
 
 
 def tool_in_flange(model: RobotModel, chain: ArmChain, wanted: OfTool) -> Array:
-    """Return the tool's pose in the flange, shape (4, 4)."""
+    """Return the tool's pose in the flange frame, shape (4, 4)."""
     import numpy as np
 
     from tool0.description.transform import as_matrix
@@ -50,9 +50,9 @@ def pose_in_base(
     wanted: ToPose,
     positions: Mapping[str, float],
 ) -> Array:
-    """Return the pose in the link that carries the arm, shape (4, 4).
+    """Return the pose in the frame of the link that carries the arm, shape (4, 4).
 
-    ``positions`` are those of all joints [rad | m].
+    ``positions`` are the positions of all joints [rad | m].
     """
     from tool0.description.transform import as_matrix
 

@@ -1,4 +1,4 @@
-"""Motions that controllers command of drives that follow motions on their own."""
+"""Commanded motions, for drives that follow motions on their own."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tool0.simulation.arms.arms import Arms
 
 @final
 class WantedMotions:
-    """Reads the laws of controllers.  Only the thread of the tick may use it."""
+    """Reads the motions that controllers follow.  Only the tick's thread may use it."""
 
     def __init__(
         self,
@@ -34,7 +34,7 @@ class WantedMotions:
         }
 
     def look(self, state: JointState) -> Wanted:
-        """Return the commands of a tick that starts with ``state``."""
+        """Return the commands for a tick that starts with ``state``."""
         setpoints = self._manager.setpoints()
         grips = {
             name: WantedGrip(target, self._hardware.drive_limits.get(joint))
@@ -62,13 +62,13 @@ class WantedMotions:
                 order = [names.index(joint) for joint in joints]
                 splines = tuple(setpoint.splines[k] for k in order)
                 target = tuple(spline.target for spline in splines)
-                key = (*splines, *target)  # itself, as an address may be used again
+                key = (*splines, *target)  # the splines, as an id may be reused
                 return WantedMotion(_along(setpoint, joints), target=target, key=key)
         return None
 
 
 def _along(setpoint: Setpoint, joints: Sequence[str]) -> Callable[[float], ArmSetpoint]:
-    """Return the desired motion of joints, at any time."""
+    """Return a function that returns the joints' desired motion at a time."""
 
     def at(time: float) -> ArmSetpoint:
         motion = setpoint.desired_motion(joints, time)
@@ -79,7 +79,7 @@ def _along(setpoint: Setpoint, joints: Sequence[str]) -> Callable[[float], ArmSe
 
 
 def _target(setpoints: Mapping[str, Setpoint], joint: str) -> float | None:
-    """Return where a controller wants a joint in the end."""
+    """Return the final position that a controller wants for a joint, if one does."""
     for setpoint in setpoints.values():
         found = setpoint.desired_and_target(joint)
         if found is not None:

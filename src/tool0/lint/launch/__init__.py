@@ -1,1 +1,1 @@
-"""Launch files of ROS 1 as values, read as roslaunch reads them, without ROS."""
+"""ROS 1 launch files as values, read as roslaunch reads them, but without ROS."""

@@ -1,4 +1,4 @@
-"""The origin of arguments' values, and their uses."""
+"""The origins of arguments' values, and the uses of the arguments."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ from tool0.lint.launch.model import (
 from tool0.lint.launch.xacro_files import XacroFile, xacro_call
 
 MAX_VISITS = 300_000
-"""Most entries visited while searching the uses of an argument: includes multiply."""
+"""Largest number of entries visited to find the uses of an argument, since includes
+multiply."""
 _ORIGINS = {
     "command line": "from the command line",
     "include": "given by the include",
@@ -39,18 +40,18 @@ _FROM_OUTSIDE = ("include", "pass_all_args")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Use:
-    """One place that uses arguments of a launch file."""
+    """One place in a launch file that uses arguments."""
 
     what: str
-    """Display name: ``args of node /spawner``."""
+    """Display name, such as ``args of node /spawner``."""
     names: Sequence[str]
-    """The arguments that it uses."""
+    """Names of the arguments that are used in this place."""
     location: SourceLocation
     is_off: bool = False
     argument: tuple[LaunchFile, str] | None = None
-    """The argument, of this file or an included one, that it becomes a part of."""
+    """Argument, of this file or an included one, whose value includes theirs."""
     xacro: tuple[Parameter, str] | None = None
-    """The argument of xacro that it becomes a part of."""
+    """Argument of xacro whose value includes theirs."""
 
 
 @final
@@ -62,11 +63,11 @@ class _Part:
     place: Place
     uses: tuple[_Use, ...]
     argument: str = ""
-    """The name of the argument that it declares."""
+    """Name of the argument that this part declares; empty if it declares none."""
 
 
 def _uses(launch: LaunchFile) -> list[_Use]:
-    """Return all uses of arguments of ``launch``, in the file's order."""
+    """Return all uses of the arguments of ``launch``, in the file's order."""
     parts = list(_parts(launch))
     found = [use for part in parts for use in part.uses]
     found += _conditions(launch, parts)
@@ -96,7 +97,7 @@ def _parts(launch: LaunchFile) -> Iterator[_Part]:
 
 
 def _of_entry(entry: Entry) -> Iterator[_Use]:
-    """Yield the uses in the texts of an entry; those of xacro by its arguments."""
+    """Yield the uses in an entry's texts; in xacro commands, by xacro argument."""
     call = xacro_call(entry) if isinstance(entry, Parameter) else None
     in_xacro: set[str] = set()
     if call is not None and isinstance(entry, Parameter):
@@ -111,7 +112,7 @@ def _of_entry(entry: Entry) -> Iterator[_Use]:
 
 
 def _of_include(include: Include) -> Iterator[_Part]:
-    """Yield the arguments of the included file that values become."""
+    """Yield the uses of values that are passed as arguments to the included file."""
     child, of = include.launch, _included(include)
     yield _Part(describe(include), include.place, ())  # its conditions come first
     for item in include.passed:
@@ -140,7 +141,7 @@ def _origin(launch: LaunchFile, name: str) -> str:
 
 
 def _conditions(launch: LaunchFile, parts: list[_Part]) -> Iterator[_Use]:
-    """Yield each ``if`` and ``unless`` once, though a group's is that of many."""
+    """Yield each ``if`` and ``unless`` once, even if it applies to a whole group."""
     seen = set()
     for part in parts:
         for number, condition in enumerate(reversed(part.place.conditions)):
@@ -202,14 +203,14 @@ def _included(include: Include) -> str:
 def argument_flow(
     launch: LaunchFile, robots: Mapping[Parameter, XacroFile]
 ) -> tuple[Item, ...]:
-    """Return an item for each file that has arguments, with their uses in it.
+    """Return an item for each file that has arguments, with the uses in the file.
 
-    Of included files, only arguments whose value does not come from another file's
-    argument are listed: the others appear on the path from there.
+    For included files, only arguments whose values do not come from another file's
+    argument are listed; the others appear on the path from that argument.
 
     Args:
-        launch: The file.
-        robots: The xacro files that its parameters load (``xacro_robots``).
+        launch: Launch file.
+        robots: Xacro files that the launch file's parameters load (``xacro_robots``).
     """
     explainer = _FlowExplainer(launch, robots)
     listed = [explainer.arguments(file) for file in launch.files()]
@@ -218,7 +219,7 @@ def argument_flow(
 
 @final
 class _FlowExplainer:
-    """Follows the arguments of one file and of those it includes."""
+    """Follows the arguments of one file and of the files that it includes."""
 
     def __init__(
         self, launch: LaunchFile, robots: Mapping[Parameter, XacroFile]
@@ -229,7 +230,7 @@ class _FlowExplainer:
         self._uses_in: dict[int, list[_Use]] = {}
 
     def arguments(self, launch: LaunchFile) -> Item:
-        """Return the arguments that are listed with one file."""
+        """Return the arguments to list for one file."""
         is_root = launch is self._launch
         names = [argument.name for argument in launch.arguments]
         found = []
@@ -266,7 +267,7 @@ class _FlowExplainer:
     def _uses(
         self, launch: LaunchFile, name: str, path: tuple[tuple[int, str], ...]
     ) -> Iterator[Item]:
-        """Yield the uses of an argument, with their own uses."""
+        """Yield the uses of an argument, each with further uses of its own value."""
         here = (id(launch), name)
         if here in path:
             return

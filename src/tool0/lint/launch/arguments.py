@@ -24,7 +24,7 @@ from tool0.lint.launch.statements import read_statement
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GivenArgument:
-    """The value of a file's argument, given from outside."""
+    """Value of an argument that is given from outside the file."""
 
     text: Text
     origin: Literal["command line", "include", "pass_all_args"]
@@ -47,7 +47,7 @@ class Arguments:
         self._found: list[Argument] = []
 
     def declare(self, scope: Scope) -> None:
-        """Take an ``<arg>`` into the scope."""
+        """Add an ``<arg>`` to the scope."""
         name = scope.required("name").resolved
         if not name:
             return
@@ -85,7 +85,7 @@ class Arguments:
     def _with_value(
         self, argument: Argument, value: Text | None, scope: Scope
     ) -> Argument:
-        """Return the argument with the value that it has from now on."""
+        """Return the argument with its value from now on."""
         name = argument.name
         given = self._given.get(name)
         if value is not None:
@@ -117,7 +117,7 @@ class Arguments:
         )
 
     def report_missing(self, include: Scope) -> None:
-        """Report the required arguments that the include does not give."""
+        """Report the required arguments that the include does not pass."""
         for argument in self._found:
             name = argument.name
             if argument.origin == "missing" and name not in self._scope.values:
@@ -131,7 +131,7 @@ class Arguments:
                 )
 
     def finished(self) -> tuple[Argument, ...]:
-        """Return all arguments, the file being read; report those nothing uses."""
+        """Return all arguments at the end of the file; report unused ones."""
         first = {argument.name: argument for argument in reversed(self._found)}
         for name in dict.fromkeys(argument.name for argument in self._found):
             if name not in self._scope.used:
@@ -162,7 +162,7 @@ class Arguments:
 
 
 def _if_active(text: Text, scope: Scope) -> Text:
-    """Return ``text``, without a value if the element may be switched off."""
+    """Return ``text``, without a value if the element may be inactive."""
     if scope.holds is not None:
         return text
     reason = "it depends on an if or unless that is unknown"
@@ -172,7 +172,7 @@ def _if_active(text: Text, scope: Scope) -> Text:
 def read_include(
     scope: Scope,
 ) -> tuple[Include, dict[str, GivenArgument], list[Statement]]:
-    """Return an ``<include>``, the arguments it gives, and its environment."""
+    """Return an ``<include>``, the arguments that it passes, and its environment."""
     file = scope.required("file")
     namespace = scope.inner_namespace()
     passes_all = scope.boolean("pass_all_args")
@@ -198,7 +198,7 @@ def read_include(
 
 
 def _all_given(scope: Scope) -> dict[str, GivenArgument]:
-    """Return the arguments of the file as pass_all_args passes them."""
+    """Return the arguments of the file in the form that pass_all_args passes."""
     scope.used.update(scope.declared, scope.values)
     given = {}
     for name in {**scope.declared, **scope.values}:
@@ -225,7 +225,7 @@ def _passed(
     *,
     passes_all: bool,
 ) -> Iterator[Passed]:
-    """Yield the ``<arg>`` in an include; add to the arguments that it passes."""
+    """Yield each ``<arg>`` in an include, and add it to the passed arguments."""
     names: set[str] = set()
     for at in scope.children():
         if at.tag == "env":

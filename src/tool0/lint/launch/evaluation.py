@@ -1,7 +1,8 @@
-"""``$(eval …)`` of roslaunch: arithmetic, texts and arguments, and nothing else.
+"""roslaunch's ``$(eval …)``: arithmetic, texts and arguments, and nothing else.
 
-roslaunch hands the expression to Python.  Here its syntax tree is walked, and only the
-constructs below are supported; sizes are bounded, so that no expression takes long.
+roslaunch passes the expression to Python.  Here, its syntax tree is walked, and only
+the constructs below are supported.  Sizes are bounded, so that no expression takes
+long.
 """
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ from dataclasses import dataclass
 from typing import Final, final
 
 MAX_LENGTH: Final = 2000
-"""Longest expression, in characters."""
+"""Largest number of characters in an expression."""
 MAX_TEXT: Final = 50_000
-"""Longest text that an expression may create."""
+"""Largest number of characters in a text that an expression creates."""
 MAX_BITS: Final = 4096
 """Largest size of a whole number [bits]."""
 
@@ -43,7 +44,7 @@ METHODS: Final = frozenset(
         *("rstrip", "split", "startswith", "strip", "title", "upper"),
     }
 )
-"""Methods of texts whose result is not longer than the text."""
+"""Methods of texts whose results are not longer than the text."""
 UNARY: Final[dict[type[ast.unaryop], Function]] = {
     ast.Not: operator.not_,
     ast.UAdd: operator.pos,
@@ -79,12 +80,12 @@ _BINARY: Final[dict[type[ast.operator], Function]] = {
 
 
 class EvaluationError(Exception):
-    """The expression has no value; the message says why."""
+    """Raised if the expression has no value; the message has the reason."""
 
 
 @final
 class NotUnderstoodError(EvaluationError):
-    """The expression may have a value in roslaunch, but not here."""
+    """Raised if the expression may have a value in roslaunch, but not here."""
 
 
 def evaluate(
@@ -96,11 +97,13 @@ def evaluate(
 
     Args:
         expression: The content of ``$(eval …)``.
-        functions: Functions of texts that it may call, by name.
-        argument: Gives the value of a name; raises KeyError if it has none.
+        functions: Functions of texts that the expression may call, by name.
+        argument: Function that returns the value of a name; raises KeyError if there is
+            none.
 
     Raises:
-        EvaluationError: If it is no expression, has no value, or is not supported.
+        EvaluationError: If the text is not an expression, has no value, or is not
+            supported.
     """
     if len(expression) > MAX_LENGTH:
         raise EvaluationError(f"it is longer than {MAX_LENGTH} characters")
@@ -127,7 +130,7 @@ class _Evaluator:
     """Walks the tree of one expression."""
 
     of_texts: Mapping[str, Function]
-    """The functions that accept texts."""
+    """Functions that accept texts."""
     argument: Callable[[str], object]
 
     def value(self, node: ast.expr) -> object:
@@ -210,7 +213,7 @@ def _item(whole: object, index: object) -> object:
 
 
 def binary(op: ast.operator, left: object, right: object) -> object:
-    """Return the result of the operator, if it cannot be large."""
+    """Return the result of an operator, provided that it cannot be large."""
     for value in (left, right):
         _small(value)
     are_numbers = isinstance(left, int | float) and isinstance(right, int | float)

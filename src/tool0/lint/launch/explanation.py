@@ -1,4 +1,4 @@
-"""A launch file explained: a tree of its includes, nodes and parameters."""
+"""Explanation of a launch file: a tree of its includes, nodes and parameters."""
 
 from __future__ import annotations
 
@@ -27,22 +27,23 @@ class Item:
     """An element of a launch file, with its children."""
 
     kind: str
-    """``include``, ``node``, ``param``, ``argument``, ``use`` and so on."""
+    """Kind of the item: ``include``, ``node``, ``param``, ``argument``, ``use`` and so
+    on."""
     name: str
     value: str | None = None
-    """None if it has none, or it is unknown."""
+    """Value of the element; None if it has none or the value is unknown."""
     location: SourceLocation
     note: str = ""
-    """Why it has no value, why it is switched off, and the like."""
+    """Remark, for instance why the element has no value or is inactive."""
     items: tuple[Item, ...] = ()
 
 
 def contents(launch: LaunchFile, robots: Mapping[Parameter, XacroFile]) -> Item:
-    """Return the explanation of a file and of all that it includes.
+    """Return the explanation of a file and of all files that it includes.
 
     Args:
-        launch: The file.
-        robots: The xacro files that its parameters load (``xacro_robots``).
+        launch: Launch file.
+        robots: Xacro files that the launch file's parameters load (``xacro_robots``).
     """
     explainer = _ContentsExplainer(robots)
     return Item(
@@ -55,7 +56,7 @@ def contents(launch: LaunchFile, robots: Mapping[Parameter, XacroFile]) -> Item:
 
 @final
 class _ContentsExplainer:
-    """Explains the entries of one file and of those it includes."""
+    """Explains the entries of one file and of the files that it includes."""
 
     def __init__(self, robots: Mapping[Parameter, XacroFile]) -> None:
         self._robots = robots
@@ -115,7 +116,7 @@ class _ContentsExplainer:
         )
 
     def _robot(self, parameter: Parameter, robot: XacroFile) -> Item:
-        """Return the xacro file that a parameter loads, with its arguments."""
+        """Return the xacro file that a parameter loads, and the file's arguments."""
         call = xacro_call(parameter)
         declared = {name for file in robot.walk() for name in file.defaults}
         given = [
@@ -141,7 +142,7 @@ def _item(
     note: str = "",
     items: tuple[Item, ...] = (),
 ) -> Item:
-    """Return an item; "off" comes before any other note."""
+    """Return an item; the remark "off" comes before all others."""
     return Item(
         kind=kind,
         name=name,
@@ -188,7 +189,7 @@ def _shown(text: Text) -> str:
 
 
 def _off(place: Place) -> str:
-    """Return why something is off, or may be; empty if it is on."""
+    """Return why an element is or may be inactive; empty if it is active."""
     for condition in place.conditions:
         if condition.holds is False:
             return f'off: {condition.kind}="{condition.text.raw}"'

@@ -1,6 +1,7 @@
 """roslaunch's grammar: its elements and attributes, its names and values.
 
-From https://wiki.ros.org/roslaunch/XML; ``if`` and ``unless`` may stand on every one.
+From https://wiki.ros.org/roslaunch/XML; ``if`` and ``unless`` are allowed on every
+element.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ CHILDREN: Final[dict[str, frozenset[str]]] = {
     "node": _OF_NODES,
     "test": _OF_NODES,
 }
-"""The children that an element may have; elements not listed have none."""
+"""Allowed children of each element; elements that are not listed have none."""
 
 _OBSOLETE: Final[dict[tuple[str, str], str]] = {
     ("machine", name): "was removed in ROS Fuerte; write env-loader instead"
@@ -61,7 +62,7 @@ _OBSOLETE: Final[dict[tuple[str, str], str]] = {
 }
 
 _LEGAL: Final = re.compile(r"[~/A-Za-z][\w/]*", re.ASCII)
-"""A name of ROS's graph."""
+"""Pattern of a name in the ROS graph."""
 
 
 def findings(tag: Tag) -> Iterator[Finding]:
@@ -106,7 +107,7 @@ def is_legal(name: str) -> bool:
 
 
 def join(namespace: str, name: str) -> str:
-    """Return ``name`` in ``namespace``; a global or private one stays as it is."""
+    """Return ``name`` in ``namespace``; global and private names stay unchanged."""
     if not namespace or name.startswith(("/", "~")):
         return name
     return f"{namespace.removesuffix('/')}/{name}"
@@ -119,13 +120,13 @@ def canonical(name: str) -> str:
 
 
 def as_namespace(name: str) -> str:
-    """Return ``name`` as a global name with a slash at its end."""
+    """Return ``name`` as a global name that ends with a slash."""
     inside = canonical(name).strip("/")
     return f"/{inside}/" if inside else "/"
 
 
 def converted(value: str) -> str | float | int | bool:
-    """Return the value that roslaunch gives a text without a type."""
+    """Return the value that roslaunch assigns to a text without a type."""
     try:
         if "." in value:
             return float(value)
@@ -138,7 +139,7 @@ def converted(value: str) -> str | float | int | bool:
 
 
 def as_boolean(value: str) -> bool | None:
-    """Return the value of a text in ``if``; None if that is an error."""
+    """Return the value of a text in ``if``; None if the text is an error there."""
     word = value.lower().strip()
     if word in ("true", "1"):
         return True

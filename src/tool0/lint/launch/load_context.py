@@ -1,4 +1,4 @@
-"""Shared by all files of one run: packages, limits, parsed files, node names."""
+"""State shared by all files of one run: packages, limits, parsed files, node names."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from tool0.errors import DescriptionError, SourceLocation
 from tool0.lint.packages import PackageIndex
 
 MAX_NESTING: Final = 40
-"""Levels of groups and includes."""
+"""Largest depth of nested groups and includes."""
 MAX_FILES: Final = 500
 MAX_ELEMENTS: Final = 20_000
 MAX_CHARACTERS: Final = 5_000_000
-"""Largest size of all texts together after substitution, in characters."""
+"""Largest total size of all texts after substitution, in characters."""
 MAX_BYTES: Final = 1_000_000
 """Largest size of one file [bytes]."""
 
 _START: Final = re.compile(r"<(?:[^<>'\"]|'[^']*'|\"[^\"]*\")*>")
-"""A start tag; what it quotes may hold any bracket."""
+"""A start tag; quoted values in it may contain any bracket."""
 
 
 @final
 class LoadContext:
-    """One reading of a launch file and all that it includes."""
+    """One reading of a launch file and all files that it includes."""
 
     def __init__(self, packages: PackageIndex) -> None:
         self.packages = packages
         self.nodes: dict[str, SourceLocation] = {}
-        """Full names of nodes that are certainly active, and their places."""
+        """Full names of nodes that are certainly active, with their locations."""
         self.depth = 0
         self._open: list[object] = []
         self._left = {
@@ -46,24 +46,24 @@ class LoadContext:
         self._anonymous = 0
 
     def spend(self, what: str, count: int = 1) -> bool:
-        """Whether so many more may be read."""
+        """Count ``count`` more; return whether the limit still allows them."""
         self._left[what] -= count
         return self._left[what] >= 0
 
     def anonymous(self, name: str) -> str:
-        """Return a unique name; roslaunch builds it from host and time."""
+        """Return a unique name; roslaunch derives such names from host and time."""
         self._anonymous += 1
         return f"{name}_anonymous_{self._anonymous}"
 
     def enter(self, reading: object) -> bool:
-        """Start reading a file with its arguments; False if that is in progress."""
+        """Start reading a file with its arguments; False if already in progress."""
         if reading in self._open:
             return False
         self._open.append(reading)
         return True
 
     def leave(self) -> None:
-        """End the file that was started last."""
+        """Finish the file that was started last."""
         self._open.pop()
 
     def text_line(self, path: Path, element: Element) -> int | None:
@@ -79,14 +79,14 @@ class LoadContext:
         return line if tag is None else line + rest.count("\n", 0, tag.end())
 
     def root(self, path: Path) -> Element | Finding:
-        """Return the file's ``<launch>``, or why there is none."""
+        """Return the file's ``<launch>``, or a finding if there is none."""
         if path not in self._roots:
             self._roots[path] = _root(path)
         return self._roots[path]
 
 
 def is_file(path: str | Path) -> bool:
-    """Whether there is such a file; False for an impossible path."""
+    """Whether the file exists; False for an impossible path."""
     return os.path.isfile(path)  # noqa: PTH113  # Path's raises if a name is too long
 
 
@@ -94,7 +94,8 @@ def read_limited(path: Path) -> bytes:
     """Return the content of a file.
 
     Raises:
-        DescriptionError: If it is no file, cannot be read, or is too large.
+        DescriptionError: If the path is not a file, or the file cannot be read or is
+            too large.
     """
     if not is_file(path):
         raise DescriptionError("is no file")

@@ -23,7 +23,7 @@ Origin: TypeAlias = Literal[
     "missing",
     "switched off",
 ]
-"""Origin of an argument's value; ``value`` is one that cannot be overridden."""
+"""Origin of an argument's value; ``value`` marks a value that cannot be overridden."""
 
 
 @final
@@ -32,14 +32,15 @@ class Text:
     """An attribute's value, or the text of an element."""
 
     raw: str
-    """The text as it is written."""
+    """Text as written."""
     resolved: str | None
-    """The text with every ``$(…)`` replaced; None if one of them has no value."""
+    """Text with every ``$(…)`` replaced; None if one of them has no value."""
     location: SourceLocation
     uses: tuple[str, ...] = ()
-    """The names of the arguments in it, each once, of the file it is written in."""
+    """Names of the arguments in the text, each once; they belong to the file in which
+    the text is written."""
     reason: str = ""
-    """Why it is not resolved."""
+    """Reason why the text is not resolved."""
 
 
 @final
@@ -50,11 +51,11 @@ class Condition:
     kind: Literal["if", "unless"]
     text: Text
     holds: bool | None
-    """Whether the element is active; None if that is unknown."""
+    """Whether the element is active; None if unknown."""
 
 
 def all_hold(conditions: Iterable[Condition]) -> bool | None:
-    """Return whether an element under these conditions is active; None if unknown."""
+    """Return whether an element with these conditions is active; None if unknown."""
     held = [condition.holds for condition in conditions]
     return False if False in held else None if None in held else True
 
@@ -62,19 +63,19 @@ def all_hold(conditions: Iterable[Condition]) -> bool | None:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Place:
-    """Location of an element, and whether it is active."""
+    """Location of an element, and whether the element is active."""
 
     location: SourceLocation
     namespace: str | None
-    """Global, with a slash at its end; None if it cannot be resolved."""
+    """Global namespace, with a slash at its end; None if it cannot be resolved."""
     conditions: tuple[Condition, ...] = ()
-    """Conditions of this element and of all that contain it; the outermost first."""
+    """Conditions of this element and of all elements around it, outermost first."""
 
     @property
     def holds(self) -> bool | None:
         """Whether roslaunch would act on the element.
 
-        None if that depends on an argument without a value.
+        The result is None if this depends on an argument without a value.
         """
         return all_hold(self.conditions)
 
@@ -85,35 +86,35 @@ NamedText: TypeAlias = tuple[str, Text]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Argument:
-    """A declared ``<arg>``, and the value that it has."""
+    """A declared ``<arg>`` and its value."""
 
     name: str
     place: Place
     value: Text | None = None
-    """None if it has none.  Its location is where the origin says; it uses arguments of
-    the file there."""
+    """Value of the argument; None if it has none.  The text's location is that of the
+    origin, and the text uses arguments of the file there."""
     origin: Origin
     default: Text | None = None
-    """The default in the declaration, which need not be the value."""
+    """Default in the declaration, which may differ from the value."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Statement:
-    """A ``<remap>``, ``<env>`` or ``<machine>``: it has only attributes.
+    """A ``<remap>``, ``<env>`` or ``<machine>``, which only has attributes.
 
-    In ROS 2, also a process that is no node.
+    In ROS 2, it can also be a process that is not a node.
     """
 
     kind: Literal["remap", "env", "machine", "process"]
     place: Place
     texts: tuple[NamedText, ...]
-    """``from`` and ``to`` of a remap, ``name`` and ``value`` of an env, ``name`` and
-    ``cmd`` of a process."""
+    """Attributes: ``from`` and ``to`` of a remap, ``name`` and ``value`` of an env,
+    ``name`` and ``cmd`` of a process."""
 
     @property
     def subject(self) -> Text:
-        """The first attribute: the name that is remapped, or the variable."""
+        """First attribute, which is the remapped name or the variable."""
         return self.texts[0][1]
 
 
@@ -125,13 +126,14 @@ class Parameter:
     place: Place
     name: Text
     full_name: str | None
-    """``/robot_description``; None if unknown, or private and not in a node."""
+    """Full name, such as ``/robot_description``; None if unknown, or private and not in
+    a node."""
     type: str = "auto"
     source: Literal["value", "textfile", "binfile", "command"]
     content: Text
-    """The value, the path of the file, or the command."""
+    """Text of the value, of the file's path, or of the command."""
     words: tuple[str, ...] = ()
-    """The command, split as by a shell; empty if there is none, or it is unresolved."""
+    """Command, split as by a shell; empty if there is none or it is unresolved."""
 
     @property
     def texts(self) -> tuple[NamedText, ...]:
@@ -139,27 +141,27 @@ class Parameter:
 
     @property
     def is_private(self) -> bool:
-        """Whether the name starts with a tilde: it is set for every later node."""
+        """Whether the name starts with a tilde, so that it applies to later nodes."""
         return (self.name.resolved or self.name.raw).startswith("~")
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rosparam:
-    """A ``<rosparam>``: a file of YAML, or YAML in the launch file."""
+    """A ``<rosparam>``, with a YAML file or with YAML in the launch file."""
 
     place: Place
     command: Literal["load", "delete", "dump"]
     namespace: str | None
-    """The full name that the parameters come under; None if unknown."""
+    """Full name under which the parameters are set; None if unknown."""
     file: Text | None
     path: Path | None
-    """The file, if its name is known; it need not exist."""
+    """Path of the file, if known; the file need not exist."""
     yaml: Text | None
-    """The loaded YAML, with its arguments replaced if ``subst_value`` is set; its
-    location is that of the YAML's first line.  None if the file cannot be read."""
+    """Loaded YAML, with its arguments replaced if ``subst_value`` is set.  The location
+    is that of the YAML's first line.  None if the file cannot be read."""
     names: tuple[NamedText, ...] = ()
-    """``ns`` and ``param``, if they are given."""
+    """Attributes ``ns`` and ``param``, if they are given."""
 
     @property
     def texts(self) -> tuple[NamedText, ...]:
@@ -180,14 +182,14 @@ class Node:
     full_name: str | None
     args: Text | None
     words: tuple[str, ...]
-    """The arguments, split as by a shell; empty if they are unresolved."""
+    """Arguments of the node, split as by a shell; empty if they are unresolved."""
     settings: tuple[NamedText, ...] = ()
-    """Every other attribute, as ``output`` and ``respawn``."""
+    """All other attributes, such as ``output`` and ``respawn``."""
     parameters: tuple[Parameter, ...] = ()
-    """Parameters of the node, and private ones before it in the file."""
+    """Parameters of the node, including private ones set before it in the file."""
     rosparams: tuple[Rosparam, ...] = ()
     remaps: tuple[Statement, ...] = ()
-    """The remaps that apply to the node, its own last."""
+    """Remaps that apply to the node; its own come last."""
     environment: tuple[Statement, ...] = ()
 
     @property
@@ -199,7 +201,7 @@ class Node:
 
     @property
     def parts(self) -> tuple[Entry, ...]:
-        """All of its elements."""
+        """All elements of the node."""
         return (*self.parameters, *self.rosparams, *self.remaps, *self.environment)
 
 
@@ -226,7 +228,7 @@ class Include:
     settings: tuple[NamedText, ...] = ()
     launch: LaunchFile | None = None
     reason: str = ""
-    """Why there is no ``launch``."""
+    """Reason why there is no ``launch``."""
 
     @property
     def texts(self) -> tuple[NamedText, ...]:
@@ -239,27 +241,27 @@ Entry: TypeAlias = Statement | Parameter | Rosparam | Node | Include
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LaunchFile:
-    """A launch file, as it is read with certain arguments in a certain namespace."""
+    """A launch file, read with certain arguments in a certain namespace."""
 
     file: Path
     arguments: tuple[Argument, ...] = ()
     entries: tuple[Entry, ...] = ()
-    """The entries in the order of the file; a group is replaced by its entries."""
+    """Entries in the order of the file; groups are replaced by their entries."""
     findings: tuple[Finding, ...] = ()
-    """The findings in this file and in those that it includes."""
+    """Findings in this file and in the files that it includes."""
     notes: tuple[str, ...] = ()
-    """Parts of this file, or of one that it includes, that could not be analysed."""
+    """Parts of this file, or of an included one, that could not be analysed."""
 
     @property
     def is_python(self) -> bool:
-        """Whether it is a launch file of ROS 2."""
+        """Whether this is a launch file of ROS 2."""
         return self.file.suffix == ".py"
 
     def walk(self, *, active_only: bool = True) -> Iterator[Entry]:
         """Yield the entries in the order in which roslaunch acts on them.
 
-        An include comes before what it includes.  Elements that depend on an argument
-        without a value count as active.
+        An include comes before the entries that it includes.  Elements that depend on
+        an argument without a value count as active.
         """
         for entry in self.entries:
             if active_only and entry.place.holds is False:
@@ -269,7 +271,7 @@ class LaunchFile:
                 yield from entry.launch.walk(active_only=active_only)
 
     def files(self) -> Iterator[LaunchFile]:
-        """Yield this file and all that it includes."""
+        """Yield this file and all files that it includes."""
         yield self
         for entry in self.walk():
             if isinstance(entry, Include) and entry.launch is not None:
@@ -280,16 +282,16 @@ class LaunchFile:
         return (entry for entry in self.walk() if isinstance(entry, Node))
 
     def parameters(self, *, active_only: bool = True) -> Iterator[Parameter]:
-        """Yield every parameter, those in nodes too."""
+        """Yield every parameter, including those in nodes."""
         settings = self.settings(active_only=active_only)
         return (item for item in settings if isinstance(item, Parameter))
 
     def rosparams(self) -> Iterator[Rosparam]:
-        """Yield every ``<rosparam>``, those in nodes too."""
+        """Yield every ``<rosparam>``, including those in nodes."""
         return (item for item in self.settings() if isinstance(item, Rosparam))
 
     def settings(self, *, active_only: bool = True) -> Iterator[Parameter | Rosparam]:
-        """Yield everything that sets parameters, in roslaunch's order."""
+        """Yield every element that sets parameters, in roslaunch's order."""
         for entry in self.walk(active_only=active_only):
             inner: tuple[Entry, ...] = (entry,)
             if isinstance(entry, Node):
@@ -300,7 +302,7 @@ class LaunchFile:
                     yield item
 
     def argument(self, name: str) -> Argument | None:
-        """Return the argument of this name that has a value, else any of the name."""
+        """Return the argument of this name with a value, or else any of that name."""
         found = [argument for argument in self.arguments if argument.name == name]
         valued = [argument for argument in found if argument.value is not None]
         return next(iter(valued or found), None)

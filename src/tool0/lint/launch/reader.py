@@ -1,8 +1,9 @@
-"""Reading launch files: arguments, groups and includes, as roslaunch does.
+"""Reads launch files: arguments, groups and includes, as roslaunch does.
 
-A Python launch file is read as ROS 2 does (``python``).
+Python launch files are read as in ROS 2 (package ``python``).
 
-Every problem becomes a finding, and reading continues; dependent values are unresolved.
+Every problem becomes a finding, and reading continues; values that depend on it are
+unresolved.
 """
 
 from __future__ import annotations
@@ -44,8 +45,8 @@ def read_launch(
 
     Args:
         file: The launch file.
-        arguments: Its arguments, as given by ``name:=value``.
-        packages: The packages of ``$(find …)``.
+        arguments: The file's arguments, as given by ``name:=value``.
+        packages: Packages for ``$(find …)``.
     """
     texts = {
         name: Text(raw=value, resolved=value, location=SourceLocation(None))
@@ -72,7 +73,7 @@ def read_launch(
 
 @final
 class _FileReader:
-    """Reads one file, once."""
+    """Reads one file; used only once."""
 
     def __init__(
         self,
@@ -167,7 +168,7 @@ class _FileReader:
         self._context.depth -= 1
 
     def _claim_name(self, node: Node, scope: Scope) -> None:
-        """Report a second node of one name: roslaunch refuses it."""
+        """Report a second node with the same name, which roslaunch refuses."""
         name = node.full_name
         if name is None or not scope.holds:
             return
@@ -211,7 +212,7 @@ class _FileReader:
                 file=path,
                 element=root,
                 namespace=include.place.namespace,
-                private=scope.private or [],  # as roslaunch: an empty one is not shared
+                private=scope.private or [],  # like roslaunch: not shared if empty
                 environment=[*scope.environment, *environment],
             )
             reader = _FileReader(outer, given, include)

@@ -31,7 +31,7 @@ from tool0.lint.robot.elements import Tag
 class Scope:
     """One element, and its context in roslaunch.
 
-    A file has one context, shared by its elements; each group in it has a copy.
+    A file has one context, shared by its elements; each group in the file has a copy.
     """
 
     context: LoadContext
@@ -39,26 +39,26 @@ class Scope:
     element: Element
     namespace: str | None
     values: dict[str, Text] = field(default_factory=dict)
-    """The arguments that have, or should have, a value."""
+    """Arguments that have, or should have, a value."""
     declared: dict[str, SourceLocation] = field(default_factory=dict)
     used: set[str] = field(default_factory=set)
-    """The arguments that are used in the file."""
+    """Arguments that are used in the file."""
     findings: list[Finding] = field(default_factory=list)
     conditions: tuple[Condition, ...] = ()
     private: list[Parameter] = field(default_factory=list)
-    """Set so far for the nodes that follow."""
+    """Private parameters set so far, for the nodes that follow."""
     remaps: list[Statement] = field(default_factory=list)
     environment: list[Statement] = field(default_factory=list)
     anonymous: dict[str, str] = field(default_factory=dict)
 
     def at(self, element: Element) -> Scope:
-        """Return the scope of another element: this, under its conditions too."""
+        """Return the scope of another element, with that element's conditions added."""
         inner = replace(self, element=element)
         inner.conditions += inner._conditions()
         return inner
 
     def children(self) -> Iterator[Scope]:
-        """Yield the scopes of the elements in this that roslaunch reads here."""
+        """Yield the scopes of this element's children that roslaunch reads here."""
         for child in children(self.element):
             if child.tagName in grammar.CHILDREN[self.tag]:
                 inner = self.at(child)
@@ -66,7 +66,7 @@ class Scope:
                 yield inner
 
     def group(self, namespace: str | None) -> Scope:
-        """Return the scope of a group: its declarations end with it."""
+        """Return the scope of a group; its declarations end with the group."""
         return replace(
             self,
             namespace=namespace,
@@ -80,7 +80,7 @@ class Scope:
 
     @property
     def place(self) -> Place:
-        """The place of the element."""
+        """Place of the element."""
         return Place(
             location=self.location,
             namespace=self.namespace,
@@ -94,7 +94,7 @@ class Scope:
 
     @property
     def tag(self) -> str:
-        """The name of the element."""
+        """Name of the element."""
         return self.element.tagName
 
     @property
@@ -103,7 +103,7 @@ class Scope:
         return getattr(self.element, "location", None) or SourceLocation(self.file)
 
     def text(self, name: str) -> Text | None:
-        """Return an attribute with its substitutions; None if there is none."""
+        """Return an attribute with its substitutions; None if it is not there."""
         if not self.element.hasAttribute(name):
             return None
         return self.resolved(self.element.getAttribute(name), self.location)
@@ -134,7 +134,7 @@ class Scope:
         return text
 
     def boolean(self, name: str) -> bool:
-        """Return an attribute that is ``true`` or ``false``; False if it is neither."""
+        """Return a ``true`` or ``false`` attribute as bool; False if it is neither."""
         text = self.text(name)
         word = "false" if text is None or text.resolved is None else text.resolved
         if word.lower() not in ("true", "false"):
@@ -207,7 +207,7 @@ class Scope:
         severity: Severity = "error",
         location: SourceLocation | None = None,
     ) -> None:
-        """Add a finding about the element, unless it is switched off."""
+        """Add a finding about the element, unless the element is inactive."""
         if self.holds is not False:
             where = location or self.location
             self.findings.append(

@@ -1,4 +1,4 @@
-"""Nodes of ROS 2 beside a simulation that use the wall clock."""
+"""ROS 2 nodes that use the wall clock although a simulation runs."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from tool0.lint.launch.model import Include, LaunchFile, Node
 
 _SIMULATIONS: Final = ("ros_gz_sim", "ros_ign_gazebo", "gazebo_ros", "webots_ros2")
 _STAMPING: Final = ("robot_state_publisher", "move_group", "servo_node")
-"""Programs that compare or publish stamps, and are wrong with another clock."""
+"""Programs that compare or publish stamps, and fail with a different clock."""
 _NAME: Final = "use_sim_time"
 
 
 def missing_sim_time(launch: LaunchFile) -> Iterator[Finding]:
-    """Yield the nodes of a launch file of ROS 2 that lack ``use_sim_time``."""
+    """Yield the nodes of a ROS 2 launch file that lack ``use_sim_time``."""
     if not launch.is_python or not _simulates(launch):
         return
     for node in launch.nodes():
@@ -44,7 +44,7 @@ def _simulates(launch: LaunchFile) -> bool:
 
 
 def _is_set(node: Node) -> bool:
-    """Whether the parameter is set, or may be: in a file, or under a condition."""
+    """Whether the parameter is or may be set, in a file or under a condition."""
     named = any(parameter.name.resolved == _NAME for parameter in node.parameters)
     in_file = any(
         rosparam.yaml is None or _NAME in rosparam.yaml.raw

@@ -24,7 +24,7 @@ _TAKES_VALUE: Final = frozenset(
         "--fallback_controllers",
     }
 )
-"""Options of the spawner of ROS 1, and of that of ROS 2."""
+"""Options of the ROS 1 spawner, and of the ROS 2 spawner."""
 _PARAM_FILE: Final = ("-p", "--param-file")
 _NOT_STARTED: Final = frozenset({"--stopped", "--inactive", "--load-only"})
 
@@ -67,7 +67,7 @@ def _names(words: Sequence[str]) -> Iterator[str]:
 
 
 def parameter_files(node: Node) -> Iterator[str]:
-    """Yield the files that a spawner of ROS 2 gives to its controllers."""
+    """Yield the files that a ROS 2 spawner passes to its controllers."""
     if node.type.resolved in _SPAWNERS:
         for option, value in zip(node.words, node.words[1:], strict=False):
             if option in _PARAM_FILE and value:
@@ -77,7 +77,7 @@ def parameter_files(node: Node) -> Iterator[str]:
 def spawn_findings(
     wanted: Sequence[SpawnRequest], config: ControllerConfig, files: Sequence[str]
 ) -> Iterator[Finding]:
-    """Yield controllers that none of ``files`` defines, and two that claim the same."""
+    """Yield controllers that ``files`` do not define, and conflicting controllers."""
     known = config.names
     for request in wanted:
         if request.name in known or _has_type(request.name, config):
@@ -97,7 +97,7 @@ def spawn_findings(
 
 
 def _has_type(name: str, config: ControllerConfig) -> bool:
-    """Whether a controller's own parameters have its type: the spawner sets it."""
+    """Whether a controller's own parameters have its type, set by the spawner."""
     end = f"/{name}/ros__parameters/type"
     return any(f"/{leaf.key}".endswith(end) for leaf in config.tree.root.leaves())
 
@@ -125,7 +125,7 @@ def _conflicts(
 
 
 def _claims(name: str, config: ControllerConfig) -> Iterator[str]:
-    """Yield the resources of a controller: joints in ROS 1, interfaces in ROS 2."""
+    """Yield a controller's resources: joints in ROS 1, interfaces in ROS 2."""
     entry = config.dialect.parameters(config.tree.root, name)
     kind = config.types.get(name, "")
     if entry is None or _only_reads(kind):
@@ -146,7 +146,7 @@ def _only_reads(kind: str) -> bool:
 
 
 def _interfaces(kind: str, entry: YamlEntry) -> Iterator[str]:
-    """Yield the interfaces of each joint that a controller of ROS 2 commands."""
+    """Yield the interfaces of each joint that a ROS 2 controller commands."""
     named, one = entry.find("command_interfaces"), entry.find("interface_name")
     if named is not None:
         yield from (str(item.scalar) for item in named.items)

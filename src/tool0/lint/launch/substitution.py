@@ -23,7 +23,8 @@ from tool0.lint.packages import PackageIndex
 
 COMMANDS: Final = ("find", "env", "optenv", "dirname", "anon", "arg", "eval")
 MAX_LENGTH: Final = 100_000
-"""Longest resolved text, in characters: arguments in arguments grow without bound."""
+"""Largest number of characters in a resolved text, since nested arguments could grow
+without bound."""
 
 _WORD = re.compile(r"\$\(([^()]+)\)")
 _BROKEN = re.compile(r"\$\([^()]*(\(|$)")
@@ -31,29 +32,29 @@ _FIND = re.compile(r"\$\(find ([^()]*)\)([^ $]*)")
 
 
 class _UnresolvedError(Exception):
-    """A word has no value."""
+    """Raised if a word has no value."""
 
 
 @final
 @dataclass(slots=True, kw_only=True)
 class Substitution:
-    """The substitutions in one text, with the values of its file and scope."""
+    """Substitutions in one text, with the values of its file and scope."""
 
     file: Path
     location: SourceLocation
     values: Mapping[str, Text]
-    """The arguments that have, or should have, a value."""
+    """Arguments that have, or should have, a value."""
     declared: Collection[str]
-    """The arguments that are declared so far."""
+    """Arguments that have been declared so far."""
     packages: PackageIndex
     anonymous: Callable[[str], str]
     uses: list[str] = field(default_factory=list)
     problems: list[Finding] = field(default_factory=list)
-    """The faults of the substitutions, after ``resolve``."""
+    """Faults of the substitutions, available after ``resolve``."""
     reason: str = ""
 
     def resolve(self, raw: str) -> Text:
-        """Return ``raw`` with its substitutions."""
+        """Return ``raw`` with its substitutions resolved."""
         resolved = self._result(raw) if "$" in raw else raw
         return Text(
             raw=raw,
@@ -84,7 +85,7 @@ class Substitution:
             return None
 
     def _replaced(self, raw: str) -> str | None:
-        """Replace all substitutions except ``find``, then those, as roslaunch does."""
+        """Replace all substitutions except ``find``, then ``find``, like roslaunch."""
         is_whole = True
         parts: list[str] = []
         length = end = 0
@@ -154,7 +155,7 @@ class Substitution:
         raise _UnresolvedError(f"the environment variable {name} is not set")
 
     def _find(self, match: re.Match[str]) -> str:
-        """Return the path that starts with a package's folder."""
+        """Return a path that starts with a package's folder."""
         after = match.group(2).replace("\\", "/")
         try:
             folder = self._folder(match.group(1).strip())

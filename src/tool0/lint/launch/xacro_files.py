@@ -1,4 +1,4 @@
-"""The xacro files that a command of a launch file loads, and their arguments."""
+"""The xacro files that commands of a launch file load, and their arguments."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ _PROPERTY = re.compile(r"\$\{\s*(\w+)\s*\}")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class XacroCall:
-    """A ``xacro FILE name:=value …`` of a parameter."""
+    """The command ``xacro FILE name:=value …`` of a parameter."""
 
     file: Path | None
     args: Mapping[str, str]
-    """The arguments as they are given."""
+    """Arguments as given in the command."""
     uses: Mapping[str, tuple[str, ...]]
-    """The launch file's arguments that each one uses."""
+    """Arguments of the launch file that each xacro argument uses."""
 
 
 @final
@@ -42,36 +42,36 @@ class XacroUse:
     location: SourceLocation
     element: str
     attribute: str
-    """Empty for the text of the element."""
+    """Name of the attribute; empty for the text of the element."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class XacroFile:
-    """A xacro file, and its includes."""
+    """A xacro file, and the files that it includes."""
 
     file: Path | None
-    """None if its name is unknown."""
+    """Path of the file; None if unknown."""
     written: str
     """Name of the file as written in the including file."""
     location: SourceLocation
     """Location of the element that includes the file."""
     reason: str = ""
-    """Why it could not be read."""
+    """Reason why the file could not be read."""
     defaults: Mapping[str, str] = field(default_factory=dict)
-    """The arguments it declares, with their defaults."""
+    """Arguments that the file declares, with their defaults."""
     uses: tuple[XacroUse, ...] = ()
     includes: tuple[XacroFile, ...] = ()
 
     def walk(self) -> Iterator[XacroFile]:
-        """Yield this file and all that it includes."""
+        """Yield this file and all files that it includes."""
         yield self
         for include in self.includes:
             yield from include.walk()
 
 
 def xacro_call(parameter: Parameter) -> XacroCall | None:
-    """Return the xacro call of a parameter's command; None if there is none."""
+    """Return the xacro call in a parameter's command; None if there is none."""
     if parameter.source != "command":
         return None
     raw = parameter.content.raw
@@ -125,7 +125,7 @@ class _XacroReader:
         self._left = MAX_FILES
 
     def read(self, file: Path, written: str, where: SourceLocation) -> XacroFile:
-        """Return one file and its includes."""
+        """Return one file and the files that it includes."""
         result = XacroFile(file=file, written=written, location=where)
         self._left -= 1
         if file in self._open:

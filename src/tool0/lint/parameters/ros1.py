@@ -47,20 +47,21 @@ OTHER_TYPES: Final = (
     "ros_controllers_cartesian/TwistController",
     "industrial_robot_status_controller/IndustrialRobotStatusController",
 )
-"""Controllers of ROS 1 that exist, and that tool0 does not run."""
+"""Controllers of ROS 1 that exist but that tool0 cannot run."""
 _ROS2_MARKS = ("joint_trajectory_controller/", "joint_state_broadcaster/")
 _LIKE_A_CONTROLLER = frozenset({"joints", "joint", "gains", "constraints", "pid"})
 _ENOUGH = 0.6
-"""Share of a list's joints that the usual robot must have to be taken for it."""
+"""Fraction of a list's joints that the usual robot must have for the list to be taken
+as its own."""
 _MOVEIT_KEYS = frozenset(
     {
         *("controller_list", "controller_manager_name", "controller_manager_ns"),
         *("moveit_controller_manager", "moveit_simple_controller_manager"),
     }
 )
-"""Keys of MoveIt; its setup assistant writes them into the same files."""
+"""Keys of MoveIt, whose setup assistant writes them into the same files."""
 _KINEMATICS = "kinematics_solver"
-"""Start of MoveIt's keys for a group of joints."""
+"""Prefix of MoveIt's keys for a joint group."""
 
 
 def controller_findings(
@@ -69,7 +70,7 @@ def controller_findings(
     plugins: PluginIndex,
     started: Collection[str] = (),
 ) -> Iterator[Finding]:
-    """Yield the faults of the controllers of a YAML, for ``robot`` if known."""
+    """Yield the faults of a YAML's controllers, for ``robot`` if it is known."""
     joints = None if robot is None else robot.movable_joints
     linted = [
         finding
@@ -97,7 +98,7 @@ def controller_findings(
 def _is_controller(finding: Finding, config: ControllerConfig) -> bool:
     """Return whether an entry without a type is probably a controller.
 
-    Other nodes have parameters in the same files.
+    The same files may contain parameters of other nodes.
     """
     if finding.rule != "no-type":
         return True
@@ -116,7 +117,7 @@ def _is_controller(finding: Finding, config: ControllerConfig) -> bool:
 @final
 @dataclass(frozen=True, slots=True)
 class _Ros1Controller:
-    """One controller of the YAML."""
+    """One controller in the YAML."""
 
     config: ControllerConfig
     name: str
@@ -124,7 +125,7 @@ class _Ros1Controller:
     robot: RobotFacts | None
     plugins: PluginIndex
     started: Collection[str]
-    """The controllers that a launch file starts; none if that is unknown."""
+    """Controllers that a launch file starts; empty if unknown."""
 
     @property
     def type(self) -> str:
@@ -147,7 +148,7 @@ class _Ros1Controller:
             yield from self._values(joints)
 
     def _missing(self) -> Iterator[Finding]:
-        """Yield missing keys that it needs to load."""
+        """Yield the missing keys that the controller needs in order to load."""
         patterns = ROS1.parameters_of(self.type)
         publishes = "publish_rate" in patterns
         for key in ("publish_rate",) if publishes else ("joints", "joint"):
@@ -184,7 +185,7 @@ class _Ros1Controller:
         )
 
     def _interfaces(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
-        """Yield joints that this controller cannot command."""
+        """Yield the joints that this controller cannot command."""
         wanted = INTERFACE_OF_PACKAGE.get(self.type.partition("/")[0])
         for name, entry in () if self.robot is None else joints:
             joint = None if self.robot is None else self.robot.joints.get(name)
@@ -198,7 +199,7 @@ class _Ros1Controller:
                     f"name '{joint.mimic_of}' instead",
                 )
             elif not offered and self.robot.transmissions:
-                # Without any, it is not for Gazebo: a robot's own driver needs none.
+                # A robot without any is not for Gazebo: its own driver needs none.
                 yield entry.finding(
                     "no-transmission",
                     f"'{name}' has no <transmission>, so ros_control cannot find it",
@@ -217,10 +218,10 @@ class _Ros1Controller:
                 return  # the others are probably alike
 
     def is_meant_for(self, joint: str, offered: InterfaceFacts) -> bool:
-        """Return whether it is to drive a joint that offers another interface.
+        """Return whether the controller should drive a joint with another interface.
 
-        It is if a launch file starts it, or if no other controller of the YAML fits:
-        many YAML files have one for each interface.
+        It should if a launch file starts it, or if no other controller in the YAML
+        fits: many YAML files have one controller for each interface.
         """
         if self.started:
             return self.name in self.started
@@ -270,7 +271,7 @@ class _Ros1Controller:
 
 
 def _fits(offered: InterfaceFacts, wanted: Interface) -> bool:
-    """Return whether a <hardwareInterface>, with its package or without, is that."""
+    """Return whether a <hardwareInterface>, with or without package, is that kind."""
     written = offered.written
     return not written or written.rpartition("/")[2] == wanted.value.rpartition("/")[2]
 
@@ -284,13 +285,13 @@ def usual_joints() -> frozenset[str]:
 
 
 _OF_HAND: Final = 3
-"""Joints of the usual gripper that tell that a list is for it."""
+"""Joints of the usual gripper that show that a list is meant for it."""
 
 
 def unknown_joints(
     entries: Sequence[tuple[str, YamlEntry]], robot: RobotFacts | None
 ) -> Iterator[Finding]:
-    """Yield a finding for each joint of one list that the robot lacks."""
+    """Yield a finding for each joint in a list that the robot lacks."""
     names = [name for name, _ in entries]
     if robot is not None:
         known = set(robot.movable_joints)

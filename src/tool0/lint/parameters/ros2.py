@@ -45,18 +45,18 @@ OTHER_TYPES: Final = (
     "ur_controllers/ToolContactController",
     "ur_controllers/URConfigurationController",
 )
-"""Controllers that exist, and that tool0 does not run."""
+"""Controllers that exist but that tool0 cannot run."""
 _MISSPELT = ("ros_parameters", "ros__parameter", "ros_parameter", "ros___parameters")
 _KEYS_OF_INTERFACES: Final = (
     *("interface_name", "interface_names", "interfaces"),
     *("command_interfaces", "state_interfaces"),
 )
 _FILLED_IN = "$"
-"""Character of texts that a launch file, or a program, replaces."""
+"""Character that marks texts which a launch file or a program replaces."""
 
 
 def is_ros2(root: YamlEntry) -> bool:
-    """Return whether a file has the layout of ROS 2, perhaps with a typo."""
+    """Return whether a file has the layout of ROS 2, even if it contains a typo."""
     parts = {part for leaf in root.leaves() for part in leaf.key.split("/")}
     return not parts.isdisjoint((PARAMETERS, *_MISSPELT)) or MANAGER in root.children
 
@@ -64,9 +64,9 @@ def is_ros2(root: YamlEntry) -> bool:
 def controller_findings(
     tree: Tree, robot: RobotFacts | None, plugins: PluginIndex
 ) -> Iterator[Finding]:
-    """Yield the faults of the controllers of a YAML, for ``robot`` if known.
+    """Yield the faults of a YAML's controllers, for ``robot`` if it is known.
 
-    ``tree`` gets the level ``ros__parameters`` where it is missing.
+    The level ``ros__parameters`` is added to ``tree`` where it is missing.
     """
     yield from _restore_levels(tree.root)
     joints = None if robot is None else robot.movable_joints
@@ -81,7 +81,7 @@ def _is_filled_in(finding: Finding) -> bool:
 
 
 def _restore_levels(root: YamlEntry) -> Iterator[Finding]:
-    """Add the levels that are missing or misspelt, and yield findings about them."""
+    """Add missing or misspelt levels, and yield findings about them."""
     for name, entry in list(root.children.items()):
         children = entry.children
         if PARAMETERS in children:
@@ -108,7 +108,7 @@ def _missing_level(entry: YamlEntry, remedy: str) -> Finding:
 @final
 @dataclass(frozen=True, slots=True)
 class _Ros2Controller:
-    """One controller for the manager to load."""
+    """One controller that the manager should load."""
 
     name: str
     declared: Declared
@@ -199,7 +199,7 @@ class _Ros2Controller:
                 )
 
     def _has_other_hardware(self) -> bool:
-        """Return whether it names interfaces that joints of tool0 do not have."""
+        """Return whether the controller names interfaces that tool0's joints lack."""
         entries = map(self.parameters.children.get, _KEYS_OF_INTERFACES)
         return any(
             str(item.scalar) not in JOINT_STATES
@@ -240,7 +240,7 @@ class _Ros2Controller:
 
 @cache
 def _required(type_name: str) -> tuple[str, ...]:
-    """Return the parameters without which a controller does not configure."""
+    """Return the parameters without which a controller cannot be configured."""
     parse = ROS2.parser_of(type_name, None)
     sample = ControllerConfig.from_text(ROS2.sample).tree.root
     robot = RobotJoints.assumed("*", type_name)

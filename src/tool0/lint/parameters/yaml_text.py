@@ -1,4 +1,4 @@
-"""A text of YAML: its layout, lost indentation, and its controllers."""
+"""YAML text: its layout, lost indentation, and its controllers."""
 
 from __future__ import annotations
 
@@ -23,30 +23,30 @@ from tool0.lint.robot.facts import RobotFacts
 
 _NONE: Packages = MappingProxyType({})
 _KEY = re.compile(r"^( *)([\w/.*-]+) *:(?: *| +[&!]\S+ *)(?:#.*)?$")
-"""A key with nothing after it."""
+"""Pattern of a key with nothing after it."""
 _ANY = re.compile(r"^( *)([\w/.*-]+) *:")
 _OPENCV = "%YAML:"
-"""Start of a file of OpenCV, which is no YAML."""
+"""Start of an OpenCV file, which is not standard YAML."""
 _MARKS = re.compile(
     r"(?:^|[{,])[ \t]*(?:[\w/*]*type *: *['\"]?[\w]+/\w*(?:Controller|Broadcaster)\b"
     r"|[\w/]*pid_gains *:|gazebo_ros_control *:|ros_+parameters? *:"
     r"|controller_manager *:)",
     re.MULTILINE,
 )
-"""Text that marks a file of controllers, even a faulty one."""
+"""Text that marks a file with controllers, even if the file is faulty."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class YamlText:
-    """A text of YAML, and the location of its first line."""
+    """YAML text, and the location of its first line."""
 
     text: str
     location: SourceLocation
 
     @property
     def is_about_controllers(self) -> bool:
-        """Whether it holds parameters of ros_control, of either ROS."""
+        """Whether the text contains parameters of ros_control or ros2_control."""
         return _MARKS.search(self.text) is not None
 
 
@@ -56,13 +56,13 @@ def yaml_findings(
     packages: Packages = _NONE,
     started: Collection[str] = (),
 ) -> Iterator[Finding]:
-    """Yield the faults of the controllers of texts that are loaded together.
+    """Yield the faults of controllers in texts that are loaded together.
 
     Args:
-        texts: In the order of loading; later ones override.
-        robot: The robot that they are for, if it is known.
-        packages: The workspace's, which may export types of controllers.
-        started: The controllers that a launch file starts, if that is known.
+        texts: Texts in the order of loading; later ones override earlier ones.
+        robot: The robot that the controllers are for, if known.
+        packages: Packages of the workspace, which may export types of controllers.
+        started: The controllers that a launch file starts, if known.
     """
     trees: list[YamlText] = []
     for text in texts:
@@ -90,7 +90,7 @@ def yaml_findings(
 
 
 def syntax_findings(text: YamlText) -> Iterator[Finding]:
-    """Yield a finding if the text, whatever it is about, cannot be parsed."""
+    """Yield a finding if the text, whatever its content, cannot be parsed."""
     if text.text.startswith(_OPENCV):
         return
     try:
@@ -113,8 +113,8 @@ def _flat_findings(text: str, first: SourceLocation) -> Iterator[Finding]:
     """Yield a finding if keys stand beside their parent instead of below it.
 
     Args:
-        text: The YAML, which need not be correct.
-        first: The location of its first line.
+        text: YAML text, which may be faulty.
+        first: Location of the text's first line.
     """
     found = list(_flat_keys(text))
     if not found:
@@ -134,7 +134,7 @@ def _flat_findings(text: str, first: SourceLocation) -> Iterator[Finding]:
 
 @cache
 def _inner_keys() -> frozenset[str]:
-    """Return the keys that stand below another one, never at the top."""
+    """Return the keys that always stand below another key, never at the top."""
     inner = {
         key.split("/")[0] for name in ROS1.types for key in ROS1.parameters_of(name)
     }
@@ -145,7 +145,7 @@ def _inner_keys() -> frozenset[str]:
 
 
 def _restored(text: str) -> str:
-    """Return a flat YAML with its lost indentation restored."""
+    """Return a flattened YAML text with its lost indentation restored."""
     flat = {row for row, _, _ in _flat_keys(text)}
     around: list[int] = []  # the indents of the keys that lines are moved below
     lines = []
@@ -165,7 +165,7 @@ def _restored(text: str) -> str:
 
 
 def _flat_keys(text: str) -> Iterator[tuple[int, str, str]]:
-    """Yield row, key and the next one, of keys that lost their contents."""
+    """Yield each key that lost its contents, with its row and the next key."""
     empty: tuple[int, str, str] | None = None
     for row, line in enumerate(text.splitlines()):
         if not line.strip() or line.lstrip().startswith("#"):

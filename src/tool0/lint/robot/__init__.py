@@ -1,1 +1,1 @@
-"""Rules for robots in URDF and xacro; they never raise."""
+"""Rules for robots in URDF and xacro; they never raise exceptions."""

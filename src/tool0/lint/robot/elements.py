@@ -1,4 +1,4 @@
-"""XML that may be faulty: unreadable values are None or empty, never raised."""
+"""XML that may be faulty: unreadable values are None or empty, and never raise."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from tool0.description.xml_source import children, locate, text_of
 from tool0.errors import SourceLocation, nearest_name
 
 HUGE = 1e12
-"""Larger numbers cannot belong to a robot, and their cubes might overflow."""
+"""Absolute value above which a number cannot belong to a robot; its cube might
+overflow."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """The subject of findings, and its location."""
+    """Subject of findings, and its location."""
 
     key: str
     location: SourceLocation
@@ -33,7 +34,7 @@ class Subject:
         key: str | None = None,
         severity: Severity = "error",
     ) -> Finding:
-        """Return a finding about this; ``key`` replaces its own key."""
+        """Return a finding about this subject; ``key`` replaces the subject's key."""
         return Finding(
             location=self.location,
             rule=rule,
@@ -46,24 +47,24 @@ class Subject:
     def warning(
         self, rule: str, message: str, remedy: str = "", *, key: str | None = None
     ) -> Finding:
-        """Return a warning about this."""
+        """Return a warning about this subject."""
         return self.error(rule, message, remedy, key=key, severity="warning")
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Tag:
-    """An element, which may be absent: then it is false and all its parts are empty."""
+    """An element, or an absent one, which is false and has only empty parts."""
 
     element: Element | None
     owner: str = ""
-    """The link, joint or transmission around it, which is the subject of findings."""
+    """Enclosing link, joint or transmission, which is the subject of findings."""
 
     def __bool__(self) -> bool:
         return self.element is not None
 
     def __getitem__(self, attribute: str) -> str:
-        """The attribute without blanks around it; empty if it is not there."""
+        """Attribute without surrounding blanks; empty if it is missing."""
         return self.written(attribute).strip()
 
     def __contains__(self, attribute: str) -> bool:
@@ -75,40 +76,40 @@ class Tag:
 
     @property
     def tag(self) -> str:
-        """The name of the element."""
+        """Tag name of the element."""
         return "" if self.element is None else self.element.tagName
 
     @property
     def text(self) -> str:
-        """The text in it."""
+        """Text in the element."""
         return "" if self.element is None else text_of(self.element)
 
     @property
     def attributes(self) -> list[tuple[str, str]]:
-        """All attributes, as they are written."""
+        """All attributes as written."""
         return [] if self.element is None else list(self.element.attributes.items())
 
     @property
     def location(self) -> SourceLocation:
-        """Its location; without a file if that is unknown."""
+        """Location of the element; without a file if unknown."""
         return locate(self.element) or SourceLocation(None)
 
     @property
     def at(self) -> Subject:
-        """The owner at this place."""
+        """Owner of the element as the subject, at this element's location."""
         return Subject(self.owner, self.location)
 
     def children(self, tag: str | None = None) -> Iterator[Tag]:
-        """Yield its child elements, or only those called ``tag``."""
+        """Yield the child elements, or only those called ``tag``."""
         for element in () if self.element is None else children(self.element, tag):
             yield Tag(element, self.owner or element.getAttribute("name").strip())
 
     def child(self, tag: str) -> Tag:
-        """Return the first child called ``tag``, as urdfdom takes it."""
+        """Return the first child called ``tag``, the one that urdfdom reads."""
         return next(self.children(tag), Tag(None))
 
     def descendants(self, tag: str | None = None) -> Iterator[Tag]:
-        """Yield it and its descendants, or those called ``tag``, in document order."""
+        """Yield the element and its descendants, or those called ``tag``, in order."""
         waiting = [self]
         while waiting:
             found = waiting.pop()
@@ -117,10 +118,10 @@ class Tag:
             waiting.extend(reversed(list(found.children())))
 
     def number(self, attribute: str, default: float | None = None) -> float | None:
-        """Return the attribute as a number; None if it is none.
+        """Return the attribute as a number; None if it is not a number.
 
         Args:
-            attribute: Its name.
+            attribute: Name of the attribute.
             default: Value to return if the attribute is missing or empty.
         """
         text = self[attribute]
@@ -134,7 +135,7 @@ class Tag:
 
 
 def _to_number(text: str) -> float | None:
-    """Return a finite number of a sane size, or None."""
+    """Return ``text`` as a finite number of plausible size, or None."""
     try:
         value = float(text)
     except ValueError:
@@ -148,6 +149,6 @@ def length(values: tuple[float, ...]) -> float:
 
 
 def suggestion(name: str, known: Collection[str], write: str, otherwise: str) -> str:
-    """Return ``write`` with the nearest known name for ``{}``, or ``otherwise``."""
+    """Return ``write`` with the most similar name for ``{}``, or else ``otherwise``."""
     close = nearest_name(name, known)
     return write.replace("{}", close) if close else otherwise

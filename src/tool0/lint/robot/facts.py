@@ -1,4 +1,4 @@
-"""The content of a robot as plain values, even of a faulty robot."""
+"""The content of a robot as plain values, even if the robot is faulty."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ _LONGEST = 100
 
 
 def is_interface(text: str) -> bool:
-    """Return whether ROS knows ``text``, with its package's name or without."""
+    """Return whether ROS knows the interface ``text``, with or without its package."""
     return text in _INTERFACES or _PACKAGE + text in _INTERFACES
 
 
 def meant_interface(text: str) -> str | None:
-    """Return the interface that ``text`` means or may mean, or None."""
+    """Return the interface that ``text`` means or probably means, or None."""
     bare = text.strip().strip("\"'").strip()
     if len(bare) > _LONGEST:
         return None
@@ -66,12 +66,12 @@ class JointFacts:
 
     @property
     def is_movable(self) -> bool:
-        """Whether a joint of its type can move."""
+        """Whether joints of this type can move."""
         return self.type in MOVABLE
 
     @property
     def is_drivable(self) -> bool:
-        """Whether one motor can drive it: it has one axis and mimics no other."""
+        """Whether one motor can drive the joint: it has one axis and mimics none."""
         return self.type in _DRIVABLE and self.mimic_of is None
 
 
@@ -82,9 +82,10 @@ class InterfaceFacts:
 
     at: Subject
     meant: str | None
-    """``hardware_interface/…``; None if it is unclear."""
+    """Interface, in the form ``hardware_interface/…``; None if it is unclear."""
     in_actuator: bool
-    """Written in <actuator>: read only if <joint> names none, and deprecated."""
+    """Whether it is written in <actuator>, which is deprecated and only read if <joint>
+    names no interface."""
 
     @property
     def written(self) -> str:
@@ -94,43 +95,43 @@ class InterfaceFacts:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TransmissionFacts:
-    """One <transmission>, as ROS 1 reads it."""
+    """One <transmission> as ROS 1 reads it."""
 
     at: Subject
     type: str
     joints: tuple[str, ...]
     interfaces: tuple[InterfaceFacts, ...]
-    """The first one applies."""
+    """Interfaces, of which the first one applies."""
     n_actuators: int
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PluginFacts:
-    """One <plugin> of Gazebo."""
+    """One Gazebo <plugin>."""
 
     at: Subject
     filename: str
     parameters: tuple[tuple[Subject, str], ...]
-    """Each element inside, whose name is the key, and its text."""
+    """Text of each child element, by element name."""
 
     def parameter(self, name: str) -> str | None:
-        """Return the text of the parameter; None if it is not there."""
+        """Return the text of the parameter; None if it is missing."""
         return next((text for at, text in self.parameters if at.key == name), None)
 
     @property
     def is_control(self) -> bool:
-        """Whether it is ROS 1's controller manager for Gazebo classic."""
+        """Whether the plugin is ROS 1's controller manager for Gazebo classic."""
         return "gazebo_ros_control" in self.filename
 
     @property
     def is_control_of_ros2(self) -> bool:
-        """Whether it is a controller manager of ROS 2."""
+        """Whether the plugin is a controller manager of ROS 2."""
         return "ros2_control" in self.filename
 
     @property
     def is_mimic(self) -> bool:
-        """Whether it moves one joint as another moves."""
+        """Whether the plugin makes one joint follow another."""
         return "mimic" in self.filename
 
 
@@ -147,7 +148,7 @@ class GearboxFacts:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotFacts:
-    """One <robot>.  Of links and joints with one name, the first counts."""
+    """One <robot>.  If links or joints share a name, the first one counts."""
 
     name: str
     links: Mapping[str, SourceLocation]
@@ -156,29 +157,30 @@ class RobotFacts:
     plugins: tuple[PluginFacts, ...] = ()
     gearboxes: tuple[GearboxFacts, ...] = ()
     ros2_joints: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """Joints of <ros2_control>, with their command interfaces."""
+    """Command interfaces of each joint in <ros2_control>."""
     passive_joints: frozenset[str] = frozenset()
-    """Joints that need no gearbox since a loop holds them: tool0's <passive_joint>."""
+    """Joints that need no gearbox because a loop holds them, from tool0's
+    <passive_joint>."""
     unmerged: frozenset[str] = frozenset()
     """Fixed joints whose links Gazebo does not merge."""
     has_extensions: bool = False
-    """Whether there is any <gazebo>."""
+    """Whether there is any <gazebo> element."""
 
     @property
     def control_plugins(self) -> tuple[PluginFacts, ...]:
-        """The plugins that are ROS 1's controller managers."""
+        """Plugins that are controller managers of ROS 1."""
         return tuple(plugin for plugin in self.plugins if plugin.is_control)
 
     @property
     def driven_joints(self) -> frozenset[str]:
-        """The joints that a controller can command, in ROS 1 or 2."""
+        """Joints that a controller can command, in ROS 1 or 2."""
         commanded = {name for name, kinds in self.ros2_joints.items() if kinds}
         by_transmissions = (name for item in self.transmissions for name in item.joints)
         return frozenset(commanded.union(by_transmissions))
 
     @property
     def movable_joints(self) -> tuple[str, ...]:
-        """The joints that are not fixed."""
+        """Joints that are not fixed."""
         return tuple(joint.name for joint in self.joints.values() if joint.is_movable)
 
     def interfaces_of(self, joint: str) -> tuple[InterfaceFacts, ...]:
@@ -191,11 +193,11 @@ class RobotFacts:
         )
 
     def moves(self, joint: JointFacts) -> bool:
-        """Return whether ``joint`` joins two bodies: a fixed one makes them one."""
+        """Return whether ``joint`` joins two bodies; a fixed joint makes them one."""
         return joint.is_movable or joint.name in self.unmerged
 
     def bodies(self) -> Mapping[str, str]:
-        """Return, for each link, the first link of the body that Gazebo makes of it."""
+        """Return the first link of the body that Gazebo makes of each link, by link."""
         above: dict[str, JointFacts] = {}
         for joint in self.joints.values():
             above.setdefault(joint.child, joint)
@@ -216,7 +218,7 @@ class RobotFacts:
 
 
 def facts_of(root: Tag) -> RobotFacts:
-    """Return the content of ``root``, a <robot>."""
+    """Return the content of the <robot> element ``root``."""
     extensions = list(root.children("gazebo"))
     links: dict[str, SourceLocation] = {}
     for link in root.children("link"):
@@ -309,7 +311,7 @@ def _gearboxes(extensions: list[Tag]) -> Iterator[GearboxFacts]:
 @final
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """A robot for the rules: its XML, and its content."""
+    """A robot for the rules, with its XML and its content."""
 
     root: Tag
     facts: RobotFacts
@@ -317,10 +319,11 @@ class Robot:
     """First link of the body that Gazebo makes of each link, by link."""
     packages: PackageIndex
     is_spawned: bool | None
-    """Whether it is spawned in Gazebo for control; None if no launch file loads it."""
+    """Whether the robot is spawned in Gazebo for control; None if no launch file loads
+    it."""
 
     @property
     def is_controlled(self) -> bool:
-        """Whether ROS 1 is meant to control it in Gazebo."""
+        """Whether ROS 1 should control the robot in Gazebo."""
         facts = self.facts
         return bool(facts.transmissions or facts.control_plugins or self.is_spawned)

@@ -22,7 +22,7 @@ _PARAMETERS_OF_MIMIC = (
 
 
 def plugin_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the faults of the plugins for Gazebo."""
+    """Yield the faults of the Gazebo plugins."""
     facts = robot.facts
     yield from _two(facts)
     if (
@@ -157,7 +157,7 @@ def extension_findings(robot: Robot) -> Iterator[Finding]:
 
 
 def follower_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the mimic joints that Gazebo does not make follow, or teleports."""
+    """Yield the mimic joints that do not follow in Gazebo, or that Gazebo teleports."""
     if robot.is_controlled and not robot.facts.ros2_joints:
         yield from _loose(robot)
     for plugin in filter(_is_upatras_mimic, robot.facts.plugins):

@@ -12,8 +12,8 @@ from tool0.lint.robot.facts import MOVABLE, JointFacts, Robot, RobotFacts
 _TYPES = (*MOVABLE, "fixed")
 _LIMITED = ("revolute", "prismatic")
 _FASTEST = {"revolute": 100.0, "continuous": 1000.0, "prismatic": 20.0}
-"""Largest plausible velocity by type of joint [rad/s | m/s]; an arm's joint turns at 3
-rad/s, and a gripper's at 2."""
+"""Largest plausible velocity by type of joint [rad/s | m/s]; joints of arms turn at 3
+rad/s, and those of grippers at 2 rad/s."""
 _COUNTS: dict[str, dict[str, int]] = {
     "origin": {"xyz": 3, "rpy": 3},
     "axis": {"xyz": 3},
@@ -30,7 +30,7 @@ _COUNTS: dict[str, dict[str, int]] = {
     "sphere": {"radius": 1},
     "mesh": {"scale": 3},
 }
-"""Number of values that each attribute holds."""
+"""Number of values in each attribute."""
 
 
 def joint_findings(robot: Robot) -> Iterator[Finding]:
@@ -122,7 +122,7 @@ def _no_power(limit: Tag, name: str) -> Iterator[Finding]:
 
 
 def value_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the attributes of links and joints that are not numbers."""
+    """Yield the attributes of links and joints that are not valid numbers."""
     for kind in ("link", "joint"):
         for owner in robot.root.children(kind):
             for tag in owner.descendants():
@@ -160,7 +160,7 @@ def _is_number(text: str) -> bool:
 
 
 def mimic_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the joints that mimic a joint that they cannot follow."""
+    """Yield the joints that mimic a joint which they cannot follow."""
     for joint in robot.facts.joints.values():
         if joint.mimic_of is not None:
             yield from _leader(joint, joint.mimic_of, robot.facts)

@@ -14,22 +14,24 @@ from tool0.lint.robot.facts import JointFacts, Robot
 
 _WORLD = "world"
 _DENSEST = 22600.0
-"""Density of osmium [kg/m³], the densest: https://en.wikipedia.org/wiki/Osmium."""
+"""Density of osmium, the densest element [kg/m³]:
+https://en.wikipedia.org/wiki/Osmium."""
 _ROUNDING = 1e-3
-"""The slack of the triangle inequality, for numbers that a CAD program rounded."""
+"""Relative tolerance of the triangle inequality, for numbers rounded by a CAD
+program."""
 _LONGEST = 10.0
 _SIZES = (0.02, 3.0)
-"""Range of the radius of gyration, as a factor of the link's own size."""
+"""Plausible range of the radius of gyration, as a multiple of the link's size."""
 _LIGHT = 0.5
-"""Moving mass below which a joint is a finger rather than an arm [kg]."""
+"""Moving mass below which a joint belongs to a finger rather than an arm [kg]."""
 _STRONG = {"revolute": 100.0, "continuous": 100.0, "prismatic": 1000.0}
-"""Efforts that no motor of such a finger has [N·m | N]: a 2F-85 has 23 N·m at most."""
+"""Effort that no motor of such a finger has [N·m | N]; a 2F-85 has at most 23 N·m."""
 _MOST_LINKS = 100
-"""Largest number of links of a finger."""
+"""Largest number of links in a finger."""
 
 
 def inertia_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the faults of the links' <inertial>."""
+    """Yield the faults of the links' <inertial> elements."""
     facts, body = robot.facts, robot.body
     links = {link["name"]: link for link in robot.root.children("link")}
     masses = {name: _mass(link) for name, link in links.items()}
@@ -76,7 +78,7 @@ def inertia_findings(robot: Robot) -> Iterator[Finding]:
 @final
 @dataclass(frozen=True, slots=True)
 class _Body:
-    """One link as a body: a name, kg, principal moments [kg·m²], extent [m]."""
+    """One link as a body: name, mass [kg], principal moments [kg·m²], extent [m]."""
 
     name: str
     mass: float
@@ -101,7 +103,7 @@ def _moments(tensor: Tag, mass: float) -> tuple[float, float, float] | None:
     scale = max(map(abs, found))
     if not scale > 0:
         return (0.0, 0.0, 0.0)
-    # So scaled, and without what is less than rounding, no power over- or underflows.
+    # With this scale, and rounding errors set to 0, no power over- or underflows.
     values = [value / scale if abs(value) > 1e-9 * scale else 0.0 for value in found]
     ixx, iyy, izz, ixy, ixz, iyz = values
     low, middle, high = Inertial(
@@ -115,7 +117,7 @@ def _tensor(
 ) -> Iterator[Finding]:
     """Yield the findings about an inertia; fewer if it is merged into another.
 
-    What ``has_gear`` may carry the inertia of a rotor.
+    With ``has_gear``, the link's inertia may include that of a rotor.
     """
     tensor = link.child("inertial").child("inertia")
     moments = _moments(tensor, mass)
@@ -178,9 +180,9 @@ def _implausible(body: _Body, has_gear: bool) -> str:
 
 
 def _moment_of_ball(mass: float) -> float:
-    """Return the least moment [kg·m²] that a body of ``mass`` [kg] can have.
+    """Return the smallest moment [kg·m²] that a body of ``mass`` [kg] can have.
 
-    For a given mass and density, that of a solid ball.
+    For a given mass and density, this is the moment of a solid ball.
     """
     radius: float = (3 * mass / (4 * math.pi * _DENSEST)) ** (1 / 3)
     return 0.4 * mass * radius * radius
@@ -189,7 +191,7 @@ def _moment_of_ball(mass: float) -> float:
 def _without(
     robot: Robot, weighed: Collection[str], for_gazebo: bool
 ) -> Iterator[Finding]:
-    """Yield moving or supporting bodies that have no inertia."""
+    """Yield the moving or supporting bodies that have no inertia."""
     facts, body = robot.facts, robot.body
     heavy = {body[name] for name in weighed if name in body}
     moved = {joint.child for joint in facts.joints.values() if facts.moves(joint)}
@@ -214,14 +216,14 @@ def _without(
 
 
 def _mass(link: Tag) -> float | None:
-    """Return the mass of ``link`` [kg]; None if it has none, or no number."""
+    """Return the mass of ``link`` [kg]; None if it is missing or not a number."""
     return link.child("inertial").child("mass").number("value")
 
 
 def _extent(link: Tag) -> float | None:
-    """Return about how long ``link`` is [m]; None if it is not known.
+    """Return the approximate length of ``link`` [m]; None if unknown.
 
-    The shapes that it collides with count; if some are meshes, those that are drawn.
+    The collision shapes count; if some of them are meshes, the visual shapes count.
     """
     for tag in ("collision", "visual"):
         balls = [(_origin(owner), _diameter(owner)) for owner in link.children(tag)]
@@ -240,7 +242,7 @@ def _origin(owner: Tag) -> tuple[float, ...]:
 
 
 def _diameter(owner: Tag) -> float | None:
-    """Return the diameter [m] of the ball around a shape; None of a mesh."""
+    """Return the diameter of the ball around a shape [m]; None for a mesh."""
     geometry = owner.child("geometry")
     box = geometry.child("box").vector("size")
     if box is not None and min(box) > 0:
@@ -260,7 +262,7 @@ def _diameter(owner: Tag) -> float | None:
 def _reach(link: Tag) -> float:
     """Return the largest distance of the link's parts from its origin [m].
 
-    Meshes are not opened: of them only the origin counts, and the centre of mass.
+    Meshes are not opened: only their origins and the centre of mass count.
     """
     shapes = [*link.children("collision"), *link.children("visual")]
     reaches = [length(_origin(o)) + (_diameter(o) or 0.0) / 2 for o in shapes]
@@ -268,7 +270,7 @@ def _reach(link: Tag) -> float:
 
 
 def effort_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield joints with an effort limit that no real finger has."""
+    """Yield the joints with an effort limit that no real finger has."""
     links = {link["name"]: link for link in robot.root.children("link")}
     in_reverse = reversed(list(robot.root.children("joint")))
     tags = {joint["name"]: joint for joint in in_reverse}  # so that the first counts
@@ -277,7 +279,7 @@ def effort_findings(robot: Robot) -> Iterator[Finding]:
         below.setdefault(joint.parent, []).append(joint)
 
     def load(start: str) -> tuple[float, float] | None:
-        """Return mass [kg] and reach [m] of all beyond a link; None for an arm."""
+        """Return mass [kg] and reach [m] of all links beyond one; None for an arm."""
         mass = reach = 0.0
         seen: set[str] = set()
         waiting = [(start, 0.0)]

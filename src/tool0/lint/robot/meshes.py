@@ -1,4 +1,4 @@
-"""Meshes that are missing or cannot be drawn."""
+"""Meshes that are missing or cannot be displayed."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from tool0.lint.robot.facts import Robot
 
 _UNRESOLVED = "unresolved-uri"
 _REMOTE = ("model", "http", "https")
-"""Gazebo and RViz download these, so that no local path can be checked."""
+"""URI schemes of meshes that Gazebo and RViz download; no local path can be checked."""
 
 
 def mesh_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the meshes that cannot be loaded; those of one folder once."""
+    """Yield the meshes that cannot be loaded, once for each folder."""
     done: set[str] = set()
     for link in robot.root.children("link"):
         for mesh in link.descendants("mesh"):

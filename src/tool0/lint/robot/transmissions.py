@@ -1,4 +1,4 @@
-"""Transmissions that ros_control skips, misreads, or stops at."""
+"""Transmissions that ros_control skips, misreads, or fails on."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _VALID = ", ".join(item.value for item in Interface)
 
 
 def transmission_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the faults of the transmissions of ROS 1."""
+    """Yield the faults of the ROS 1 transmissions."""
     first: dict[str, TransmissionFacts] = {}
     for transmission in robot.facts.transmissions:
         yield from _incomplete(transmission)
@@ -82,7 +82,7 @@ def _type(transmission: TransmissionFacts) -> Iterator[Finding]:
     if not transmission.type or transmission.type == SIMPLE:
         return
     known = {name.rpartition("/")[2]: name for name in (SIMPLE, *_OTHERS)}
-    # HalfDifferentialTransmission, a robot's own, is 0.92 like the nearest of these.
+    # A robot's own HalfDifferentialTransmission has a similarity of 0.92 to these.
     close = nearest_name(transmission.type.rpartition("/")[2], known, cutoff=0.93)
     has_type = f"{_shown(transmission)} has the type '{short(transmission.type)}'"
     if close is not None and transmission.type not in _OTHERS:
@@ -149,13 +149,13 @@ def _joint(
 
 
 def _counting(transmission: TransmissionFacts) -> tuple[InterfaceFacts, ...]:
-    """Return the interfaces that are read: those in <actuator> only if alone."""
+    """Return the interfaces that are read; those in <actuator> only if alone."""
     named = tuple(item for item in transmission.interfaces if not item.in_actuator)
     return named or transmission.interfaces
 
 
 def _unknown_interfaces(facts: RobotFacts) -> Iterator[Finding]:
-    """Yield the interfaces that ROS does not know, each place in a macro once."""
+    """Yield the interfaces that ROS does not know, once for each place in a macro."""
     simulators = {plugin.parameter("robotSimType") for plugin in facts.control_plugins}
     found: dict[Subject, tuple[str | None, list[str]]] = {}
     for transmission in facts.transmissions:

@@ -1,4 +1,7 @@
-"""Links and joints that make no tree: two of one name, unknown, two parents, loops."""
+"""Links and joints that are not a tree: duplicate or unknown names, loops.
+
+A link with two parents is not allowed, either.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ _REFUSED = "so ROS refuses the whole robot_description"
 
 
 def tree_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield faults that keep links and joints from being one tree."""
+    """Yield the faults that keep links and joints from forming one tree."""
     root, facts = robot.root, robot.facts
     for tag in (root, *root.children("link"), *root.children("joint")):
         if not tag["name"]:
@@ -99,7 +102,7 @@ def _roots(root: Subject, facts: RobotFacts) -> Iterator[Finding]:
         return
     children_of_joints = {joint.child for joint in facts.joints.values()}
     if not children_of_joints <= facts.links.keys():
-        return  # a misspelt child leaves the link it means without a joint
+        return  # a misspelt child leaves the intended link without a joint
     roots = [name for name in facts.links if name not in children_of_joints]
     if not roots:
         yield root.error(

@@ -1,4 +1,4 @@
-"""Rules for a xacro file as it is written: includes, macros, prefixes, interfaces."""
+"""Rules for a xacro file as written: includes, macros, prefixes, interfaces."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ _PARAMETER = re.compile(
 _FIND = re.compile(r"\$\(find\s+([^\s)]+)\s*\)")
 _TRUE = ("true", "1")
 _PATTERN = re.compile(r"[*?\[]")
-"""xacro includes every file that matches, or none."""
+"""Wildcards of an include: xacro includes all matching files, or none."""
 _WORD = re.compile(r"[^\W\d]\w*")
 _OUTER = "^"
-"""The default that stands for the parameter of this name in the calling macro."""
+"""Default that stands for the parameter of the same name in the calling macro."""
 _EMPTY = ("", "''", "${''}", '${""}')
 _MACRO = "xacro:macro"
 _LIKE = re.compile(r"interf|hardware", re.IGNORECASE)
@@ -34,10 +34,10 @@ _LIKE = re.compile(r"interf|hardware", re.IGNORECASE)
 @final
 @dataclass(frozen=True, slots=True)
 class MacroParameter:
-    """One parameter of a macro: ``name`` or ``name:=default``."""
+    """One parameter of a macro, written ``name`` or ``name:=default``."""
 
     name: str
-    """Name of the parameter, without the stars of a block."""
+    """Name of the parameter, without the asterisks of a block."""
     default: str | None
     is_block: bool
 
@@ -56,7 +56,7 @@ def own_tags(macro: Tag) -> Iterator[Tag]:
 
 
 def parameters_of(macro: Tag) -> tuple[MacroParameter, ...]:
-    """Return the parameters of ``macro`` that are well-formed."""
+    """Return the well-formed parameters of ``macro``."""
     text = macro.written("params")
     found = []
     at = 0
@@ -72,7 +72,7 @@ def parameters_of(macro: Tag) -> tuple[MacroParameter, ...]:
 
 
 def include_findings(root: Tag, packages: PackageIndex) -> Iterator[Finding]:
-    """Yield the includes of files that do not exist."""
+    """Yield the includes whose files do not exist."""
     named: set[str] = set()
     for tag in root.descendants("xacro:include"):
         text = tag["filename"]
@@ -98,13 +98,13 @@ def include_findings(root: Tag, packages: PackageIndex) -> Iterator[Finding]:
 
 
 def included_files(root: Tag, packages: PackageIndex) -> Iterator[Path]:
-    """Yield the files that a xacro file includes, whatever its arguments are."""
+    """Yield the files that a xacro file includes regardless of its arguments."""
     paths = (_included(tag, packages) for tag in root.descendants("xacro:include"))
     return (path for path in paths if path is not None)
 
 
 def _included(tag: Tag, packages: PackageIndex) -> Path | None:
-    """Return the file that an include is about, if it is always the same."""
+    """Return the file of an include if it is always the same."""
     text, file = tag["filename"], tag.location.file
     folder = Path() if file is None else file.parent
     filled = _FIND.sub(lambda match: str(packages.get(match.group(1))), text)
@@ -116,7 +116,7 @@ def _included(tag: Tag, packages: PackageIndex) -> Path | None:
 
 def parameter_findings(root: Tag, _: PackageIndex) -> Iterator[Finding]:
     """Yield unused parameters, and arguments that are declared twice."""
-    # A macro sees what its caller has, so that a use anywhere in the file counts.
+    # A macro sees its caller's parameters, so a use anywhere in the file counts.
     used = set(_used_words(root))
     for macro in root.descendants(_MACRO):
         for parameter in parameters_of(macro):
@@ -164,7 +164,7 @@ def _used_words(root: Tag) -> Iterator[str]:
 
 
 def call_findings(root: Tag, _: PackageIndex) -> Iterator[Finding]:
-    """Yield the calls in macros with a prefix that hand on an empty one."""
+    """Yield the calls in macros with a prefix that pass on an empty one."""
     for macro in root.descendants(_MACRO):
         names = {parameter.name for parameter in parameters_of(macro)}
         prefixes = sorted(name for name in names if name.endswith("prefix"))
@@ -209,7 +209,7 @@ def interface_findings(root: Tag, _: PackageIndex) -> Iterator[Finding]:
 
 
 def _values(tag: Tag) -> Iterator[tuple[str, str]]:
-    """Yield the names that ``tag`` defines, and their values."""
+    """Yield the names that ``tag`` defines, with their values."""
     if tag.tag == "hardwareInterface":
         yield "", tag.text
     elif tag.tag == _MACRO:

@@ -1,1 +1,1 @@
-"""The arms: power, stops and control box of each, and its motion for a program."""
+"""The arms: power, stops, control box, and motion for programs."""

@@ -1,10 +1,10 @@
 """One arm: its power, brakes and stops, and the program that moves it.
 
-An arm moves if it is powered, its brakes are released, and no stop is on.  A stop
-stops the controllers of that arm only: the brakes hold its joints, and no controller
-can be started that claims them.  What stops on the way goes on when its program is
-played again.  Transitions are immediate: a UR's intermediate modes (booting, powering
-on) do not occur.
+An arm moves if it is powered, its brakes are released, and no stop is on.  A stop stops
+the controllers of that arm only: the brakes hold its joints, and no controller can be
+started that claims them.  Controllers that such a stop interrupts continue when the
+program is played again.  Transitions are immediate: a UR's intermediate modes (booting,
+powering on) do not occur.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ from tool0.simulation.arms.motion import ArmMotion
 logger = logging.getLogger(__name__)
 
 UNLOCK_AFTER: Final = 5.0
-"""Simulated time from a protective stop until it can be unlocked [s]: dashboard server,
-``unlock protective stop``
+"""Simulated time from a protective stop until it can be unlocked [s]; source: dashboard
+server, ``unlock protective stop``
 (https://www.universal-robots.com/articles/ur/dashboard-server/dashboard-server-e-series-port-29999/)."""
 _TOO_SOON: Final = (
     "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of "
@@ -45,7 +45,7 @@ _TOO_SOON: Final = (
 
 
 class Arm(abc.ABC):
-    """An arm with its control box, whatever moves it: simulated drives, or its own.
+    """An arm with its control box; its drives are simulated or those of a real robot.
 
     Only the thread of the tick may use it.
     """
@@ -61,28 +61,28 @@ class Arm(abc.ABC):
         manager: ControllerManager,
         moving_with_it: Iterable[str] = (),
     ) -> None:
-        """Serve an arm; further joints may move only if it may."""
+        """Serve an arm; the joints ``moving_with_it`` only move if the arm may move."""
         self.name, self.parts = name, parts
         self.box = box
         self.motion = ArmMotion(name, parts, model, hardware, manager)
         """Motion of the arm for a program that has taken it."""
         self.mode = ControllerMode(self.motion.spec, hardware, manager)
-        """Freedrive and force mode of a controller."""
+        """Freedrive or force mode that a controller has started."""
         self._hardware, self._manager = hardware, manager
         self._joints = frozenset(joint.name for joint in parts.joints)
-        """Joints that a program takes."""
+        """Joints of the arm, which a program takes."""
         self._stopped_with = self._joints.union(moving_with_it)
-        """Joints that move only if the arm may."""
+        """Joints that may move only if the arm may."""
         self._modes = Modes()
         self._stopped: tuple[str, ...] = ()
-        """The controllers that play starts."""
+        """Names of the stopped controllers that ``play`` starts again."""
         self._stopped_at = 0.0
         """Simulated time at which the protective stop occurred [s]."""
         self._resumes = False
         """Whether the controllers of a taken arm start when it is released."""
 
     def require_ready(self) -> None:
-        """Raise ControlError if it may not move, with the reason and the remedy."""
+        """Raise ControlError if the arm may not move, with reason and remedy."""
         if self._hardware.is_stopped:
             raise ControlError(
                 "the emergency stop is engaged; release it before moving the robot"
@@ -104,7 +104,7 @@ class Arm(abc.ABC):
         )
 
     def tick(self, state: JointState, period: float) -> None:
-        """Advance speed scaling by one tick [s]; end a return that is at rest."""
+        """Advance speed scaling by one tick [s]; release an arm that has returned."""
         self.box.tick(period)
         self.mode.tick(state)
         if self.motion.has_returned(state.time):
@@ -117,13 +117,13 @@ class Arm(abc.ABC):
         self._set(now, robot=RobotMode.POWER_OFF)
 
     def power_on(self, now: JointState) -> None:
-        """Switch the arm on, with its brakes on; one that is on is left alone."""
+        """Switch the arm on, with its brakes engaged, unless it is on already."""
         self._require_released()
         if not self._modes.is_powered:
             self._set(now, robot=RobotMode.IDLE)
 
     def release_brakes(self, now: JointState) -> None:
-        """Release the brakes; switch the arm on first, if it is off.
+        """Release the brakes; first switch the arm on if it is off.
 
         Nothing moves until the program is played.
         """
@@ -146,8 +146,8 @@ class Arm(abc.ABC):
         """End a protective stop; the arm holds until its program is played.
 
         Raises:
-            ControlError: If there is none, or it occurred less than 5 s ago and this is
-                not to be ``at_once``.
+            ControlError: If there is none, or if it occurred less than 5 s ago and
+                ``at_once`` is False.
         """
         if self._modes.safety is not SafetyMode.PROTECTIVE_STOP:
             raise ControlError(f"the arm '{self.name}' is not in a protective stop")
@@ -156,7 +156,7 @@ class Arm(abc.ABC):
         self._set(now, safety=SafetyMode.NORMAL)
 
     def restart_safety(self, now: JointState) -> None:
-        """Clear the stops of the safety system; the arm is switched off then.
+        """Clear the stops of the safety system; this leaves the arm switched off.
 
         Raises:
             ControlError: If the emergency stop is engaged.
@@ -167,7 +167,7 @@ class Arm(abc.ABC):
     # ---- the program that moves it through controllers ------------------------------
 
     def play(self, now: JointState) -> None:
-        """Resume the program: start the controllers that were stopped with it.
+        """Resume the program: start the controllers that stopped with it.
 
         Raises:
             ControlError: If the arm may not move.
@@ -186,14 +186,14 @@ class Arm(abc.ABC):
         """Pause the program: scaled trajectories slow down to a standstill.
 
         Raises:
-            ControlError: If it is stopped.
+            ControlError: If the program is stopped.
         """
         if self.box.state.program is ProgramState.STOPPED:
             raise ControlError("the program is stopped; play it before pausing it")
         self.box.change(program=ProgramState.PAUSED)
 
     def stop(self, now: JointState) -> None:
-        """Stop the program, and with it the motion of the arm."""
+        """Stop the program, and the motion of the arm with it."""
         if self.box.state.program is not ProgramState.STOPPED:
             self._stop(now)
 
@@ -202,9 +202,9 @@ class Arm(abc.ABC):
     def take(self, by: str, now: JointState, *, protected: bool = False) -> None:
         """Take the arm for a program, in place of its controllers.
 
-        The arm holds still, and its controllers stop.  If the arm is taken already,
-        the program's name changes, and it may move again after a failed motion.
-        ``protected`` makes a failed motion a protective stop.
+        The arm holds still, and its controllers stop.  If the arm is already taken, its
+        program's name changes, and the arm may move again after a failed motion.  With
+        ``protected``, a failed motion causes a protective stop.
 
         Raises:
             ControlError: If the arm may not move.
@@ -224,7 +224,7 @@ class Arm(abc.ABC):
     def release(self, now: JointState) -> None:
         """Stop the arm, and start its controllers again once it rests.
 
-        An arm that is not taken is left alone.
+        Does nothing if the arm is not taken.
         """
         if self.motion.is_taken and not self.motion.is_returning:
             self._stiffen(now)
@@ -246,7 +246,7 @@ class Arm(abc.ABC):
         return controller
 
     def controller_to_stop(self) -> ArmMotionController:
-        """Return the controller of a taken, ready arm.
+        """Return the controller of a taken, ready arm, even if its motion has failed.
 
         Raises:
             ControlError: If the arm is not taken, or may not move.
@@ -263,9 +263,9 @@ class Arm(abc.ABC):
         return self.motion.controller
 
     def fail(self, reason: str, now: JointState) -> None:
-        """End the motion of a taken arm: it rests where it is, and pushes no more.
+        """End the motion of a taken arm: it rests where it is, and stops pushing.
 
-        What comes from its program is refused, with the reason, until the program
+        Commands from the arm's program are refused with the reason until the program
         takes the arm again.
         """
         if self.motion.is_protected:
@@ -280,10 +280,11 @@ class Arm(abc.ABC):
     ) -> None:
         """Start force mode or freedrive of an arm.
 
-        It does so in the name of an active controller; without one, it must be taken.
+        With ``controller_name``, the mode belongs to that controller, which must be
+        active.  Otherwise, a program must have taken the arm.
 
         Raises:
-            ControlError: If neither holds, or it may not move.
+            ControlError: If that condition is not met, or the arm may not move.
         """
         if controller_name is not None:
             self._require_modes()
@@ -299,20 +300,21 @@ class Arm(abc.ABC):
         self._comply(task, now)
 
     def end_torques(self, now: JointState) -> None:
-        """Return to position control, if torques drive the joints: ramp to rest."""
+        """Return to position control if torques drive the joints: ramp to rest."""
         if self.motion.has_torques:
             self.motion.rest(now)
 
     def end_compliance(
         self, now: JointState, controller_name: str | None = None, *, is_freedrive: bool
     ) -> None:
-        """End force mode, or freedrive: the arm stops where it is.
+        """End force mode or freedrive: the arm stops where it is.
 
-        Without it, nothing changes.  It is that of an active controller, or of the
-        program that has taken the arm.
+        Does nothing if the mode is off.  With ``controller_name``, it ends that
+        controller's mode, otherwise that of the program that has taken the arm.
 
         Raises:
-            ControlError: If there is neither, or the arm may not move.
+            ControlError: If the controller is not active, no program has taken the arm,
+                or the arm may not move.
         """
         if controller_name is not None:
             self.require_ready()
@@ -326,8 +328,9 @@ class Arm(abc.ABC):
     def note_restart(self, now: JointState, stopped: str = "") -> None:
         """Note that controllers were restarted: freedrive and force mode have ended.
 
-        ``stopped`` is why no program may go on as if nothing had happened.  The modes
-        show the emergency stop of the drives, or are those from before.
+        ``stopped`` is the reason why programs must not simply continue; empty if they
+        may.  The displayed modes are those from before, or the emergency stop of the
+        drives if it is engaged.
         """
         self.motion.note_restart(now.time)
         self.mode.forget()
@@ -340,7 +343,7 @@ class Arm(abc.ABC):
         self._show()
 
     def note_switch(self, now: JointState) -> None:
-        """Note that controllers were started or stopped: a mode may be over."""
+        """Note that controllers were started or stopped, which may end a mode."""
         was_guided = self.mode.is_freedrive
         self.mode.note_switch(now)
         if was_guided and not self.mode.is_freedrive:
@@ -356,21 +359,22 @@ class Arm(abc.ABC):
         after: JointState,
         forces: tuple[Contact, ...],
     ) -> ArmSample:
-        """Return the motion of the arm ``now`` [s], and the wrench on its tool.
+        """Return a sample of the arm's motion ``now`` [s], and of its tool's wrench.
 
-        The last step was from ``before`` to ``after``, with these external ``forces``.
+        The last step was from state ``before`` to ``after``, with the external
+        ``forces``.
         """
 
     @abc.abstractmethod
     def zero_wrench(self) -> None:
-        """Tare the wrench on the tool by the last sample.
+        """Tare the wrench on the tool, by the last sample.
 
         Raises:
-            ControlError: If this arm does not do that.
+            ControlError: If this arm cannot be tared.
         """
 
     def set_payload(self, payload: Payload | None) -> None:
-        """Use this payload at the flange; None is that of the description."""
+        """Use this payload at the flange; None is the payload of the description."""
         self.box.set_payload(payload)
 
     @abc.abstractmethod
@@ -378,14 +382,14 @@ class Arm(abc.ABC):
         """Drive the joints of a taken arm with torques.
 
         Raises:
-            ControlError: If the arm is not taken, may not move, gives way to forces, or
-                a drive has not that torque, which is a violation.
+            ControlError: If the arm is not taken, may not move, or is compliant, or if
+                a drive cannot exert the torque, which counts as a violation.
         """
 
     @property
     @abc.abstractmethod
     def _is_guided(self) -> bool:
-        """Whether a program that has taken the arm lets a hand guide it."""
+        """Whether a program has taken the arm and put it in freedrive."""
 
     @abc.abstractmethod
     def _comply(self, task: ComplianceTask, now: JointState) -> None:
@@ -393,23 +397,23 @@ class Arm(abc.ABC):
 
     @abc.abstractmethod
     def _stiffen(self, now: JointState) -> None:
-        """End that, if it is on: the arm stops where it is."""
+        """End force mode or freedrive if it is on: the arm stops where it is."""
 
     @abc.abstractmethod
     def _require_modes(self) -> None:
-        """Raise ControlError if controllers cannot let this arm comply."""
+        """Raise ControlError if controllers cannot start force mode or freedrive."""
 
     @abc.abstractmethod
     def _forgive(self) -> None:
-        """Clear a failure, so that the arm may move again."""
+        """Clear a failure so that the arm may move again."""
 
     @abc.abstractmethod
     def _shown_modes(self) -> Modes:
-        """Return the modes that people see."""
+        """Return the modes that users see."""
 
     @abc.abstractmethod
     def _obstacle(self) -> str:
-        """Return why the arm may not move, and a remedy; empty if it may."""
+        """Return why the arm may not move, and a remedy; empty if it may move."""
 
     # ---- what they have in common ---------------------------------------------------
 
@@ -427,7 +431,7 @@ class Arm(abc.ABC):
         robot: RobotMode | None = None,
         safety: SafetyMode | None = None,
     ) -> None:
-        """Change modes; stop the arm's motion if it may not move any more."""
+        """Change modes; stop the arm's motion if the arm may not move any more."""
         old = self._modes
         self._modes = new = old.changed(robot, safety)
         self._show()
@@ -437,7 +441,7 @@ class Arm(abc.ABC):
             self._block()
 
     def _show(self) -> None:
-        """Show the modes of the arm, or those of an emergency stop."""
+        """Publish the modes of the arm, or those of an emergency stop."""
         reason = self.box.state.protective_stop
         if self._modes.safety is not SafetyMode.PROTECTIVE_STOP:
             reason = ""
@@ -445,12 +449,12 @@ class Arm(abc.ABC):
         self.box.change(robot_mode=robot, safety_mode=safety, protective_stop=reason)
 
     def _show_freedrive(self, engaged: bool, now: JointState) -> None:
-        """Show whether an arm that may move is guided by hand."""
+        """Publish whether a powered arm is guided by hand."""
         if self._modes.is_powered:
             self._set(now, RobotMode.BACKDRIVE if engaged else RobotMode.RUNNING)
 
     def _stop(self, now: JointState) -> None:
-        """Stop the arm's motion and its program; then the brakes hold it."""
+        """Stop the arm's motion and its program; the brakes then hold the arm."""
         stopped = self._stop_controllers(now, self._stopped_with)
         if self.motion.is_taken:
             self.motion.abort(now)
@@ -463,7 +467,7 @@ class Arm(abc.ABC):
         self._block()
 
     def _block(self) -> None:
-        """Block the controllers of an arm that may not move, or is taken."""
+        """Block the controllers of an arm that is taken or may not move."""
         reason, taken_by = self._obstacle(), self.box.state.taken_by
         self._manager.block(self._stopped_with, reason)
         if taken_by and not reason:
@@ -473,7 +477,7 @@ class Arm(abc.ABC):
     def _stop_controllers(
         self, now: JointState, joints: frozenset[str]
     ) -> tuple[str, ...]:
-        """Stop the controllers of joints; return their names."""
+        """Stop the controllers that claim the joints; return their names."""
         names = tuple(
             status.name
             for status in self._manager.list()
@@ -489,7 +493,7 @@ class Arm(abc.ABC):
         self._stopped = ()
 
     def _release(self, now: JointState) -> None:
-        """Start the controllers again that ran when the arm was taken."""
+        """Restart the controllers that were running when the arm was taken."""
         wanted = self.motion.controller.at_rest(now)
         self.motion.abort(now)
         self._end_program()

@@ -1,4 +1,4 @@
-"""All arms of a robot: found by name, and ticked."""
+"""All arms of a robot, found by name and ticked together."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tool0.simulation.arms.simulated_arm import SimulatedArm
 
 @final
 class Arms:
-    """The arms in the order of the model.  Only the thread of the tick may use them."""
+    """All arms in the model's order.  Only the thread of the tick may use them."""
 
     def __init__(
         self,
@@ -56,7 +56,7 @@ class Arms:
                 for name, parts in found
             )
         self.boxes: tuple[ControlBoxState, ...] = ()
-        """The state of each control box: the same tuple until one changes."""
+        """State of each control box; the same tuple until one of them changes."""
         self._note_change()
         for arm in self._arms:
             arm.box.when_changed = self._note_change
@@ -66,10 +66,11 @@ class Arms:
         return iter(self._arms)
 
     def find(self, name: str | None) -> Arm:
-        """Return an arm; the only one without a name.
+        """Return an arm by name, or the only arm if no name is given.
 
         Raises:
-            ControlError: If there is no such arm, or several and no name.
+            ControlError: If there is no such arm, or if there are several and no name
+                is given.
         """
         if name is None and len(self._arms) == 1:
             return self._arms[0]
@@ -89,13 +90,13 @@ class Arms:
         return all(arm.is_idle for arm in self._arms)
 
     def tick(self, state: JointState, period: float) -> None:
-        """Advance speed scaling factors and returning arms by one tick [s]."""
+        """Advance speed scaling and returning arms by one tick [s]."""
         for arm in self._arms:
             if not arm.is_idle:
                 arm.tick(state, period)
 
     def follow(self, report: RobotReport, now: JointState) -> None:
-        """Show the report of a real robot's controller, and stop what it stopped."""
+        """Publish the report of a real robot's controller; follow the robot's stops."""
         for arm in self._real:
             arm.follow(report, now)
 
@@ -106,9 +107,10 @@ class Arms:
         after: JointState,
         forces: tuple[Contact, ...],
     ) -> Mapping[str, ArmSample]:
-        """Return the motion of each arm ``now`` [s], and the wrench on its tool.
+        """Return a sample of each arm's motion ``now`` [s] and of its tool's wrench.
 
-        The last step was from ``before`` to ``after``, with these external ``forces``.
+        The last step was from state ``before`` to ``after``, with the external
+        ``forces``.
         """
         return {arm.name: arm.sample(now, before, after, forces) for arm in self}
 

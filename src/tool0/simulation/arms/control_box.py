@@ -1,8 +1,8 @@
-"""The control box of an arm: requests change its state, and it acts.
+"""The control box of an arm: requests change its state, and it acts on changes.
 
 The speed slider and a paused program change the factor of scaled trajectories, and a
-payload changes the model of the drives.  Pins are only stored; ``Arm`` has power, stops
-and programs.
+payload changes the model of the drives.  Pins are only stored.  Power, stops and
+programs are in ``Arm``.
 """
 
 from __future__ import annotations
@@ -30,13 +30,14 @@ RAMP: Final = 5.0
 """Largest change of the speed scaling factor [1/s]: UR's driver adds 0.01 in each cycle
 of 2 ms after a pause (ur_robot_driver, hardware_interface.cpp)."""
 REAL_RAMP: Final = (10.0, 1.0)
-"""The same for a real robot, down and up [1/s].  It limits its speed at once; it hears
-of an increase a little late, and what it does meanwhile must stay small."""
+"""Largest change of the speed scaling factor of a real robot, down and up [1/s].  The
+robot limits its speed at once.  It hears of an increase slightly late, and its motion
+in the meantime must stay small."""
 MOST_VOLTAGE: Final = 10.0
 """Largest voltage of an analogue pin [V]."""
 _WIRED: Final = "the inputs of a real robot are what their wires say"
 CURRENTS: Final = (0.004, 0.020)
-"""Range of the current of an analogue pin [A]."""
+"""Range of the current at an analogue pin [A]."""
 
 
 @final
@@ -53,7 +54,8 @@ class ControlBox:
     ) -> None:
         self._flange, self._model, self._hardware = flange, model, hardware
         self._own_drives = own_drives
-        """A real robot, whose own box has the pins; its report changes the state."""
+        """Drives of a real robot, whose own box has the pins; its reports change the
+        state."""
         self.when_changed: Callable[[], None] = lambda: None
         """Called after each change of the state."""
         self.state = ControlBoxState(
@@ -61,14 +63,14 @@ class ControlBox:
             prefix=flange.removesuffix(FLANGE),
             payload=modelled_payload(model, flange),
         )
-        """The same object until something changes."""
+        """State of the box; the same object until something changes."""
         self.is_steady = True
-        """Whether the speed scaling factor is not on its way to another value."""
+        """Whether the speed scaling factor has reached its value."""
 
     # ---- the tick -------------------------------------------------------------------
 
     def tick(self, period: float) -> None:
-        """Move the speed scaling factor towards its value for one tick [s]."""
+        """Move the speed scaling factor towards its target value for one tick [s]."""
         now, target = self.state.speed_scaling, _target(self.state)
         if now != target:
             ramp = RAMP if self._own_drives is None else REAL_RAMP[target > now]
@@ -80,7 +82,7 @@ class ControlBox:
     # ---- operations -----------------------------------------------------------------
 
     def set_digital(self, pins: Mapping[int, bool], *, is_input: bool) -> None:
-        """Set digital outputs, or what the inputs measure, by pin 0 … 17."""
+        """Set digital outputs, or the measured levels of inputs, by pin 0 … 17."""
         name = "digital_inputs" if is_input else "digital_outputs"
         values = list(getattr(self.state, name))
         for pin, value in pins.items():
@@ -94,7 +96,7 @@ class ControlBox:
         self.change(**{name: tuple(values)})
 
     def set_analog_output(self, pin: int, level: float, domain: AnalogDomain) -> None:
-        """Set an analogue output to a ``level`` of its range, 0 … 1."""
+        """Set an analogue output to a ``level`` within its range, 0 … 1."""
         pins = list(self.state.analog_outputs)
         _check_pin(pin, len(pins), "analog_outputs")
         if self._own_drives is not None:
@@ -109,7 +111,7 @@ class ControlBox:
         self.change(analog_outputs=tuple(pins))
 
     def set_analog_input(self, pin: int, value: AnalogPin, *, is_of_tool: bool) -> None:
-        """Set what an analogue input of the box or of the tool measures."""
+        """Set the measured value of an analogue input of the box or of the tool."""
         if self._own_drives is not None:
             raise ControlError(_WIRED)
         name = "tool_analog_inputs" if is_of_tool else "analog_inputs"
@@ -119,20 +121,20 @@ class ControlBox:
         self.change(**{name: tuple(pins)})
 
     def set_speed_slider(self, fraction: float) -> None:
-        """Slow down scaled trajectories, 0.01 … 1."""
+        """Set the speed of scaled trajectories as a fraction, 0.01 … 1."""
         if self._own_drives is not None:
             self._own_drives.set_speed_slider(fraction)
             return
         self.change(speed_slider=fraction)
 
     def set_payload(self, payload: Payload | None) -> None:
-        """Use this payload at the flange; None is that of the description."""
+        """Use this payload at the flange; None is the payload of the description."""
         self._hardware.set_payload(self._flange, payload)
         known = payload or modelled_payload(self._model, self._flange)
         self.change(payload=known)
 
     def set_safety_limits(self, is_enabled: bool | None, force: float | None) -> None:
-        """Configure the automatic stops of the arm; None does not change."""
+        """Configure the automatic stops of the arm; None leaves a setting unchanged."""
         old = self.state.safety_limits
         limits = SafetyLimits(
             is_enabled=old.is_enabled if is_enabled is None else is_enabled,

@@ -1,8 +1,8 @@
-"""Freedrive and force mode in the name of a controller: UR's controllers of ROS 2.
+"""Freedrive and force mode started by a controller, as in UR's ROS 2 driver.
 
-An arm that a program has taken gives way by its ArmMotionController.  Here, it belongs
-to controllers.  In force mode it deviates from what the passthrough controller
-commands, if that runs; otherwise it gives way where it rests.
+An arm that a program has taken is compliant by its ArmMotionController.  Here, the arm
+belongs to controllers.  In force mode it deviates from the commands of the passthrough
+controller, if that is running; otherwise it yields from where it rests.
 """
 
 from __future__ import annotations
@@ -30,30 +30,31 @@ ENDED: Final = "Force mode has ended: the arm stops where it is."
 
 @final
 class ControllerMode:
-    """The mode of one arm.  Only the thread of the tick may use it."""
+    """Mode of one arm.  Only the thread of the tick may use it."""
 
     def __init__(
         self, spec: ArmMotionSpec, hardware: RobotHardware, manager: ControllerManager
     ) -> None:
-        """Be in no mode; ``spec`` has the arm's joints and its model."""
+        """Start in no mode; ``spec`` has the arm's joints and its model."""
         self._spec, self._manager = spec, manager
         self._select = joint_selector([hardware.index[name] for name in spec.joints])
         self._controller = self._host = ""
-        """The controller of the mode, and the one whose joints the law drives."""
+        """Names of the mode's controller, and of the one whose joints the law
+        drives."""
         self._compliance: Compliance | None = None
         self._rest: SplineMotion | None = None
-        """Motion that an arm deviates from if no other controller moves it."""
+        """Motion from which the arm deviates if no other controller moves it."""
         self._is_ending = False
-        """Whether the arm only comes to rest, by springs along all axes."""
+        """Whether the arm is only coming to rest, held by springs along all axes."""
 
     @property
     def is_on(self) -> bool:
-        """Whether the arm gives way."""
+        """Whether the arm is compliant."""
         return self._compliance is not None and not self._is_ending
 
     @property
     def is_freedrive(self) -> bool:
-        """Whether a hand may move it."""
+        """Whether the arm can be moved by hand."""
         compliance = self._compliance
         return self.is_on and compliance is not None and compliance.task.is_freedrive
 
@@ -63,12 +64,13 @@ class ControllerMode:
         return self._compliance is None
 
     def start(self, controller: str, task: ComplianceTask, now: JointState) -> None:
-        """Give way in the name of an active controller, as a task demands.
+        """Make the arm compliant for an active controller, as a task demands.
 
-        A second task replaces the first in force mode.
+        In force mode, a second task replaces the first.
 
         Raises:
-            ControlError: If the controller is not active, or of another mode or arm.
+            ControlError: If the controller is not active, or is for another mode or
+                arm.
         """
         self._require(controller, is_freedrive=task.is_freedrive)
         if task.is_freedrive and self.is_freedrive:
@@ -82,10 +84,11 @@ class ControllerMode:
     def end(self, controller: str, now: JointState, *, is_freedrive: bool) -> None:
         """End the mode of a controller: the arm ramps to rest where it is.
 
-        Without the mode, nothing changes.
+        Does nothing if the mode is off.
 
         Raises:
-            ControlError: If the controller is not active, or of another mode or arm.
+            ControlError: If the controller is not active, or is for another mode or
+                arm.
         """
         self._require(controller, is_freedrive=is_freedrive)
         if not self.is_on:
@@ -99,7 +102,7 @@ class ControllerMode:
         self._comply(self._compliance.task.stiffened(), now)
 
     def note_switch(self, now: JointState) -> None:
-        """Follow a switch of controllers: another host, or the end of the mode."""
+        """Follow a switch of controllers: change the host, or end the mode."""
         compliance = self._compliance
         if compliance is None:
             return
@@ -116,7 +119,7 @@ class ControllerMode:
             self._comply(compliance.task, now)
 
     def tick(self, state: JointState) -> None:
-        """Tell the law the motion from which the arm deviates in this tick."""
+        """Update the motion from which the arm deviates in this tick."""
         compliance, rest = self._compliance, self._rest
         if compliance is None or rest is None:
             return
@@ -126,7 +129,7 @@ class ControllerMode:
         compliance.follow(self._nominal(state.time), state.time)
 
     def forget(self) -> None:
-        """Be in no mode: the controllers have their joints back."""
+        """Leave the mode: the controllers get their joints back."""
         self._compliance = self._rest = None
         self._controller = self._host = ""
         self._is_ending = False
@@ -134,13 +137,13 @@ class ControllerMode:
     # ---- the joints -----------------------------------------------------------------
 
     def _comply(self, task: ComplianceTask, now: JointState) -> None:
-        """Drive the joints by the law of a task."""
+        """Drive the joints by the control law of a task."""
         compliance = Compliance(self._spec.model, task, self._select)
         self._compliance, self._host = compliance, self._find_host()
         self._manager.drive_efforts(self._host, self._law(compliance), now)
 
     def _law(self, compliance: Compliance) -> EffortLaw:
-        """Return the law of the host's joints, in their order."""
+        """Return the control law for the host's joints, in their order."""
         joints = self._manager.spec(self._host).joints
         if joints == self._spec.joints:
             return compliance.efforts
@@ -153,7 +156,7 @@ class ControllerMode:
         return efforts
 
     def _find_host(self) -> str:
-        """Return the active controller that the mode goes with, or its own."""
+        """Return the active companion of the mode's controller, or that controller."""
         spec = self._manager.spec(self._controller)
         assert isinstance(spec, ArmModeSpec)  # it was checked
         for status in self._manager.list():
@@ -166,7 +169,7 @@ class ControllerMode:
         return self._controller
 
     def _companion(self) -> PassthroughTrajectoryController:
-        """Return the host, if it is another controller than the mode's."""
+        """Return the host, which is another controller than the mode's own."""
         from tool0.control.ros2.passthrough_trajectory import (
             PassthroughTrajectoryController,
         )
@@ -176,7 +179,7 @@ class ControllerMode:
         return running
 
     def _return_joints(self, now: JointState) -> None:
-        """Resume the companion's control of the joints, from where they are."""
+        """Give the companion control of the joints again, from where they are."""
         self._companion().stop_where_it_is(now, ENDED)
         self._release(now)
 
@@ -197,7 +200,7 @@ class ControllerMode:
         return desired
 
     def _stopping(self, now: JointState) -> SplineMotion:
-        """Return the way to rest from the measured motion."""
+        """Return the motion to rest, from the measured state."""
         position, velocity = self._select(now.position), self._select(now.velocity)
         zeros = (0.0,) * len(self._spec.joints)
         start = ArmSetpoint(tuple(position), tuple(velocity), zeros)
@@ -206,7 +209,7 @@ class ControllerMode:
     # ---- checks ---------------------------------------------------------------------
 
     def _require(self, controller: str, *, is_freedrive: bool) -> None:
-        """Raise ControlError unless a controller is active, and for this mode."""
+        """Raise ControlError unless a controller is active and offers this mode."""
         self._manager.running(controller)
         spec = self._manager.spec(controller)
         if not isinstance(spec, ArmModeSpec) or spec.is_freedrive != is_freedrive:

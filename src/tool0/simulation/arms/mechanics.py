@@ -1,4 +1,4 @@
-"""Kinematics and dynamics of an arm, in the base frame of UR, for its motion laws."""
+"""Kinematics and dynamics of an arm for its motion laws, in UR's base frame."""
 
 from __future__ import annotations
 
@@ -15,33 +15,34 @@ if TYPE_CHECKING:
 
 
 MASS_PERIOD: Final = 0.032
-"""Time between updates of the mass matrix [s]; a wrist turns 0.1 rad in it."""
+"""Time between updates of the mass matrix [s]; a wrist turns by 0.1 rad in that
+time."""
 
 
 @final
 class ArmMechanics:
     """Poses, Jacobians, masses and weights of one arm.
 
-    The base frame is the link ``<prefix>base``, base_link turned by pi about z, as the
-    arm's control box has it; without such a link, it is the link that carries the arm.
+    The base frame is the link ``<prefix>base``: base_link turned by π about z, as in
+    the arm's control box.  Without such a link, it is the link that carries the arm.
     """
 
     def __init__(self, model: RobotModel, arm: str, hardware: RobotHardware) -> None:
-        """Compute nothing yet: numpy is only needed by some requests."""
+        """Postpone all computations, since only some requests need numpy."""
         self._model, self._arm, self._hardware = model, arm, hardware
         self._masses: tuple[float, Array] | None = None
-        """Time for which the mass matrix was computed [s], and the matrix."""
+        """Time of the last mass matrix [s], and the matrix."""
 
     @cached_property
     def chain(self) -> ArmChain:
-        """Its six joints."""
+        """The six joints of the arm."""
         from tool0.kinematics.chain import find_chains
 
         return find_chains(self._model)[self._arm]
 
     @cached_property
     def T_base_chain(self) -> Array:
-        """The link that carries the arm in the base frame, shape (4, 4)."""
+        """Pose in the base frame of the link that carries the arm, shape (4, 4)."""
         import numpy as np
 
         from tool0.kinematics.chain import fixed_transform
@@ -52,7 +53,7 @@ class ArmMechanics:
         return fixed_transform(self._model, base, self.chain.base).matrix
 
     def place(self, q: Array, lever: Array) -> Placement:
-        """Return where the point ``lever`` of the flange is at ``q`` [rad]."""
+        """Return the position of the flange's point ``lever`` at ``q`` [rad]."""
         import numpy as np
 
         posture, base = self.chain.forward(q[None]), self.T_base_chain
@@ -65,11 +66,11 @@ class ArmMechanics:
         return Placement(base[:3, 3] + R @ point, R @ T[:3, :3], J)
 
     def rotors(self) -> list[float]:
-        """Return the inertias of the rotors, which ``dynamics`` lacks [kg·m²]."""
+        """Return the rotor inertias, which ``dynamics`` does not include [kg·m²]."""
         return list(map(self._hardware.rotor_inertia, self.chain.joint_names))
 
     def dynamics(self, state: JointState) -> ArmDynamics:
-        """Return the mass matrix of the joints, and the efforts that hold them."""
+        """Return the joints' mass matrix, and the efforts that hold the joints."""
         import numpy as np
 
         names, hardware = self.chain.joint_names, self._hardware

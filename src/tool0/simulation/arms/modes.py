@@ -1,4 +1,4 @@
-"""The modes of an arm, and why it may not move."""
+"""The modes of an arm, and the reasons why it may not move."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ from tool0.protocol.control_box_state import (
 
 @final
 class Modes(NamedTuple):
-    """The modes of an arm, whether or not the emergency stop hides them."""
+    """Modes of an arm, whether or not the emergency stop hides them."""
 
     robot: RobotMode = RobotMode.RUNNING
     safety: SafetyMode = SafetyMode.NORMAL
 
     @property
     def is_powered(self) -> bool:
-        """Whether it is powered, with its brakes released."""
+        """Whether the arm is powered, with its brakes released."""
         return self.robot in POWERED
 
     @property
     def may_move(self) -> bool:
-        """Whether it is powered, its brakes are released, and no stop is on."""
+        """Whether the arm is powered, its brakes are off, and no stop is active."""
         return self.is_powered and self.safety in UNSTOPPED
 
     def changed(self, robot: RobotMode | None, safety: SafetyMode | None) -> Modes:
-        """Return them with other modes; None does not change one."""
+        """Return a copy with other modes; None leaves a mode unchanged."""
         new = Modes(robot or self.robot, safety or self.safety)
         if new.robot is RobotMode.BACKDRIVE and new.safety not in UNSTOPPED:
             return new._replace(robot=RobotMode.RUNNING)
         return new
 
     def obstacle(self, arm: str, stopped_for: str) -> str:
-        """Return why the arm may not move, and a remedy; empty if it may.
+        """Return why the arm may not move, and a remedy; empty if it may move.
 
-        ``stopped_for`` is the reason of its protective stop, if it is in one.
+        ``stopped_for`` is the reason of the protective stop, if there is one.
         """
         handle = f"robot.arms['{arm}'].control_box"
         if self.safety is SafetyMode.PROTECTIVE_STOP:

@@ -23,16 +23,16 @@ from tool0.protocol.state import ArmSample
 from tool0.simulation.arms.mechanics import ArmMechanics
 
 RETURN_BRAKE: Final = 4.0
-"""Change of a path's speed when its arm is released while it moves [1/s²]: a path at
-full speed ends within 0.25 s."""
+"""Change of a path's speed factor when the arm is released while it moves [1/s²]: a
+path at full speed ends within 0.25 s."""
 RETURN_DECELERATION: Final = 4.0
-"""Least deceleration of any other motion then [rad/s²]: a stream of velocities ends as
-soon as with its own acceleration."""
+"""Smallest deceleration of any other motion when the arm is released [rad/s²]; a stream
+of velocities ends at least as fast as its own acceleration allows."""
 SETTLING: Final = 0.1
 """Time from when the setpoint of an arm rests until the arm does [s]: its servos lag by
-some 20 ms."""
+about 20 ms."""
 STIFFENING: Final = 10.0
-"""Deceleration when force mode or freedrive ends while the arm moves, or a motion fails
+"""Deceleration of a moving arm when force mode or freedrive ends, or its motion fails
 [rad/s²]."""
 
 
@@ -40,8 +40,8 @@ STIFFENING: Final = 10.0
 class ArmMotion:
     """Motion of an arm that a program has taken.
 
-    Only the thread of the tick may use it.  It is an ArmMotionController, which exists
-    until the arm is released.
+    Only the thread of the tick may use it.  The motion is made by an
+    ArmMotionController, which exists until the arm is released.
     """
 
     def __init__(
@@ -66,14 +66,14 @@ class ArmMotion:
         self.is_taken = False
         """Whether a program has taken the arm."""
         self.is_protected = False
-        """Whether a failed motion is a protective stop."""
+        """Whether a failed motion causes a protective stop."""
         self._rests_at: float | None = None
-        """Time from which an arm that is then released rests [s]; None for any other
+        """Time from which an arm that is being released rests [s]; None for any other
         arm."""
         self._n_paths = 0
-        """Number of paths that it was given."""
+        """Number of paths that the arm was given."""
         self.has_torques = False
-        """Whether torques of its program drive the joints."""
+        """Whether torques of the arm's program drive the joints."""
 
     @property
     def controller(self) -> ArmMotionController:
@@ -85,7 +85,7 @@ class ArmMotion:
     # ---- from start to end ----------------------------------------------------------
 
     def start(self, held: tuple[float, ...] | None, now: JointState) -> None:
-        """Hold still, at ``held`` [rad] if the arm is near that; end a return."""
+        """Hold still, at ``held`` [rad] if the arm is near it; cancel a return."""
         if self.is_returning:
             self._rests_at = None
             if self.controller.motion(now.time).is_at_rest:
@@ -98,11 +98,11 @@ class ArmMotion:
 
     @property
     def is_returning(self) -> bool:
-        """Whether the arm stops in order to be released."""
+        """Whether the arm is stopping in order to be released."""
         return self._rests_at is not None
 
     def start_return(self, now: float) -> bool:
-        """Stop in order to be released; return whether the arm rests already."""
+        """Stop in order to be released; return whether the arm already rests."""
         controller = self.controller
         on_path = controller.mode == "path"
         if controller.motion(now).is_at_rest and not on_path:
@@ -114,7 +114,7 @@ class ArmMotion:
         return False
 
     def has_returned(self, now: float) -> bool:
-        """Return whether a returning arm has come to rest, in each tick."""
+        """Return whether a returning arm has come to rest; called in each tick."""
         if self._rests_at is None or not self.controller.is_done(now):
             return False
         if now >= self._rests_at:
@@ -123,13 +123,13 @@ class ArmMotion:
         return False
 
     def note_restart(self, now: float) -> None:
-        """Note that the controller was restarted: a returning arm rests."""
+        """Note that the controller was restarted, so that a returning arm rests."""
         self.has_torques = False
         if self.is_returning:
             self._rests_at = now
 
     def abort(self, now: JointState) -> None:
-        """End at once: the brakes stop the arm."""
+        """End the motion at once: the brakes stop the arm."""
         self.is_taken, self._rests_at, self.has_torques = False, None, False
         self._manager.stop_own(self.spec.name, now)
 
@@ -145,11 +145,12 @@ class ArmMotion:
     ) -> int:
         """Start a path; return its number.
 
-        It starts ``now`` [s], or replaces path ``after`` from that one's time ``at``
-        [s] on.
+        The path starts ``now`` [s], or replaces the path with number ``after`` from
+        that path's time ``at`` [s] on.
 
         Raises:
-            ControlError: If it is not possible; the arm's motion then continues.
+            ControlError: If the path cannot be followed; the arm's motion then
+                continues.
         """
         controller, number = self.controller, self._n_paths + 1
         if after is None or at is None:
@@ -160,7 +161,7 @@ class ArmMotion:
         return number
 
     def start_compliance(self, task: ComplianceTask, now: JointState) -> None:
-        """Push with a force, or give way to a hand."""
+        """Start force mode or freedrive."""
         law = self.controller.start_compliance(task, now)
         self._manager.drive_efforts(self.spec.name, law, now)
 
@@ -168,7 +169,7 @@ class ArmMotion:
         """Drive the joints with torques.
 
         Raises:
-            ControlError: If a drive has not that torque; nothing has changed then.
+            ControlError: If a drive cannot exert the torque; nothing has changed then.
         """
         torques = self.controller.torques
         if torques is not None:
@@ -179,7 +180,7 @@ class ArmMotion:
         self.has_torques = True
 
     def rest(self, now: JointState) -> None:
-        """Ramp to rest from the measured motion, with servos that have no past."""
+        """Ramp to rest from the measured motion, with freshly initialised servos."""
         self.has_torques = False
         self._manager.drive_efforts(self.spec.name, None, now)
         self.controller.end_compliance(now, STIFFENING)
@@ -187,7 +188,7 @@ class ArmMotion:
     # ---- where it is ----------------------------------------------------------------
 
     def setpoint(self, now: JointState) -> tuple[float, ...]:
-        """Return where an arm that rests is commanded to be, or is [rad]."""
+        """Return the commanded position of a resting arm, or the measured one [rad]."""
         if self.is_taken:
             return tuple(self.controller.motion(now.time).positions)
         index = self._hardware.index
@@ -197,7 +198,8 @@ class ArmMotion:
     def sample(self, now: float, wrench: Wrench, failure: str) -> ArmSample:
         """Return the motion of the arm ``now`` [s].
 
-        ``wrench`` is that on its tool, ``failure`` why its motion failed, if it did.
+        ``wrench`` acts on the tool; ``failure`` is the reason why the motion failed, if
+        it did.
         """
         joints = self.spec.joints
         if not self.is_taken:
@@ -222,11 +224,11 @@ class ArmMotion:
     # ---- controllers that move it before and after ----------------------------------
 
     def desired(self, now: JointState) -> tuple[float, ...] | None:
-        """Return where a controller wants the arm to rest [rad], if one does.
+        """Return where a controller wants the arm to rest [rad]; None if none does.
 
-        A controller of efforts that has just started lets the arm sag until its
-        integral carries it.  To hold where the arm is then would lower it a little
-        more whenever it is taken.
+        An effort controller that has just started lets the arm sag until its integral
+        term carries the arm.  Holding the arm at its momentary position would therefore
+        lower it a little more each time it is taken.
         """
         joints = self.spec.joints
         for controller in self._followers():
@@ -240,9 +242,9 @@ class ArmMotion:
         return None
 
     def preload_integrals(self, now: JointState) -> None:
-        """Start controllers of efforts with the efforts that hold the arm now.
+        """Start effort controllers with the efforts that hold the arm now.
 
-        With an integral of 0 the arm would sag until it has built up.
+        With an integral of 0 the arm would sag until the integral has built up.
         """
         hardware, claimed = self._hardware, self._hardware.claimed
         for controller in self._followers():
@@ -258,7 +260,7 @@ class ArmMotion:
                     controller.pid.set_contribution(k, effort)
 
     def _followers(self) -> Iterator[TrajectoryFollower]:
-        """Return the running trajectory controllers of its joints."""
+        """Return the running trajectory controllers of the arm's joints."""
         joints = set(self.spec.joints)
         for status in self._manager.list():
             if status.is_running and status.joints & joints:

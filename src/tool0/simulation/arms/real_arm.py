@@ -1,4 +1,4 @@
-"""An arm with a controller of its own: a real robot."""
+"""An arm with its own controller: a real robot."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _LOST: Final = "check power and network; tool0 tries again"
 
 @final
 class RealArm(Arm):
-    """An arm with its own motion control; it reports its power, stops and pins."""
+    """A real arm with its own motion control; it reports its power, stops and pins."""
 
     def __init__(
         self,
@@ -55,7 +55,7 @@ class RealArm(Arm):
         hardware: RobotHardware,
         manager: ControllerManager,
     ) -> None:
-        """Serve the arm that ``drives`` are of; a gripper moves only if it may."""
+        """Serve the arm of ``drives``; its gripper moves only if the arm may."""
         box = ControlBox(name, parts.flange, model, hardware, drives)
         super().__init__(
             *(name, parts, box),
@@ -66,14 +66,14 @@ class RealArm(Arm):
         )
         self._drives = drives
         self._report: RobotReport | None = None
-        """Newest report of the controller."""
+        """Newest report of the robot's controller."""
         self._task: ComplianceTask | None = None
-        """Task by which the arm itself pushes with a force, or gives way."""
+        """Task of force mode or freedrive that the arm's own controller executes."""
 
     def follow(self, report: RobotReport, now: JointState) -> None:
-        """Show the report of the robot's controller, and stop what it stopped.
+        """Publish the report of the robot's controller; stop what the robot stopped.
 
-        Nothing starts on its own: that takes ``play``.
+        Nothing starts by itself: starting takes ``play``.
         """
         if report is self._report:
             return
@@ -144,7 +144,7 @@ class RealArm(Arm):
         super()._stop(now)
 
     def _end_task(self) -> bool:
-        """End force mode or freedrive; return whether there was one."""
+        """End force mode or freedrive; return whether either was on."""
         task, self._task = self._task, None
         if task is None:
             return False

@@ -26,7 +26,7 @@ from tool0.simulation.arms.modes import Modes
 
 @final
 class SimulatedArm(Arm):
-    """An arm whose drives take efforts, and whose wrench is computed."""
+    """An arm with drives that take efforts, and with a computed wrench on its tool."""
 
     def __init__(
         self,
@@ -38,14 +38,14 @@ class SimulatedArm(Arm):
         hardware: RobotHardware,
         manager: ControllerManager,
     ) -> None:
-        """Serve the arm that these ``parts`` of ``engine`` are."""
+        """Serve the arm of ``engine`` that consists of ``parts``."""
         box = ControlBox(name, parts.flange, model, hardware)
         super().__init__(
             name, parts, box, model=model, hardware=hardware, manager=manager
         )
         self._model, self._engine = model, engine
         self._tool_wrench: ToolWrench | None = None
-        """Wrench on the tool, once it was sampled."""
+        """Wrench on the tool, once it has been sampled."""
 
     def tick(self, state: JointState, period: float) -> None:
         super().tick(state, period)
@@ -69,10 +69,10 @@ class SimulatedArm(Arm):
             self._show_freedrive(False, now)
 
     def _require_modes(self) -> None:
-        """Do nothing: it can."""
+        """Do nothing, since controllers can make a simulated arm compliant."""
 
     def _forgive(self) -> None:
-        """Do nothing: what failed is in the state of the control box."""
+        """Do nothing: the failure is in the state of the control box."""
 
     def drive(self, command: TorqueCommand, now: JointState) -> None:
         controller = self.controller_to_move()
@@ -139,7 +139,7 @@ class SimulatedArm(Arm):
     # ---- modes ----------------------------------------------------------------------
 
     def _shown_modes(self) -> Modes:
-        """Return its modes, or those of the emergency stop, which hides them."""
+        """Return the arm's modes, or those of the emergency stop, which hides them."""
         if self._hardware.is_stopped:
             return Modes(RobotMode.POWER_OFF, SafetyMode.ROBOT_EMERGENCY_STOP)
         return self._modes

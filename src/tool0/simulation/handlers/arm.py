@@ -1,4 +1,4 @@
-"""Handlers of the requests to an arm, by poses of its tool."""
+"""Handlers of arm requests that refer to poses of the tool."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 
 
 _AFTER_ANY_MOTION = 1e6
-"""Time after which every motion has ended [s]."""
+"""Time after which every motion has certainly ended [s]."""
 AT_REST = 1e-6
-"""Slower than this counts as standing still [rad/s, rad/s²]."""
+"""Velocity and acceleration below which a joint stands still [rad/s, rad/s²]."""
 
 
 @handles(ListArms)
@@ -142,7 +142,7 @@ def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
 def line_of(
     simulation: Simulation, request: MoveLinear, positions: Mapping[str, float]
 ) -> Path:
-    """Return the straight motion of a tool, from ``positions`` of all joints."""
+    """Return the straight-line motion of a tool, from ``positions`` of all joints."""
     import numpy as np
 
     from tool0.motion.linear import plan_line
@@ -161,14 +161,14 @@ def line_of(
 
 
 def _kinematics(chain: ArmChain) -> InverseKinematics:
-    """Return an arm's inverse kinematics; ControlError unless it is built like a UR."""
+    """Return an arm's inverse kinematics; ControlError if it is not built like a UR."""
     from tool0.kinematics.inverse import InverseKinematics
 
     return InverseKinematics(chain)
 
 
 def _at_rest(simulation: Simulation, name: str) -> Mapping[str, float]:
-    """Return where a controller's joints stand, or raise ControlError."""
+    """Return the position of a controller's joints, or raise ControlError."""
     executor = simulation.executor
 
     def read() -> Any:

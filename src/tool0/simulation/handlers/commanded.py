@@ -28,7 +28,7 @@ def trajectory_controller(simulation: Simulation, chain: ArmChain) -> str:
 
 
 def standing(simulation: Simulation, *arms: str | None) -> Mapping[str, float]:
-    """Return the positions of all joints: those of arms as commanded, if they are."""
+    """Return the positions of all joints; for arms, the commanded ones if available."""
     positions = dict(simulation.snapshot.positions)
     for arm in arms:
         try:

@@ -20,7 +20,7 @@ from tool0.simulation.paths import trajectory_points
 from tool0.simulation.simulation import Simulation
 
 SQUEEZED = 0.001
-"""Distance by which the commanded opening must be inside the measured one to count as
+"""Distance by which the commanded opening must be below the measured one to count as
 squeezing [m]."""
 
 
@@ -111,9 +111,9 @@ def _plan(
 ) -> list[TrajectoryPoint]:
     """Return the motion to ``end`` [m] from where the pads are.
 
-    A squeeze continues into a tighter one without letting go.  An opening starts with
-    a setpoint where the pads are: the controller's own setpoint is further inside,
-    and it would otherwise keep squeezing with the full force of the new goal.
+    A squeeze continues into a tighter one without letting go.  An opening motion starts
+    with its setpoint at the pads: the controller's own setpoint lies further inside, so
+    the gripper would otherwise keep squeezing with the full force of the new goal.
     """
     snapshot = simulation.snapshot
     here = snapshot.position[snapshot.joint_names.index(gripper.joint)]

@@ -20,7 +20,7 @@ from tool0.simulation.handlers.table import handles
 from tool0.simulation.simulation import Simulation
 
 _UNSUPPORTED = "acceleration"
-"""The interface of a joint that ros2_control knows and no drive follows."""
+"""The interface of a joint that ros2_control knows but no drive follows."""
 
 
 @handles(ListHardware)

@@ -1,4 +1,4 @@
-"""Requests of the journal as JSON, also those that connections do not send."""
+"""Journal requests as JSON, including those that connections do not send."""
 
 from __future__ import annotations
 
@@ -27,10 +27,11 @@ def params_of(request: Request[Any]) -> bytes:
 
 
 def request_of(method: str, params: bytes | str) -> Request[Any]:
-    """Return the request that was written.
+    """Return the request that the JSON object describes.
 
     Raises:
-        RequestError: If this tool0 has no such request, or not with these parameters.
+        RequestError: If this version of tool0 has no such request, or none with these
+            parameters.
     """
     entry = entries().get(method)
     if entry is None:
@@ -47,7 +48,7 @@ class _WrittenConfig(msgspec.Struct, frozen=True):
 
     yaml: str
     types: dict[str, str]
-    """Controller → type, also those that the YAML does not state."""
+    """Types by controller, including types that the YAML does not state."""
 
 
 def _written(value: Any) -> Any:

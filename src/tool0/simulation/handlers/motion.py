@@ -1,4 +1,4 @@
-"""Handlers of the requests to controllers and their manager."""
+"""Handlers of the requests to controllers and to their manager."""
 
 from __future__ import annotations
 
@@ -113,14 +113,14 @@ def _scale(simulation: Simulation, request: ScaleTrajectory) -> None:
 
 
 def _import_planner(simulation: Simulation, request: Request[Any]) -> None:
-    """Import the planner: slow the first time, so not in the thread of the tick."""
+    """Import the planner, which is slow the first time, outside the tick's thread."""
     from tool0.motion.joint import import_planner
 
     import_planner()
 
 
 def _prepare_move(simulation: Simulation, request: MoveJoints) -> None:
-    """Do the slow part; raise CollisionError if the motion is to be refused."""
+    """Do the slow part of ``MoveJoints``; raise CollisionError to refuse the motion."""
     _import_planner(simulation, request)
     if request.collision == "refuse":
         require_free(simulation, request.positions)
@@ -215,12 +215,12 @@ class LoadControllerWith(Request[None], frozen=True):
 
     name: Name
     config: ControllerConfig | None = None
-    """The bring-up's configuration, if left out."""
+    """Configuration of the controllers; the bring-up's if left out."""
     configure: bool = True
 
 
 class ReadControllerSpec(Request[ControllerSpec], frozen=True):
-    """The parameters that a controller was loaded with."""
+    """Parameters with which a controller was loaded."""
 
     controller: Name
 

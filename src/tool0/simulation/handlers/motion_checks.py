@@ -1,4 +1,4 @@
-"""Whether motions of arms are free, before they begin."""
+"""Collision checks of arm motions before they begin."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def motion_plans(simulation: Simulation) -> MotionPlans:
 def require_free(simulation: Simulation, targets: Mapping[str, float]) -> None:
     """Raise CollisionError if arms would collide on the way to ``targets`` [rad | m].
 
-    The joints move in proportion, from their commanded positions.
+    The joints move synchronously, from their commanded positions.
     """
     arms = [
         name

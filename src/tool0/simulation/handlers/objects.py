@@ -32,12 +32,12 @@ from tool0.simulation.pull_springs import PullSpring
 from tool0.simulation.simulation import Simulation
 
 MOST_SHAPES = 500
-"""Largest number of shapes in a scene that requests may add to: adding gets slower with
-each."""
+"""Largest number of shapes in a scene to which requests may add; adding gets slower
+with each shape."""
 
 
 def _object_to_add(simulation: Simulation, request: AddObject) -> SceneObject:
-    """Return the object, of which only the colour may still change."""
+    """Return the requested object; its colour may still change when it is added."""
     rgba = STILL_RGBA if request.rgba is None else request.rgba
     item = SceneObject(
         name=request.name,
@@ -55,7 +55,7 @@ _Placing = AddObject | AddModel | PlaceObject
 
 
 def _prepare(simulation: Simulation, request: _Placing, item: SceneObject) -> None:
-    """Do the slow part of the check that the object is outside the robot."""
+    """Do the slow part of checking that the object is outside the robot."""
     if not request.allow_penetration:
         simulation.collisions.prepare(item)
 
@@ -66,7 +66,7 @@ def _require_outside(
     item: SceneObject,
     at: ObjectState | None = None,
 ) -> None:
-    """Raise PenetrationError if the object would be inside a link, and may not."""
+    """Raise PenetrationError if an object would be inside a link and must not be."""
     if not request.allow_penetration:
         position = simulation.core.state.position
         simulation.collisions.require_outside(position, item, at)
@@ -108,7 +108,7 @@ def _add_model(
 def _spawn(
     simulation: Simulation, request: AddObject | AddModel, item: SceneObject
 ) -> None:
-    """Add an object, unless there would be too many shapes, or it is in a link."""
+    """Add an object, unless there would be too many shapes or it is inside a link."""
     scene = simulation.core.scene
     solids = [*(known.geometry for known in scene.objects), item.geometry]
     count = sum(len(placed_geometries(solid)) for solid in solids)

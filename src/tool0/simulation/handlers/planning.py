@@ -27,13 +27,13 @@ from tool0.simulation.simulation import Simulation
 class StartPlan(Request[tuple[GoalStarted, ...]], frozen=True):
     """Start one motion of several controllers in the same tick.
 
-    A contact that is neither there then nor with one of ``may_touch`` stops them.
+    A new contact stops them, unless it is with one of ``may_touch``.
     """
 
     unchecked = ("motions",)
 
     motions: tuple[tuple[Name, tuple[str, ...], Points], ...]
-    """Motion of each controller: its name, the joints, and the points."""
+    """Motion of each controller: the controller's name, the joints, and the points."""
     may_touch: tuple[str, ...] = ()
     carried: tuple[str, ...] = ()
     """Objects that move with the arms."""

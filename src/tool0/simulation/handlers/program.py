@@ -1,4 +1,4 @@
-"""Handlers of the requests about programs: check, run, save and export them."""
+"""Handlers of the program requests: check, run, save and export."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from tool0.simulation.handlers.program_run import ProgramExecution
 
 _LONGEST_RETURN = 2.0
-"""Longest wait for an arm that is released while a program is to begin [wall s]."""
+"""Longest wait for an arm that is being released when a program starts [wall s]."""
 
 
 def _context(simulation: Simulation, program: Program) -> RobotContext:
@@ -79,7 +79,7 @@ def _context(simulation: Simulation, program: Program) -> RobotContext:
 
 
 def _planned(simulation: Simulation, context: RobotContext) -> ProgramPlan:
-    """Plan a program from where its arm is commanded to be now."""
+    """Plan a program from the present commanded positions of its arm."""
     from tool0.programs.planning import plan_program
 
     core = simulation.core
@@ -89,7 +89,7 @@ def _planned(simulation: Simulation, context: RobotContext) -> ProgramPlan:
 
 
 def _wait_for_return(simulation: Simulation, arm: str) -> None:
-    """Wait for an arm that stops in order to be released, while time passes."""
+    """Wait for an arm that is stopping in order to be released, while time passes."""
     loop, bus = simulation.loop, simulation.bus
     motion = simulation.core.arms.find(arm).motion
     end = time.monotonic() + _LONGEST_RETURN

@@ -1,4 +1,7 @@
-"""The execution of a program: from taking its arm to giving it back, by snapshots."""
+"""The execution of a program, from taking its arm to releasing it.
+
+The program advances after each snapshot.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,7 @@ logger = logging.getLogger(__name__)
 
 @final
 class ProgramExecution:
-    """Executes one program.  The thread of the tick uses it; any thread may read."""
+    """Executes one program.  Only the thread of the tick uses it; any may read it."""
 
     def __init__(
         self,
@@ -44,10 +47,10 @@ class ProgramExecution:
         number: int,
         paused: bool,
     ) -> None:
-        """Take the arm; steps begin at the next snapshot.
+        """Take the arm; the steps begin at the next snapshot.
 
         Raises:
-            ControlError: If the arm may not move, or is taken already.
+            ControlError: If the arm may not move or is already taken.
         """
         self._simulation, self._arm = simulation, context.arm
         name, arm = plan.program.name, context.arm
@@ -68,21 +71,21 @@ class ProgramExecution:
 
     @property
     def is_stopping(self) -> bool:
-        """Whether it was stopped, and ends as soon as its arm has been released."""
+        """Whether the program was stopped; it ends once its arm has been released."""
         return self._stop is not None
 
     def stop(self, reason: str) -> None:
-        """End it at the next snapshot."""
+        """End the program at the next snapshot."""
         self._stop = self._stop or EndedError("stopped", reason)
 
     def set_stepping(self, stepping: bool) -> None:
-        """Choose whether it pauses before its next step."""
+        """Choose whether the program pauses before its next step."""
         self._steps.is_stepping = stepping
 
     # ---- snapshots ------------------------------------------------------------------
 
     def look(self, snapshot: Snapshot) -> None:
-        """Go on after a snapshot."""
+        """Continue the program after a snapshot."""
         self._steps.snapshot = snapshot
         try:
             next(self._script)
@@ -114,7 +117,7 @@ class ProgramExecution:
         self._finish(state, reason)
 
     def _watched(self, steps: StepCoroutine[None]) -> StepCoroutine[None]:
-        """Execute steps; end them when something else has happened to the arm."""
+        """Execute steps; end the program if something else has happened to the arm."""
         while True:
             self._watch()
             try:
@@ -124,7 +127,7 @@ class ProgramExecution:
             yield
 
     def _watch(self) -> None:
-        """Raise EndedError if the program may not go on."""
+        """Raise EndedError if the program may not continue."""
         if self._stop is not None:
             raise self._stop
         events = self._events.events
@@ -154,20 +157,20 @@ class ProgramExecution:
         self._steps.call(TakeArm(arm=self._arm, by=self._name))
 
     def _release(self) -> StepCoroutine[None]:
-        """Stop the arm, and let its controllers start again, if it is still taken."""
+        """Stop the arm and let its controllers start again, if it is still taken."""
         self._events.close()
         if self._steps.box.taken_by != self._name:
             self._stop_path()
             return
         if self._steps.is_paused:
-            # The clock of a paused path stands still, so it would never end.
+            # The clock of a paused path stands still, so the path would never end.
             self._steps.call(StopArm(arm=self._arm, deceleration=BRAKE))
         self._steps.call(ReturnArm(arm=self._arm))
         while self._steps.box.taken_by == self._name:
             yield
 
     def _stop_path(self) -> None:
-        """Stop its path, if somebody has taken the arm and not moved it yet."""
+        """Stop the program's path if somebody took the arm and has not moved it yet."""
         with suppress(Tool0Error, EndedError):
             if not self._steps.is_done:
                 stop = StopArm(arm=self._arm, deceleration=BRAKE, along_path=True)

@@ -1,7 +1,7 @@
-"""The steps of a program, one after another: each as the requests of a client.
+"""The steps of a program, executed in order, each by the requests of a client.
 
 Steps are a generator that waits for the next snapshot wherever time must pass.  Every
-change is made by the request that a client would send, so that the journal has it.
+change is made by the request that a client would send, so that it is in the journal.
 """
 
 from __future__ import annotations
@@ -57,17 +57,17 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 StepCoroutine = Generator[None, None, T]
-"""Waits for a snapshot wherever it yields."""
+"""A coroutine that waits for a snapshot wherever it yields."""
 
 BRAKE: Final = 4.0
-"""Change of a path's speed where a step is executed alone from within it [1/s²]."""
+"""Change of a path's speed factor where a single step ends within the path [1/s²]."""
 _GRIP_TIMEOUT: Final = 10.0
-"""Simulated time that a gripper may take to stand still [s]."""
+"""Simulated time in which a gripper must come to a standstill [s]."""
 _ROUNDING: Final = 1e-9
 
 
 class EndedError(Exception):
-    """The program ends before its last step."""
+    """Raised to end the program before its last step."""
 
     def __init__(self, state: RunState, reason: str) -> None:
         super().__init__(reason)
@@ -76,7 +76,7 @@ class EndedError(Exception):
 
 @final
 class ProgramSteps:
-    """Executes steps.  The thread of the tick uses it."""
+    """Executes steps.  Only the thread of the tick may use it."""
 
     def __init__(
         self,
@@ -87,19 +87,19 @@ class ProgramSteps:
         *,
         stepping: bool,
     ) -> None:
-        """Begin nothing; ``when_begun`` is called with each step that begins."""
+        """Prepare to run; ``when_begun`` is called with each step that begins."""
         self._simulation, self._plan, self._context = simulation, plan, context
         self._when_begun = when_begun
         self.is_stepping = stepping
-        """Whether it pauses before its next step."""
+        """Whether the program pauses before its next step."""
         self.snapshot = simulation.snapshot
-        """The newest one."""
+        """Newest snapshot."""
         self.arm = simulation.core.arms.find(context.arm)
         self._path_number = 0
-        """Number of the last path that it sent."""
+        """Number of the last path that the program sent."""
 
     def run(self) -> StepCoroutine[None]:
-        """Execute all steps; EndedError or a Tool0Error if it ends earlier."""
+        """Execute all steps; raise EndedError or a Tool0Error if it ends early."""
         yield from self._steps(self._plan.program.steps, ())
 
     def _steps(self, steps: Sequence[Step], parents: StepPath) -> StepCoroutine[None]:
@@ -153,7 +153,7 @@ class ProgramSteps:
             yield
 
     def _moves(self, moves: Sequence[NumberedMove]) -> StepCoroutine[None]:
-        """Move through targets; one by one while it is stepped."""
+        """Move through targets, one at a time in single-step mode."""
         done = 0
         has_begun = False  # the next one
         while done < len(moves):
@@ -186,7 +186,7 @@ class ProgramSteps:
         yield from self._follow(found, watch)
 
     def _require_free(self, path: ProgramPath) -> StepCoroutine[None]:
-        """End the program if it is to refuse a path on which the arm would collide."""
+        """End the program if it must refuse a path because the arm would collide."""
         if self._plan.program.collision == "ignore" or path.plan.duration == 0.0:
             return
         names, q = self._context.joint_names, self._setpoint
@@ -205,7 +205,7 @@ class ProgramSteps:
     def _follow(
         self, path: ProgramPath, watch: ContactWatch | None = None
     ) -> StepCoroutine[int]:
-        """Follow a path; return how many of its moves are done."""
+        """Follow a path; return how many of its moves have been completed."""
         yield from self._start_path(path)
         plan, n_moves = path.plan, len(path.steps)
         while not self.is_done:
@@ -316,11 +316,11 @@ class ProgramSteps:
     # ---- the robot ------------------------------------------------------------------
 
     def call(self, request: Request[Response]) -> Response:
-        """Carry out a request, as for a client."""
+        """Carry out a request as if a client had sent it."""
         return answer(self._simulation, request)
 
     def _planned(self, plan: Callable[[], T]) -> StepCoroutine[T]:
-        """Plan while the arm rests; in real time, in a thread of its own."""
+        """Plan while the arm rests; in real time, in a dedicated thread."""
         if not self._simulation.loop.is_realtime:
             return plan()
         future: Future[T] = Future()
@@ -338,7 +338,7 @@ class ProgramSteps:
 
     @property
     def box(self) -> ControlBoxState:
-        """The state of the arm's control box."""
+        """State of the arm's control box."""
         return self.arm.box.state
 
     @property

@@ -1,4 +1,4 @@
-"""Whether a tool that moves in a direction has touched something."""
+"""Detects that a tool has touched something while it moves in a direction."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ if TYPE_CHECKING:
     from tool0.programs.robot_context import RobotContext
 
 CONTACT_FORCE: Final = 1.0
-"""Least force of a contact against the direction, above that at the start [N]."""
+"""Smallest increase of the contact force against the direction of motion that counts as
+contact [N]."""
 
 
 @final
 class Touch:
     """Watches the tool of an arm; only the thread of the tick may use it.
 
-    A contact is one of the links beyond the last joint, or of an object that they hold,
-    with anything else.  What touches at the start does not count until it pushes
+    Contacts of the links beyond the last joint, or of an object that they hold, with
+    anything else count.  Contacts that exist at the start do not count until they push
     against the motion.
     """
 
@@ -35,14 +36,14 @@ class Touch:
         self._links = frozenset(context.model.links_from(context.joints[-1].child))
         self._direction = context.direction(step, context.tool(self._posture())[0])
         self._start: float | None = None
-        """The force against the direction at the start [N]."""
+        """Force against the direction of motion at the start [N]."""
         self._known: frozenset[frozenset[str]] = frozenset()
         self._group = self._links
         self._has_occurred = False
-        self._contacts()  # an engine may record them only after the first call
+        self._contacts()  # an engine may only record contacts after the first call
 
     def has_occurred(self) -> bool:
-        """Return whether there was a contact, or the force, since the start."""
+        """Return whether a contact or the requested force has occurred so far."""
         if not self._has_occurred:
             self._has_occurred = (
                 self._is_touching() if self._force is None else self._is_pushing()

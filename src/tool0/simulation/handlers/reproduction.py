@@ -1,4 +1,4 @@
-"""A bring-up as plain data, and the same robot brought up again from it."""
+"""A bring-up as plain data, and a robot that is brought up again from these data."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from tool0.simulation.simulation import Simulation
 
 
 def reproduction(simulation: Simulation) -> Reproduction:
-    """Return the data that repeat this simulation, together with its journal."""
+    """Return the data that reproduce this simulation, together with its journal."""
     setup = simulation.setup
     description, options = setup.description, setup.options
     model, choice = description.model, setup.choice
@@ -75,15 +75,15 @@ handles(ReadReproduction)(lambda sim, _: reproduction(sim))
 def restarted(
     start: Reproduction, folder: Path, meshes: Mapping[str, Path]
 ) -> Simulation:
-    """Bring the same robot up again, without real time, and return it.
+    """Bring up the same robot again, without real-time pacing, and return it.
 
     Args:
         start: Result of ``reproduction``.
-        folder: An empty one, for files that the bring-up reads.
-        meshes: Paths of the files of ``start.meshes`` now, by their URIs.
+        folder: An empty folder for files that the bring-up reads.
+        meshes: Present paths of the files of ``start.meshes``, by URI.
 
     Raises:
-        Tool0Error: If that fails, for instance because the engine is missing.
+        Tool0Error: If the bring-up fails, for instance because the engine is missing.
     """
     from xml.sax.saxutils import escape  # it loads ssl
 
@@ -114,7 +114,7 @@ def restarted(
             spawn_z=start.spawn_z,
             scene=Scene(tuple(objects)),
             grasp_assist=start.grasp_assist,
-            allow_penetration=True,  # if there was any, it was accepted then
+            allow_penetration=True,  # any penetration was accepted at the start
             realtime=False,
         ),
     )
@@ -128,7 +128,7 @@ def digest(path: Path) -> str:
 
 
 def _mesh_files(model: RobotModel, scene: Scene) -> Iterator[MeshFile]:
-    """Yield each file once: by its URI in the URDF, or by its path in the scene."""
+    """Yield each file once, with its URI in the URDF or its path in the scene."""
     files: dict[str, Path] = {}
     for link in model.links:
         shapes = [visual.geometry for visual in link.visuals]

@@ -97,7 +97,7 @@ handles(SetSpeed, in_tick=True)(lambda sim, request: sim.loop.set_speed(request.
 
 
 def _check_pose(simulation: Simulation, request: Reset) -> None:
-    """Raise PenetrationError for a pose that cannot be."""
+    """Raise PenetrationError if the requested pose is impossible."""
     if not request.position or request.allow_penetration:
         return
     usual = simulation.setup.position
@@ -128,9 +128,9 @@ def _stop_motions(simulation: Simulation, request: StopMotions) -> None:
 
 
 def stop_after_freezes(simulation: Simulation) -> None:
-    """Stop every motion when the process did not run for a while.
+    """Stop every motion whenever the process has been frozen for a while.
 
-    Who moved the robot, and what it saw, may have changed meanwhile.
+    Whoever moved the robot, and the scene that they saw, may have changed meanwhile.
     """
 
     def stop(duration: float) -> None:

@@ -1,9 +1,9 @@
-"""Ends streams to an arm whose sender has stopped sending, and stops the arm.
+"""Ends streams whose sender has gone silent, and stops their arms.
 
 A stream is two or more targets or velocities that follow each other within their
-timeout.  After a longer silence the arm stops, and what comes then, delayed by an
-outage or from a sender that was away, does not move it.  It takes a stop or another
-``take_arm`` before the next stream.
+timeout.  After a longer silence the arm stops.  Later commands, delayed by an outage or
+from a sender that was away, do not move the arm until it has been stopped or taken
+again with ``take_arm``.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ handles(EndStream, in_tick=True)(
 
 @dataclass(slots=True)
 class _Stream:
-    """The commands to one arm since its last stop."""
+    """Commands to one arm since its last stop."""
 
     last: float
-    """Time at which the last command came [wall s]."""
+    """Time at which the last command arrived [wall s]."""
     timeout: float
-    """Wall time after the last command at which the stream has ended [wall s]."""
+    """Silence after the last command that ends the stream [wall s]."""
     is_stream: bool = False
-    """Whether there were at least two."""
+    """Whether there were at least two commands."""
     silence: float | None = None
-    """Silence after which it ended [wall s]; None before that."""
+    """Duration of the silence that ended the stream [wall s]; None before that."""
 
 
 @final
@@ -50,16 +50,17 @@ class StreamWatch:
         self._is_closed = False
 
     def admit(self, arm: str, timeout: float | None, *, is_rest: bool) -> None:
-        """Take note of a command, before it is carried out.
+        """Note a command before it is carried out.
 
         Args:
-            arm: Its name.
-            timeout: After which the stream has ended [wall s]; None: never.
-            is_rest: Whether the command is to stand still, which ends a stream in
-                order, and is always accepted.
+            arm: Name of the arm.
+            timeout: Silence after which the stream has ended [wall s]; None if it never
+                ends.
+            is_rest: Whether the command is to stand still, which ends a stream properly
+                and is always accepted.
 
         Raises:
-            ControlError: If the stream that it continues has ended.
+            ControlError: If the command continues a stream that has ended.
         """
         now = time.monotonic()
         with self._changed:
@@ -85,12 +86,12 @@ class StreamWatch:
                 self._changed.notify()
 
     def forget(self, arm: str) -> None:
-        """Allow a new stream: the arm was stopped or taken, or follows a path."""
+        """Allow a new stream, since the arm was stopped, taken, or given a path."""
         with self._changed:
             self._streams.pop(arm, None)
 
     def close(self) -> None:
-        """End with the simulation."""
+        """Stop watching, since the simulation ends."""
         with self._changed:
             self._is_closed = True
             self._changed.notify()
@@ -117,21 +118,21 @@ class StreamWatch:
                     answer(self._simulation, EndStream(arm=arm))
 
     def _find_silent(self) -> list[str]:
-        """Return the arms whose stream ends now."""
+        """Return the arms whose streams end now."""
         now, is_paused = time.monotonic(), self._simulation.snapshot.is_paused
         found = []
         for arm, stream in self._streams.items():
             if not stream.is_stream or stream.silence is not None:
                 continue
             if is_paused:
-                stream.last = now  # who waits for time to pass sends nothing
+                stream.last = now  # a sender that waits for time to pass sends nothing
             elif now - stream.last > stream.timeout:
                 stream.silence = now - stream.last
                 found.append(arm)
         return found
 
     def _remaining(self) -> float | None:
-        """Return the time to the next end [wall s]; None without a stream."""
+        """Return the time until the next stream ends [wall s]; None without any."""
         now = time.monotonic()
         ends = [
             max(0.0, stream.last + stream.timeout - now) + 1e-3

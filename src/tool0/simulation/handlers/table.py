@@ -1,7 +1,7 @@
 """The handlers of a simulation: one for each request, and when it is called.
 
-A handler is registered by ``handles`` where it is defined.  Packages above register
-those of their own requests in the same table, by being imported.
+A handler is registered by ``handles`` where it is defined.  Packages above this one
+register handlers of their own requests in the same table when they are imported.
 """
 
 from __future__ import annotations
@@ -19,28 +19,29 @@ if TYPE_CHECKING:
 
 
 Handler = Callable[..., Any]
-"""Called with the simulation and the request, and with what was prepared, if it was."""
+"""Called with the simulation, the request, and the result of ``prepare`` if there is
+one."""
 Prepare = Callable[["Simulation", Any], Any]
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
-    """One row of the table."""
+    """One row of the table of handlers."""
 
     request: type[Request[Any]]
     handler: Handler
     in_tick: bool
-    """Whether the handler runs in the thread of the tick, between two ticks: quick, and
-    with the engine and the controllers at hand.  Otherwise it runs in the
-    caller's thread, and may take longer."""
+    """Whether the handler runs in the thread of the tick, between two ticks.  It must
+    be quick then, and may use the engine and the controllers.  Otherwise, it runs in
+    the caller's thread and may take longer."""
     changes: bool
-    """Whether it changes the simulation.  Only handlers ``in_tick`` may: each one is
-    noted in the journal, from which a session can be repeated.  Others plan, and then
-    answer such a request."""
+    """Whether the handler changes the simulation.  Only ``in_tick`` handlers may: each
+    call is noted in the journal, from which a session can be repeated.  Other handlers
+    plan, and then send such a request."""
     prepare: Prepare | None
-    """Called before an ``in_tick`` handler, in the caller's thread, for work that takes
-    long and depends on nothing that moves.  The handler gets its result."""
+    """Called in the caller's thread before an ``in_tick`` handler, for slow work that
+    does not depend on moving things.  The handler gets the result."""
     publishes: bool
     """Whether a snapshot follows, so that the next reader sees the effect."""
 
@@ -58,11 +59,12 @@ def handles(
     publishes: bool | None = None,
     local: bool = False,
 ) -> Callable[[Handler], Handler]:
-    """Register the decorated function as the handler of ``request``, with a new name.
+    """Register the decorated function as the only handler of ``request``.
 
-    The options are those of ``Entry``.  Left out, ``publishes`` is as ``in_tick``, and
-    ``changes`` as that, or as whether requests are streamed.  Connections do not take
-    a ``local`` request: it makes sense inside the process only.
+    The options are those of ``Entry``.  ``publishes`` defaults to ``in_tick``.
+    ``changes`` defaults to True for an ``in_tick`` handler that publishes or whose
+    requests are streamed.  Connections do not accept a ``local`` request, which makes
+    sense only inside the process.
     """
     name = method_name(request)
     publishes = in_tick if publishes is None else publishes
@@ -94,7 +96,7 @@ def entry_of(request: type[Request[Any]]) -> Entry:
     """Return the row of a request class.
 
     Raises:
-        NotOfferedError: If a simulation does not offer it.
+        NotOfferedError: If simulations do not offer the request.
     """
     entry = _BY_TYPE.get(request)
     if entry is None:
@@ -114,7 +116,7 @@ def entries() -> Mapping[str, Entry]:
 def answer(simulation: Simulation, request: Request[Response]) -> Response:
     """Carry out ``request`` and return its response, or raise the handler's error.
 
-    The request's values were checked before.
+    The request's values have already been checked.
     """
     entry = entry_of(type(request))
     if entry.in_tick:
@@ -136,8 +138,8 @@ def post(
 ) -> None:
     """Queue a request of a stream for the next tick; return at once.
 
-    ``when_failed`` is called with an exception of its handler, in the thread of the
-    tick.
+    If the handler raises an exception, ``when_failed`` is called with it, in the thread
+    of the tick.
     """
     entry = entry_of(type(request))
     prepared = _prepared(simulation, entry, request)
@@ -149,7 +151,7 @@ def post(
 def _prepared(
     simulation: Simulation, entry: Entry, request: Request[Any]
 ) -> tuple[Any, ...]:
-    """Return the further arguments of a handler."""
+    """Return the additional arguments of a handler."""
     prepare = entry.prepare
     return () if prepare is None else (prepare(simulation, request),)
 

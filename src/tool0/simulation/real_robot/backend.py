@@ -1,4 +1,4 @@
-"""The backend of a real robot: the requests it answers, refuses and checks."""
+"""The backend of a real robot: requests that it answers, refuses and checks."""
 
 from __future__ import annotations
 
@@ -89,14 +89,15 @@ _DID_NOT: Final = "the robot did not {}"
 class RealRobotBackend:
     """A real robot, moved by the same controllers and the same executor.
 
-    What its own controller does (power, payload, tare) is asked of that, and answered
-    when it has happened.  UR's safety system is the only safety function.
+    Requests for its own controller (power, payload, tare) are passed on to it, and
+    answered once the robot has carried them out.  UR's safety system is the only safety
+    function.
     """
 
     mode: Final = "hardware"
 
     def __init__(self, simulation: Simulation) -> None:
-        """``simulation`` has the engine ``hardware``."""
+        """Serve ``simulation``, whose engine is ``hardware``."""
         self.simulation = simulation
         engine = simulation.engine
         assert isinstance(engine, RealRobotEngine)
@@ -104,8 +105,8 @@ class RealRobotBackend:
         self._inner = SimulationBackend(simulation)
         self._enabling = Enabling(simulation, engine)
         self._guard: PathGuard | None = None
-        """Guard of paths, made at the first enabling: it loads what the rest does not
-        need."""
+        """Guard of paths, made when motion is first enabled because it imports more
+        modules."""
         self._handlers: Mapping[type[Request[Any]], Callable[[Any], None]] = {
             EnableMotion: self._enable,
             DisableMotion: lambda _: self._enabling.disable(),
@@ -171,7 +172,7 @@ class RealRobotBackend:
         self._enabling.enable(request)
 
     def _power(self, command: str, mode: RobotMode) -> None:
-        """Change the mode of the arm, and wait until it has it."""
+        """Change the mode of the arm, and wait until the arm is in it."""
         words = {
             "power on": "Powering on",
             "power off": "Powering off",
@@ -188,7 +189,7 @@ class RealRobotBackend:
         box.look()
 
     def _clear_stop(self, command: str, accepted: str) -> None:
-        """End a stop of the safety system, and wait until it is over."""
+        """Clear a stop of the safety system, and wait until the stop is over."""
         self._engine.connection.dashboard.order(command, accepted)
         box = self._enabling
         box.wait(lambda: box.box.safety_mode in UNSTOPPED, _DID_NOT.format(command))
@@ -239,17 +240,17 @@ class RealRobotBackend:
         )
 
     def _require_gripper(self) -> None:
-        """Raise ControlError if the gripper would not get a command."""
+        """Raise ControlError if the gripper would not receive commands."""
         if problem := self._engine.gripper_problem:
             raise ControlError(f"the gripper does not move: {problem}")
 
     def _beside(self, name: str, *lines: str) -> None:
-        """Execute statements on the controller beside the program that runs."""
+        """Execute statements on the controller, beside the running program."""
         self._engine.connection.run_beside(name, *lines)
 
 
 def _checked(request: Request[Response]) -> Request[Response]:
-    """Return a motion whose way is looked at before it is accepted."""
+    """Return a request whose motion is checked before it is accepted."""
     if isinstance(request, MoveJoints | MoveTo | MoveLinear | GoToPose):
         return cast(Request[Response], replace(request, collision="refuse"))
     return request

@@ -1,4 +1,4 @@
-"""Enables motion of a real arm: the conditions, and the start."""
+"""Enables motion of a real arm: checks the conditions, and starts."""
 
 from __future__ import annotations
 
@@ -28,29 +28,29 @@ from tool0.simulation.simulation import Simulation
 logger = logging.getLogger(__name__)
 
 FIRST_SLIDER: Final = 0.25
-"""The speed slider when motion is enabled; a lower one is left."""
+"""Largest value of the speed slider when motion is enabled; a lower one is kept."""
 CALIBRATION_TOLERANCE: Final = 0.5e-3
-"""Distance between the flange as the robot reports it and as the description has it,
-from which the kinematics differ [m]: calibrations of URs are off by a millimetre or
-two."""
+"""Distance between the flange poses of the robot's report and of the description from
+which the kinematics count as different [m]: calibrations of URs differ by a millimetre
+or two."""
 PAYLOAD_TOLERANCE: Final = (0.1, 0.1)
-"""Difference of payloads that counts as equal: [kg], and relative."""
+"""Difference between payloads that still count as equal: [kg], and relative."""
 CB3_ARMS: Final = frozenset({"UR3", "UR5", "UR10"})
 PROGRAM_END: Final = 1.0
-"""Longest wait for a program of ours to end [s]."""
+"""Longest wait until tool0's program has ended [s]."""
 PROGRAM_TIMEOUT: Final = 5.0
 """Longest wait for tool0's program to start [s]."""
 CHANGE_TIMEOUT: Final = 10.0
-"""Longest wait until the robot has changed as it was asked [s]: releasing the brakes
-takes seconds."""
+"""Longest wait until the robot has changed its state as requested [s]; releasing the
+brakes takes seconds."""
 _POLL: Final = 0.02
 
 
 @final
 class Enabling:
-    """Finds the obstacles to moving the arm, and starts its program.
+    """Finds obstacles to moving the arm, and starts tool0's program on it.
 
-    It asks the robot, and takes time: never in the thread of the tick.
+    It queries the robot, which takes time: never use it in the thread of the tick.
     """
 
     def __init__(self, simulation: Simulation, engine: RealRobotEngine) -> None:
@@ -61,11 +61,11 @@ class Enabling:
 
     @property
     def box(self) -> ControlBoxState:
-        """The newest state of the arm's control box."""
+        """Newest state of the arm's control box."""
         return self._simulation.snapshot.control_boxes[0]
 
     def look(self) -> RobotLink:
-        """Read the robot's identity, and show it with the obstacles to motion.
+        """Read the robot's identity, and publish it with the obstacles to motion.
 
         Raises:
             TransportError: If the dashboard server does not answer.
@@ -88,7 +88,7 @@ class Enabling:
         return self._engine.report.link
 
     def _obstacles(self, model: str, *, is_remote: bool | None) -> list[str]:
-        """Return the obstacles to motion, a sentence each."""
+        """Return the obstacles to motion, one sentence each."""
         found, box = [], self.box
         if is_remote is False:
             found.append(
@@ -136,7 +136,7 @@ class Enabling:
         ]
 
     def calibration_distance(self) -> float:
-        """Return how far the flange is from where the description has it [m]."""
+        """Return the distance of the flange from its pose in the description [m]."""
         reader = self._engine.reader
         package, fields = reader.newest, reader.fields
         reported = self._frames.reported_flange(
@@ -162,11 +162,12 @@ class Enabling:
     # ---- beginning and end ----------------------------------------------------------
 
     def enable(self, request: EnableMotion) -> None:
-        """Start tool0's program on the robot, and hold the arm by its controllers.
+        """Start tool0's program on the robot, and hold the arm with its controllers.
 
         Raises:
-            ControlError: If something keeps the arm from moving, with all reasons.
-            TransportError: If the robot is not reached.
+            ControlError: If something keeps the arm from moving; the message has all
+                reasons.
+            TransportError: If the robot cannot be reached.
         """
         link = self.look()
         if link.is_enabled:
@@ -245,7 +246,7 @@ class Enabling:
         """Wait until the robot reports the requested state.
 
         Raises:
-            ControlError: If it does not, with the text ``otherwise``.
+            ControlError: If the robot does not; the message is ``otherwise``.
         """
         end = time.monotonic() + timeout
         bus = self._simulation.bus

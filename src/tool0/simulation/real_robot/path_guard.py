@@ -1,4 +1,4 @@
-"""Looks at every motion on the model before it is sent to a real robot."""
+"""Checks every motion on the model before it is sent to a real robot."""
 
 from __future__ import annotations
 
@@ -14,28 +14,29 @@ from tool0.simulation.handlers.motion_checks import motion_plans
 from tool0.simulation.simulation import Simulation
 
 SAMPLING: Final = 0.04
-"""Time between two postures at which a motion is looked at, at its start [s]; the ways
-between them are looked at as straight ones."""
+"""Time between two checked postures at the start of a motion [s]; the paths between
+them are checked as straight lines in joint space."""
 _SAMPLES: Final = 500
-"""Postures after which the time between two doubles: the tick waits for this."""
+"""Number of postures after which the time between two doubles, since the tick waits for
+the check."""
 _MOST_SAMPLES: Final = 6 * _SAMPLES
-"""Largest number of postures: they are 1260 s."""
+"""Largest number of checked postures, which covers 1260 s."""
 AHEAD: Final = 0.3
-"""Time for which a stream is assumed to continue as it does [s]."""
+"""Time for which a stream is assumed to continue unchanged [s]."""
 JUMP: Final = 0.05
 """Largest distance of a joint from the start of a motion [rad]."""
 _ROUNDING: Final = 1e-6
 _SPEED_ROUNDING: Final = 0.02
-"""Tolerance of speeds: of the speed slider, and of splines that are a little faster
-between their knots."""
+"""Relative tolerance of speeds, for the speed slider and for splines that are slightly
+faster between their knots."""
 
 
 @final
 class PathGuard:
-    """Limits, speed, jumps and collisions of the motions of one arm.
+    """Checks limits, speed, jumps and collisions of the motions of one arm.
 
-    It is called in the thread of the tick, whose robot has motion for longer than this
-    takes: some milliseconds.
+    It is called in the thread of the tick.  It takes some milliseconds, and the robot
+    always has motion for longer than that.
     """
 
     def __init__(self, simulation: Simulation, arm: str) -> None:
@@ -52,7 +53,7 @@ class PathGuard:
         self._collision(np.array([0.0, SAMPLING]), here)
 
     def __call__(self, motion: WantedMotion, now: float) -> str:
-        """Return why a motion from ``now`` [s] on may not be sent; empty if it may."""
+        """Return why a motion from ``now`` [s] on must not be sent; empty if it may."""
         times, q, qd = _sampled(motion, now)
         names = self._chain.joint_names
         off = np.abs(q[0] - self._measured())
@@ -109,7 +110,7 @@ class PathGuard:
 
 
 def _sampled(motion: WantedMotion, now: float) -> tuple[Array, Array, Array]:
-    """Return times [s], positions and velocities of a motion until it ends."""
+    """Return times [s], positions and velocities of a motion until its end."""
     times, q, qd = [], [], []
     if motion.is_streamed:
         start = motion.at(now)

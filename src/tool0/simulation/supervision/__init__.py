@@ -1,1 +1,1 @@
-"""Supervises that joints follow and arms touch only what they may; names causes."""
+"""Supervises whether joints follow and arms touch only allowed things; finds causes."""

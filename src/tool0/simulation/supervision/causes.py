@@ -1,4 +1,4 @@
-"""Why joints are not where they are sent: a contact, a limit, too little effort."""
+"""Reasons why joints are not at their setpoints: contact, limit, too little effort."""
 
 from __future__ import annotations
 
@@ -14,35 +14,35 @@ from tool0.sensing.stalls import LARGEST_LAG, external_contacts
 from tool0.simulation.core import Core
 
 RECENT: Final = 0.1
-"""Time for which a contact counts as a cause after it has ended [s]: what hits the
-ground rebounds."""
+"""Time for which a contact counts as a cause after it has ended [s]; for instance, a
+link that hits the ground rebounds."""
 _AT_LIMIT: Final = 0.02
-"""Distance from a limit at which a joint is held by it [rad]."""
+"""Distance from a limit within which the limit holds the joint [rad]."""
 _FULL: Final = 0.98
-"""Part of its largest effort from which a drive gives all that it can."""
+"""Fraction of its largest effort from which a drive counts as fully loaded."""
 
 
 @final
 class TrackedJoint(NamedTuple):
-    """A joint that is to be where it is sent."""
+    """A joint that should be at its setpoint."""
 
     name: str
     number: int
-    """Number of the joint in the engine's order."""
+    """Index of the joint in the engine's order."""
     lower: float
     upper: float
     """Limits of the joint [rad]."""
     error: float
     """Largest distance from the setpoint [rad]."""
     effort: float
-    """Largest effort of its drive [N·m]."""
+    """Largest effort of the joint's drive [N·m]."""
     links: frozenset[str]
-    """All that it moves."""
+    """Links that the joint moves."""
 
 
 @final
 class Causes:
-    """Finds the causes that keep the joints of one arm from their setpoints."""
+    """Finds the causes that keep the joints of an arm from their setpoints."""
 
     def __init__(self, arm: ArmParts, core: Core) -> None:
         self._arm, self._core = arm, core
@@ -60,19 +60,20 @@ class Causes:
             for joint in arm.joints
             if (limits := hardware.limits.get(joint.name)) is not None
         )
-        """The joints with drives, from base to flange."""
+        """Driven joints, from base to flange."""
         self._touching: tuple[Contact, ...] = ()
-        """The last contacts of the arm that were seen, and when [s]:"""
+        """Last contacts of the arm that were seen; ``_touched_at`` is their time
+        [s]."""
         self._touched_at = -math.inf
 
     def watch(self, time: float) -> None:
-        """Note the contacts of the arm at ``time`` [s]: they may become causes."""
+        """Note the contacts of the arm at ``time`` [s], which may become causes."""
         contacts = self._core.engine.world.contacts()
         if external_contacts((joint.links for joint in self.joints), contacts):
             self._touching, self._touched_at = contacts, time
 
     def of(self, joint: TrackedJoint, state: JointState) -> str:
-        """Return the most likely cause that keeps a joint off the path of a tool."""
+        """Return the most likely cause that keeps a joint off a tool's path."""
         return (
             self._obstacle(joint, (joint,), state)
             or self._singularity(state)
@@ -83,16 +84,17 @@ class Causes:
     def known(
         self, joint: TrackedJoint, moving: Sequence[TrackedJoint], state: JointState
     ) -> str:
-        """Return the cause that keeps a joint from its setpoint, if it is known.
+        """Return the cause that keeps a joint from its setpoint; empty if unknown.
 
-        ``moving`` are the joints that contacts may stop: that one, or others, too.
+        Contacts may stop the joints in ``moving``: the joint itself, and perhaps
+        others.
         """
         return self._obstacle(joint, moving, state) or _weakness(joint, state)
 
     def _obstacle(
         self, joint: TrackedJoint, moving: Sequence[TrackedJoint], state: JointState
     ) -> str:
-        """Return the contacts that stop ``moving`` joints, or the joint's limit."""
+        """Return contacts that stop ``moving`` joints, or else the joint's limit."""
         self.watch(state.time)
         if 0.0 <= state.time - self._touched_at <= RECENT:
             touching = external_contacts((j.links for j in moving), self._touching)
@@ -105,7 +107,7 @@ class Causes:
         return ""
 
     def _singularity(self, state: JointState) -> str:
-        """Return that the arm is at one, if it is to move fast."""
+        """Return that a fast motion meets a singularity; empty if it does not."""
         if self._is_wanted_fast() and self._singular_value(state) < SINGULAR:
             return (
                 "no contact: the arm is at a singularity, where its joints would have "
@@ -114,7 +116,7 @@ class Causes:
         return ""
 
     def _is_wanted_fast(self) -> bool:
-        """Return whether a joint is to turn at more than half of its speed."""
+        """Return whether a joint should turn at more than half of its maximum speed."""
         limits = self._core.hardware.limits
         return any(
             abs(spline.sample(setpoint.time).velocity) > limits[model.name].velocity / 2
@@ -126,7 +128,7 @@ class Causes:
         )
 
     def _singular_value(self, state: JointState) -> float:
-        """Return the smallest singular value of the Jacobian: 0 where singular."""
+        """Return the smallest singular value of the Jacobian, 0 at a singularity."""
         import numpy as np  # only once something is wrong
 
         from tool0.kinematics.chain import ArmChain
@@ -138,7 +140,7 @@ class Causes:
 
 
 def _weakness(joint: TrackedJoint, state: JointState) -> str:
-    """Return that a joint's drive gives all that it can, if it does."""
+    """Return that a joint's drive is at its largest effort; empty if it is not."""
     if abs(state.effort[joint.number]) < _FULL * joint.effort:
         return ""
     return (

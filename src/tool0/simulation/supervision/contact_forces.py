@@ -1,6 +1,7 @@
-"""Force of an arm on what it touches, which stops a UR.
+"""Contact force of an arm, which stops a UR if it is too large.
 
-A UR derives it from the currents of its joints; here the engine's contacts have it.
+A UR derives the force from the currents of its joints; here it comes from the engine's
+contacts.
 """
 
 from __future__ import annotations
@@ -19,9 +20,10 @@ from tool0.protocol.control_box_state import ControlBoxState
 from tool0.sensing.stalls import external_contacts
 
 DETECTION_TIME: Final = 0.1
-"""Time constant of the low-pass filter of contact forces [s]: an impact is no clamping.
-25 N above the limit are detected after 0.2 s; a UR's force limit has a trueness of 25 N
-and a detection time of 250 ms (user manual of the UR5/CB3, 5.1)."""
+"""Time constant of the low-pass filter of contact forces [s]: short impacts do not
+count as clamping.  25 N above the limit are detected after 0.2 s; a UR's force limit
+has a trueness of 25 N and a detection time of 250 ms (user manual of the UR5/CB3,
+5.1)."""
 _NEGLIGIBLE: Final = 0.1
 """Force below which a filtered force counts as zero [N]."""
 
@@ -29,7 +31,7 @@ _NEGLIGIBLE: Final = 0.1
 @final
 @dataclass(slots=True)
 class _Body:
-    """Links that move as one, or the whole tool."""
+    """Links that move as one body, or the whole tool."""
 
     name: str
     links: frozenset[str]
@@ -39,7 +41,7 @@ class _Body:
 
 @final
 class ContactForces:
-    """The filtered forces on the bodies of one arm, the tool last."""
+    """The filtered forces on the bodies of one arm; the tool comes last."""
 
     def __init__(self, arm: ArmParts, model: RobotModel, world: World) -> None:
         self._world = world
@@ -48,7 +50,7 @@ class ContactForces:
         names = [*(joint.child for joint in arm.joints[:-1]), arm.flange]
         self._tool_mass = modelled_payload(model, arm.flange).mass
         self._links = moved[0]
-        """All but the base."""
+        """Links of the arm, without the base."""
         self._bodies = [
             _Body(name, links - rest)
             for name, links, rest in zip(names, moved, further, strict=True)
@@ -56,18 +58,18 @@ class ContactForces:
         self.forget()
 
     def forget(self) -> None:
-        """Forget forces, as after a reset."""
+        """Forget the filtered forces, for instance after a reset."""
         self._last = -math.inf
-        """Time at which forces were filtered last [s]."""
+        """Time at which forces were last filtered [s]."""
         self._is_loaded = False
-        """Whether a filtered force is not zero."""
+        """Whether any filtered force is not zero."""
         for body in self._bodies:
             body.force = [0.0] * 3
 
     def excess(self, time: float, box: ControlBoxState) -> str:
-        """Filter the forces at ``time`` [s]; return which one is too large, if any.
+        """Filter the forces at ``time`` [s]; return the excessive one; empty if none.
 
-        It takes 1 µs unless the arm touches something.
+        This takes 1 µs unless the arm touches something.
         """
         passed, self._last = time - self._last, time
         if not (self._is_loaded or self._world.is_touched(self._links)):
@@ -97,7 +99,8 @@ class ContactForces:
 def _exerted(links: frozenset[str], touching: Sequence[Contact]) -> list[float]:
     """Return the resultant force that ``links`` exert on everything else [N].
 
-    What they grip cancels, but for its weight, inertia and own contacts.
+    The forces on a gripped object cancel, except for its weight, inertia and other
+    contacts.
     """
     total = [0.0, 0.0, 0.0]
     for contact in touching:

@@ -1,4 +1,4 @@
-"""Stops planned motions at contacts that they do not expect."""
+"""Stops planned motions at unexpected contacts."""
 
 from __future__ import annotations
 
@@ -26,10 +26,12 @@ class ContactWatch:
         """Watch a motion that begins now.
 
         Args:
-            links: All that it moves.
-            contacts: Those at the start, which do not count; nor do those at the first
-                look, because an engine may record them only after the first request.
-            carried: Objects that move with the links: they may touch each other.
+            links: Links that the motion moves.
+            contacts: Contacts at the start, which do not count.  Neither do those of
+                the first check, because an engine may only record contacts after the
+                first request.
+            carried: Objects that move with the links; carried objects and links may
+                touch each other.
             may_touch: Links and objects whose contacts do not count.
         """
         self._links, self._carried, self._may_touch = links, carried, may_touch
@@ -37,7 +39,7 @@ class ContactWatch:
         self._has_looked = False
 
     def unexpected(self, contacts: Collection[Contact]) -> str:
-        """Return a contact that should not be, as a sentence; empty without one."""
+        """Return an unexpected contact as a sentence; empty if there is none."""
         if not self._has_looked:
             self._has_looked = True
             self._known.update(map(_pair, contacts))
@@ -59,7 +61,7 @@ class PlanWatch:
     """Watches the goals of one planned motion."""
 
     def __init__(self, goals: Sequence[Goal], contacts: ContactWatch) -> None:
-        """Watch from now on the ``goals`` of the controllers that follow it."""
+        """Watch the ``goals`` of the controllers that follow the motion."""
         self.goals = tuple(goals)
         self.contacts = contacts
 
@@ -69,7 +71,7 @@ class PlanWatch:
         return all(goal.status.is_terminal for goal in self.goals)
 
     def fail(self, reason: str) -> None:
-        """End cancelled goals as aborted, with a reason."""
+        """Mark cancelled goals as aborted, with a reason."""
 
         def explained(result: Result) -> Result:
             if not isinstance(result, GoalResult):
@@ -81,7 +83,7 @@ class PlanWatch:
 
 
 def links_moved_by(model: RobotModel, joints: Iterable[str]) -> frozenset[str]:
-    """Return all links that some joints move."""
+    """Return all links that the joints move."""
     return frozenset(
         link for name in joints for link in model.links_from(model.joint(name).child)
     )

@@ -1,10 +1,9 @@
-"""One supervision of all motions: path errors, arrival, contact forces, limits.
+"""Supervision of all motions: path errors, arrival, contact forces, limits.
 
-Arms are looked at every 8 ms of simulated time: those whose safety limits are enabled,
-and those that a program moves, in every mode but those that give way (force mode,
-freedrive).  Nothing is computed in the tick, and nothing depends on who reads.  The
-controllers of ROS have tolerances of their own; what explains their violations is the
-same.
+Arms are checked every 8 ms of simulated time if their safety limits are enabled, or if
+a program moves them, except in the compliant modes (force mode, freedrive).  Nothing is
+computed in the tick, and nothing depends on subscribers.  ROS controllers have their
+own tolerances; their violations are explained in the same way.
 """
 
 from __future__ import annotations
@@ -26,37 +25,38 @@ from tool0.simulation.supervision.causes import Causes, TrackedJoint
 from tool0.simulation.supervision.contact_forces import ContactForces
 
 CHECK_PERIOD: Final = 0.1
-"""Simulated time between complete checks of the joints [s]: that in which a UR detects
-a joint beyond its limit (user manual of the UR5/CB3, 5.1)."""
+"""Simulated time between complete checks of the joints [s]: the time in which a UR
+detects a joint beyond its limit (user manual of the UR5/CB3, 5.1)."""
 LIMIT_MARGIN: Final = RECOVERABLE
-"""Distance beyond a joint's limit that is tolerated [rad]: from there, an arm may rest,
+"""Distance beyond a joint's limit that is tolerated [rad]: within it, an arm may rest
 and be moved back.  (The trueness of a UR's joint positions is 0.02 rad.)"""
 SUSPICIOUS: Final = 0.5
-"""Part of the largest lag from which contacts are read: an engine may record them only
-after the first call."""
+"""Fraction of the largest lag from which contacts are read, since an engine may only
+record them after the first call."""
 
 
 class Failure(NamedTuple):
-    """An arm that must stop."""
+    """An arm that must stop, with the reason."""
 
     arm: Arm
     reason: str
     is_beyond_limits: bool
-    """Whether one of its safety limits is exceeded, rather than its motion failed."""
+    """Whether a safety limit of the arm is exceeded; otherwise, its motion has
+    failed."""
 
 
 @final
 class Supervision:
-    """Finds failures, and explains them.  Only the thread of the tick may use it."""
+    """Finds and explains failures.  Only the thread of the tick may use it."""
 
     def __init__(self, core: Core) -> None:
         self._core = core
         self._watches = tuple(_Watch(arm, core) for arm in core.arms)
 
     def failures(self) -> list[Failure]:
-        """Return the arms to stop; in the order of the model.
+        """Return the arms that must stop, in the order of the model.
 
-        It takes 2 µs for an arm that is watched, unless something is wrong, or the arm
+        This takes 2 µs for each watched arm, unless something is wrong or the arm
         touches something.
         """
         found = []
@@ -68,14 +68,14 @@ class Supervision:
         return found
 
     def forget(self) -> None:
-        """Forget forces, as after a reset."""
+        """Forget forces, for instance after a reset."""
         for watch in self._watches:
             watch.forget()
 
     # ---- outcomes of goals ----------------------------------------------------------
 
     def explained(self, goal: Goal, result: Result) -> Result:
-        """Return an outcome with the reason why the joints stopped, if it is known."""
+        """Return an outcome with the reason why the joints stopped, if known."""
         if isinstance(result, GripperResult):
             return self._with_grip(goal, result) if result.stalled else result
         if not result.is_violation:
@@ -86,12 +86,12 @@ class Supervision:
         return replace(result, error_string=f"{result.error_string}; {why}")
 
     def gripper_obstacle(self, joint: str) -> str:
-        """Return the cause that stops the gripper that ``joint`` drives."""
+        """Return the cause that stops the gripper with the driven joint ``joint``."""
         touching = self._touching((self._core.model.joint(joint).parent,))
         return touching or "no contact: its stop, or the load"
 
     def _with_grip(self, goal: Goal, result: GripperResult) -> GripperResult:
-        """Return the outcome of a stalled gripper, with its cause."""
+        """Return the outcome of a stalled gripper, with the cause of the stall."""
         (joint,) = self._core.manager.spec(goal.controller).joints
         holds = any(
             gripper.joint == joint and gripper.name in self._core.grip_contacts.gripping
@@ -102,7 +102,7 @@ class Supervision:
         return replace(result, holds=holds, error_string=text)
 
     def _cause(self, names: tuple[str, ...]) -> str:
-        """Return the known causes that keep joints off their path."""
+        """Return the known causes that keep joints from their setpoints."""
         core = self._core
         for watch in self._watches:
             joints = [joint for joint in watch.causes.joints if joint.name in names]
@@ -112,7 +112,7 @@ class Supervision:
         return self._touching(core.model.joint(name).child for name in names)
 
     def _touching(self, roots: Iterable[str]) -> str:
-        """Return the contacts of the links from ``roots`` on; empty for none."""
+        """Return the contacts of the links from ``roots`` on; empty without any."""
         core = self._core
         groups = [frozenset(core.model.links_from(root)) for root in roots]
         contacts = core.engine.world.contacts()
@@ -131,15 +131,15 @@ class _Watch:
         self._select = joint_selector([joint.number for joint in joints])
         self._least_error = min((joint.error for joint in joints), default=math.inf)
         self._running: object = None
-        """The running controllers when the claims were looked up."""
+        """Controllers that were running when the claims were last looked up."""
         self._is_servoed = False
-        """Whether servos drive all joints to positions."""
+        """Whether all joints are position-controlled by servos."""
         self.forget()
 
     def forget(self) -> None:
-        """Forget forces, as after a reset."""
+        """Forget forces, for instance after a reset."""
         self._checked = -math.inf
-        """Time at which all joints were checked last [s]."""
+        """Time at which all joints were last checked [s]."""
         self._forces.forget()
 
     # ---- safety limits --------------------------------------------------------------
@@ -159,9 +159,10 @@ class _Watch:
         return ""
 
     def _are_servoed(self) -> bool:
-        """Return whether servos drive all joints to positions.
+        """Return whether all joints are position-controlled by servos.
 
-        By efforts or velocities, setpoints are not commands, and only checked at times.
+        Otherwise, with efforts or velocities, setpoints are not the commands and are
+        only checked now and then.
         """
         running, hardware = self._core.manager.running_controllers, self._core.hardware
         if running is not self._running:
@@ -173,7 +174,7 @@ class _Watch:
         return self._is_servoed
 
     def _beyond_limit(self, wanted: Mapping[str, float]) -> str:
-        """Return which joint is sent beyond a limit; empty if none is."""
+        """Return which joint is commanded beyond a limit; empty if none is."""
         for joint in self.causes.joints:
             if (target := wanted.get(joint.name)) is None:
                 continue
@@ -222,7 +223,7 @@ class _Watch:
         return max(map(abs, errors), default=0.0)
 
     def _off_path(self, wanted: Mapping[str, float]) -> str:
-        """Return which joint is too far from where it is sent [rad], and why."""
+        """Return which joint is too far from its setpoint [rad], and why."""
         position = self._core.state.position
         for joint in self.causes.joints:
             here = position[joint.number]
@@ -241,7 +242,7 @@ class _Watch:
 def _furthest(
     joints: Sequence[TrackedJoint], wanted: Mapping[str, float], state: JointState
 ) -> tuple[TrackedJoint, float]:
-    """Return the joint furthest from where it is wanted, and how far it is [rad]."""
+    """Return the joint furthest from its setpoint, and its distance from it [rad]."""
     errors = []
     for joint in joints:
         here = state.position[joint.number]

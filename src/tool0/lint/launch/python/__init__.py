@@ -1,1 +1,1 @@
-"""Reads Python launch files of ROS 2 by their syntax tree, without executing them."""
+"""Reads Python launch files of ROS 2 by their syntax trees, without executing them."""

@@ -20,7 +20,7 @@ class DeclaredArguments:
     def __init__(self, file: Path, given: Mapping[str, Origin]) -> None:
         self.found: list[Argument] = []
         self.missing: list[Argument] = []
-        """The arguments without a value."""
+        """Arguments without a value."""
         self._file, self._given = file, given
 
     def declare(self, made: Made, resolver: Resolver) -> None:
@@ -89,11 +89,11 @@ class DeclaredArguments:
             )
 
     def report_unused(self, resolver: Resolver, texts: Sequence[str]) -> None:
-        """Report arguments that nothing uses, in this file or in an included one.
+        """Report arguments that are used neither in this file nor in an included one.
 
         Args:
             resolver: The resolver at the end of the file.
-            texts: All texts in the file, of which a name may be one.
+            texts: All texts in the file; a second text equal to a name counts as a use.
         """
         if resolver.state.unread:
             return

@@ -1,4 +1,4 @@
-"""Expressions of Python, evaluated as far as that needs no execution."""
+"""Python expressions, evaluated as far as possible without execution."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Comprehension: TypeAlias = ast.ListComp | ast.SetComp | ast.GeneratorExp | ast.D
 @final
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A call with its arguments."""
+    """A call, with its arguments."""
 
     function: Value
     arguments: tuple[Value, ...]
@@ -51,10 +51,10 @@ class Expressions:
     call: Callable[[Call], Value]
     look_up: Callable[[str, Scope], Value]
     misused: Callable[[Made, SourceLocation], None]
-    """Told of a substitution that is used as a text, where it has no value yet."""
+    """Called with a substitution that is used as a text where it has no value yet."""
     locate: Callable[[ast.AST], SourceLocation]
     spend: Callable[[], None]
-    """Counts one step; raises if there were too many."""
+    """Function that counts one step, and raises if there were too many."""
 
     def value(self, node: ast.expr, scope: Scope) -> Value:
         """Return the value of an expression."""
@@ -177,7 +177,7 @@ class Expressions:
         return "".join(str(part) for part in parts)
 
     def _logic(self, node: ast.expr, scope: Scope) -> Value:
-        """Return the value of ``and``, ``or``, ``not``, comparisons and ``if``."""
+        """Return the value of ``and``, ``or``, ``not``, a comparison or ``if``."""
         match node:
             case ast.BoolOp(op=op, values=values):
                 for item in values:
@@ -279,7 +279,7 @@ class Expressions:
 
 
 def choice(*values: Value) -> Value:
-    """Return one of several possible values; a ``Choice`` if they differ."""
+    """Return one of several possible values; a ``Choice`` if the values differ."""
     first, *others = values
     if all(same(first, other) for other in others):
         return first
@@ -294,7 +294,7 @@ def iterated(value: Value) -> list[Value]:
 
 
 def assign(target: ast.expr, value: Value, scope: Scope) -> None:
-    """Assign to names; other targets are the caller's."""
+    """Assign to names; the caller handles other targets."""
     match target:
         case ast.Name(id=name):
             scope.names[name] = value

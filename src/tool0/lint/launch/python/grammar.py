@@ -1,6 +1,6 @@
-"""The classes of launch and launch_ros, with their arguments.
+"""The classes of launch and launch_ros, and their arguments.
 
-From the sources of both, https://github.com/ros2/launch and
+The source is the code of both, https://github.com/ros2/launch and
 https://github.com/ros2/launch_ros, branches humble to rolling.
 """
 
@@ -144,13 +144,13 @@ SUBSTITUTIONS: Final = frozenset(_SUBSTITUTIONS)
 @final
 @dataclass(frozen=True, slots=True)
 class Signature:
-    """The arguments of a class."""
+    """Arguments of a class."""
 
     positional: tuple[str, ...]
     names: frozenset[str]
     required: tuple[str, ...]
     takes_any: str = ""
-    """The name for any number of positional arguments."""
+    """Name for any number of positional arguments."""
 
 
 def _signature(text: str) -> Signature:
@@ -179,12 +179,12 @@ def make(
     *,
     is_whole: bool = True,
 ) -> tuple[Made, list[Finding]]:
-    """Return the object that a call makes, and the faults of the call.
+    """Return the object that a call creates, and the faults of the call.
 
     Args:
-        name: The class, one of ``SIGNATURES``.
+        name: Name of the class, a key of ``SIGNATURES``.
         arguments: The positional arguments.
-        keywords: The others.
+        keywords: The keyword arguments.
         location: Location of the call.
         places: Locations of the keywords.
         is_whole: Whether all arguments are known.
@@ -244,6 +244,6 @@ def make(
 
 
 def misspelt(name: str) -> str | None:
-    """Return the class that a name is a misspelling of; None if it is none."""
+    """Return the class of which a name is a misspelling; None if there is none."""
     near = nearest_name(name, SIGNATURES)
     return near if near is not None and is_typo(name, near) else None

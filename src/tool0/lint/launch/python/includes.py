@@ -1,4 +1,4 @@
-"""Includes of Python launch files: which file, and with which arguments."""
+"""Includes of Python launch files: the included file, and its arguments."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _OTHER_SOURCES: Final = (
 
 
 def read_include(made: Made, resolver: Resolver) -> Include:
-    """Return an IncludeLaunchDescription; with a reason if its file is not read."""
+    """Return an IncludeLaunchDescription; it has a reason if its file is not read."""
     source = made.get("launch_description_source")
     where, is_other = made.location, False
     if isinstance(source, Made) and source.name in (*_SOURCES, *_OTHER_SOURCES):
@@ -81,7 +81,7 @@ def _passed(made: Made, resolver: Resolver) -> tuple[Passed, ...]:
 
 
 def set_passed(include: Include, resolver: Resolver) -> None:
-    """Set the configurations that an include passes; they remain set after it."""
+    """Set the configurations that an include passes; they stay set after it."""
     state = resolver.state
     for item in include.passed:
         if item.value is not None:
@@ -94,12 +94,12 @@ def check_include(
     missing: Iterable[Argument],
     resolver: Resolver,
 ) -> None:
-    """Report arguments that the included file does not declare, or lacks.
+    """Report passed arguments that are not declared, and required ones that lack.
 
     Args:
         include: The include.
         launch: The included launch file.
-        missing: The arguments that it requires and does not get.
+        missing: The arguments that the file requires and does not get.
         resolver: The resolver of the including file.
     """
     declared = {argument.name for argument in launch.arguments}

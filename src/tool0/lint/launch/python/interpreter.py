@@ -1,7 +1,7 @@
 """Interprets the Python of a launch file, without executing it.
 
-Statements are followed in order.  Where a condition is unknown, both branches are, and
-what they add is uncertain.
+Statements are followed in order.  Where a condition is unknown, both branches are
+followed, and anything that they add is uncertain.
 """
 
 from __future__ import annotations
@@ -44,23 +44,23 @@ from tool0.lint.launch.python.values import (
 MAX_STEPS: Final = 200_000
 """Expressions and statements of one file."""
 MAX_CALLS: Final = 30
-"""Calls of the file's functions inside one another."""
+"""Largest depth of nested calls of the file's functions."""
 _XACRO: Final = ("xacro.process_file", "xacro.process")
 
 
 class TooLongError(Exception):
-    """The file has too many steps."""
+    """Raised if the file takes too many steps."""
 
 
 class _Return(Exception):  # noqa: N818  # control flow
-    """A ``return``, with its value."""
+    """Raised by a ``return``, with its value."""
 
     def __init__(self, value: Value) -> None:
         self.value = value
 
 
 class _Leave(Exception):  # noqa: N818  # control flow
-    """The rest of a branch or loop is not reached."""
+    """Raised if the rest of a branch or loop is not reached."""
 
     def __init__(self, node: ast.stmt) -> None:
         self.is_continue = isinstance(node, ast.Continue)
@@ -69,7 +69,7 @@ class _Leave(Exception):  # noqa: N818  # control flow
 
 @final
 class Interpreter:
-    """One file: its module, then its functions."""
+    """One file: first its module, then its functions."""
 
     def __init__(
         self,
@@ -82,9 +82,9 @@ class Interpreter:
 
         Args:
             file: The launch file.
-            tree: Its syntax tree.
-            package_folder: Returns the share folder of a package.
-            perform: Returns the value of a substitution at this moment.
+            tree: The file's syntax tree.
+            package_folder: Function that returns the share folder of a package.
+            perform: Function that returns the present value of a substitution.
         """
         self.findings: list[Finding] = []
         self._file = file
@@ -127,7 +127,7 @@ class Interpreter:
         *,
         is_whole: bool = True,
     ) -> Value:
-        """Return the result of a function of the file."""
+        """Return the result of a function that the file defines."""
         if self._depth >= MAX_CALLS:
             return Unknown("calls that are nested too deep")
         node = function.node
@@ -322,7 +322,7 @@ class Interpreter:
         raise _Leave(node)
 
     def _branch(self, bodies: tuple[list[ast.stmt], ...], scope: Scope) -> None:
-        """Follow several branches, one of which is taken."""
+        """Follow several branches, one of which would be executed."""
         before = dict(scope.names)
         after = []
         for body in bodies:

@@ -1,6 +1,6 @@
 """Functions and methods of plain values that a launch file may call.
 
-Only those whose result is short, and known without running anything.
+Only functions with a short result that is known without running anything are included.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from tool0.lint.launch.evaluation import MAX_TEXT, METHODS
 from tool0.lint.launch.python.values import Choice, Unknown, Value, is_text
 
 MAX_ITEMS: Final = 10_000
-"""Longest list."""
+"""Largest number of items in a list."""
 
 PACKAGE_FOLDERS: Final = frozenset(
     f"ament_index_python.{middle}get_package_{what}"
@@ -73,7 +73,7 @@ PATH_PARTS: Final = ("parent", "name", "stem", "suffix")
 def call_function(
     name: str, arguments: Sequence[Value], keywords: Mapping[str, Value]
 ) -> Value:
-    """Return the result of a library's function."""
+    """Return the result of a library function."""
     if name not in FUNCTIONS:
         return Unknown(f"{name}() is not read")
     is_known = all(map(_is_plain, (*arguments, *keywords.values())))
@@ -90,7 +90,7 @@ def call_function(
 def call_method(
     owner: Value, name: str, arguments: Sequence[Value], keywords: Mapping[str, Value]
 ) -> Value:
-    """Return the result of a method that does not change its owner."""
+    """Return the result of a method that does not change its object."""
     unknown = Unknown(f".{name}() is not read")
     if isinstance(owner, dict):
         return _of_dict(owner, name, arguments)
@@ -135,12 +135,12 @@ def change(
     values: tuple[Value, ...],
     is_certain: bool,
 ) -> bool:
-    """Change a list or dict; return whether the method is one that does.
+    """Change a list or dict; return whether the method is one that changes it.
 
     Args:
         owner: The list or dict.
         name: The method.
-        values: Its arguments.
+        values: The method's arguments.
         is_certain: Whether the call is certainly executed.
     """
     if isinstance(owner, dict):

@@ -192,7 +192,7 @@ class NodeReader:
         given, where = self._made.get("parameters"), self._made.place("parameters")
         if isinstance(given, dict) or is_text(given):
             self._must_be_list("parameters", given, "[…]")
-        items: list[Value] = [dict(self._state.parameters)]  # of SetParameter
+        items: list[Value] = [dict(self._state.parameters)]  # set by SetParameter
         items += given if isinstance(given, list | tuple) else ()
         reader = ParameterReader(
             self._resolver, where, self._namespace, self._full_name

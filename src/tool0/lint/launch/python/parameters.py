@@ -30,12 +30,12 @@ class ParameterReader:
         namespace: str | None,
         full_name: str | None,
     ) -> None:
-        """Take the node's place and name, if it is known."""
+        """Prepare for a node at a place; the node's name may be unknown."""
         self._resolver, self._where = resolver, where
         self._namespace, self._full_name = namespace, full_name
 
     def read(self, items: list[Value]) -> tuple[list[Parameter], list[Rosparam]]:
-        """Return the single parameters, and the files of parameters."""
+        """Return the single parameters, and the parameter files."""
         parameters: list[Parameter] = []
         rosparams: list[Rosparam] = []
         where = self._where
@@ -138,7 +138,7 @@ class ParameterReader:
         return parameter
 
     def _file(self, value: Value, where: SourceLocation, replaced: bool) -> Rosparam:
-        """Return a file of parameters."""
+        """Return a parameter file."""
         text = self._resolver.text(value, where)
         path, yaml = None, None
         if text.resolved:
@@ -184,7 +184,7 @@ class ParameterReader:
         return Text(raw=raw, resolved=resolved, location=SourceLocation(path, 1))
 
     def _variable(self, match: re.Match[str]) -> str:
-        """Return the value of ``$(var NAME)``; as it is written if it has none."""
+        """Return the value of ``$(var NAME)``, or the text as written without one."""
         one = _ONE_VAR.fullmatch(match[0])
         if one is None:
             return match[0]
@@ -195,7 +195,7 @@ class ParameterReader:
 
 
 def _has_numbers(items: Value) -> bool:
-    """Whether a list is a value of its own, rather than the parts of a text."""
+    """Whether a list is itself a value, rather than the parts of a text."""
     if not isinstance(items, list | tuple):
         return False
     return all(isinstance(item, str) for item in items) or any(

@@ -1,8 +1,8 @@
-"""Reading Python launch files of ROS 2: their actions, in the order of launch.
+"""Reads Python launch files of ROS 2: their actions, in the order of launch.
 
-The file is interpreted first (``interpreter``), which gives the tree of its actions.
-Then they are executed as launch does, except that no program is started.  What cannot
-be known without running Python is a note.
+First, the file is interpreted (``interpreter``), which gives the tree of its actions.
+Then the actions are executed as launch does, except that no program is started.
+Anything that cannot be known without running Python becomes a note.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ _NESTED = {
     "OnProcessIO": ("on_stdin", "on_stdout", "on_stderr"),
     "OnShutdown": (),
 }
-"""Action or event handler → the arguments whose actions it executes later."""
+"""Action or event handler → arguments that hold actions to execute later."""
 
 
 def read_python_launch(
@@ -79,7 +79,7 @@ def read_python_launch(
 
     Args:
         file: The launch file.
-        arguments: Those that are given on the command line.
+        arguments: The arguments given on the command line.
         context: The packages, and the limits.
     """
     state = LaunchState(context=context, configurations=dict(arguments))
@@ -101,7 +101,7 @@ def read_python_launch(
 
 @final
 class PythonLaunchReader:
-    """Reads one file, once."""
+    """Reads one file; used only once."""
 
     def __init__(
         self, file: Path, state: LaunchState, given: Mapping[str, Origin]
@@ -143,7 +143,7 @@ class PythonLaunchReader:
         )
 
     def _interpreted(self) -> Value:
-        """Return the value of generate_launch_description; None without one."""
+        """Return the value of generate_launch_description; None if there is none."""
         start = SourceLocation(self.file)
         try:
             raw = read_limited(self.file)
@@ -183,7 +183,7 @@ class PythonLaunchReader:
 
     @property
     def resolver(self) -> Resolver:
-        """The resolver of this moment."""
+        """Resolver for the present state."""
         return Resolver(self.file, self.state, self._report)
 
     def _perform(self, value: Value) -> Value:
@@ -206,7 +206,7 @@ class PythonLaunchReader:
         *,
         severity: Severity = "error",
     ) -> None:
-        """Add a finding, unless the current action is switched off."""
+        """Add a finding, unless the current action is inactive."""
         if self.state.holds is not False:
             self.findings.append(
                 error_at(location, rule, key, message, remedy, severity=severity)
@@ -292,7 +292,7 @@ class PythonLaunchReader:
             self.resolver.text(made.get("msg"), made.location)
 
     def _nested(self, made: Made) -> None:
-        """Keep actions for after all others: an event or a timer starts them."""
+        """Keep actions until after all others; an event or a timer starts them."""
         for key in _NESTED[made.name]:
             self._execute_later(made.get(key))
 
@@ -321,7 +321,7 @@ class PythonLaunchReader:
         self._context.depth -= 1
 
     def _opaque(self, made: Made) -> None:
-        """Execute the actions of an OpaqueFunction, as far as it is declarative."""
+        """Execute the actions of an OpaqueFunction, as far as they are declarative."""
         function = made.get("function")
         if not isinstance(function, Function) or self._interpreter is None:
             self._note(f"the function at line {made.location.line} is not in the file")

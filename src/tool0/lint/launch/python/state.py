@@ -14,13 +14,13 @@ from tool0.lint.launch.python.values import Value
 @final
 @dataclass(slots=True, kw_only=True)
 class LaunchState:
-    """The context of launch, shared by a file and those that it includes."""
+    """Context of launch, shared by a file and the files that it includes."""
 
     context: LoadContext
     configurations: dict[str, Text] = field(default_factory=dict)
-    """The values of LaunchConfiguration; those without a value are unresolved."""
+    """Values of LaunchConfigurations; those without a value are unresolved."""
     uses: dict[str, SourceLocation] = field(default_factory=dict)
-    """The configurations that are used, in any file."""
+    """Configurations that are used in any file."""
     parameters: dict[str, Value] = field(default_factory=dict)
     """Parameters that SetParameter sets for all later nodes."""
     namespace: str | None = "/"
@@ -28,7 +28,7 @@ class LaunchState:
     environment: tuple[Statement, ...] = ()
     conditions: tuple[Condition, ...] = ()
     unread: list[str] = field(default_factory=list)
-    """Actions that could not be read so far, and may have set anything."""
+    """Actions so far that could not be read, and may have set anything."""
 
     @property
     def holds(self) -> bool | None:
@@ -36,19 +36,19 @@ class LaunchState:
         return all_hold(self.conditions)
 
     def place(self, location: SourceLocation) -> Place:
-        """Return the place of an action that is executed now."""
+        """Return the place of an action that is being executed."""
         return Place(
             location=location, namespace=self.namespace, conditions=self.conditions
         )
 
     def if_active(self, text: Text) -> Text:
-        """Return a text, without a value if a condition may prevent that it is set."""
+        """Return a text, without a value if a condition may keep it from being set."""
         if self.holds is not None:
             return text
         return replace(text, resolved=None, reason="it depends on a condition")
 
     def scoped(self) -> LaunchState:
-        """Return the state in a group: what it sets ends with it."""
+        """Return the state in a group; settings made in it end with the group."""
         return replace(
             self,
             configurations=dict(self.configurations),

@@ -1,4 +1,4 @@
-"""The values of substitutions: LaunchConfiguration, PathJoinSubstitution and others."""
+"""The values of substitutions such as LaunchConfiguration and PathJoinSubstitution."""
 
 from __future__ import annotations
 
@@ -27,22 +27,23 @@ Report = Callable[..., None]
 
 
 def as_boolean(word: str) -> bool | None:
-    """Return the value of a text as a condition; None if launch rejects it."""
+    """Return the value of a text as a condition; None if launch rejects the text."""
     return _WORDS.get(word.strip().lower())
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Resolver:
-    """Resolves the texts of one file at one moment."""
+    """Resolves the texts of one file, in the present state of launch."""
 
     file: Path
     state: LaunchState
     report: Report
-    """Takes location, rule, key, message, remedy and severity."""
+    """Function that reports a finding: location, rule, key, message, remedy and
+    severity."""
 
     def text(self, value: Value, location: SourceLocation) -> Text:
-        """Return a text, list of texts or substitution with its value."""
+        """Return a text, list of texts or substitution as a text with its value."""
         match value:
             case str() | PurePath():
                 return Text(raw=str(value), resolved=str(value), location=location)
@@ -154,7 +155,7 @@ class Resolver:
         return self.package_folder(name.resolved, made.location)
 
     def package_folder(self, name: str, where: SourceLocation) -> Text:
-        """Return the share folder of a package, and report one that is not found."""
+        """Return the share folder of a package; report a package that is not found."""
         raw, packages = f"$(find {name})", self.state.context.packages
         try:
             folder = packages.find(name)
@@ -221,7 +222,7 @@ class Resolver:
         return replace(whole, resolved=chosen.resolved, reason=chosen.reason)
 
     def _logic(self, made: Made) -> Text:
-        """Return the value of EqualsSubstitution, NotSubstitution and the like."""
+        """Return the value of EqualsSubstitution, NotSubstitution or similar."""
         where = made.location
         names = ("left", "right") if "left" in made.arguments else ("value",)
         items = _list(made.get("args")) or [made.get(name) for name in names]
@@ -261,7 +262,7 @@ class Resolver:
 
 
 def unresolved(raw: str, reason: str, location: SourceLocation) -> Text:
-    """Return a text without a value."""
+    """Return a text that has no value."""
     return Text(raw=raw, resolved=None, location=location, reason=reason)
 
 

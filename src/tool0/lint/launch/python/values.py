@@ -1,7 +1,7 @@
 """The values of an interpreted launch file.
 
-Besides these, a value is a plain one of Python: None, bool, int, float, str, Path,
-list, tuple or dict.
+All other values are plain Python values: None, bool, int, float, str, Path, list, tuple
+or dict.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Value: TypeAlias = object
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Unknown:
-    """A value that only executing the file would give."""
+    """A value that is only known by executing the file."""
 
     reason: str
 
@@ -28,7 +28,7 @@ class Unknown:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Choice:
-    """One of several values, or none of them: it depends on something unknown."""
+    """One of several values, or none of them, depending on something unknown."""
 
     values: tuple[Value, ...]
 
@@ -36,7 +36,7 @@ class Choice:
 @final
 @dataclass(frozen=True, slots=True)
 class Name:
-    """A module, or a name in one: ``launch.actions.GroupAction``."""
+    """A module or a name in one, such as ``launch.actions.GroupAction``."""
 
     dotted: str
 
@@ -46,20 +46,20 @@ class Name:
 
     @property
     def is_of_launch(self) -> bool:
-        """Whether it belongs to launch or launch_ros."""
+        """Whether the name belongs to launch or launch_ros."""
         return self.dotted.partition(".")[0] in ("launch", "launch_ros")
 
 
 @final
 @dataclass(slots=True, eq=False)
 class Made:
-    """An object of launch or launch_ros, as the call that makes it."""
+    """An object of launch or launch_ros, represented by the call that creates it."""
 
     name: str
     """Class of the object."""
     location: SourceLocation
     arguments: Mapping[str, Value] = field(default_factory=dict)
-    """Positional ones, too, by name."""
+    """Arguments by name, including positional ones."""
     places: Mapping[str, SourceLocation] = field(default_factory=dict)
     """Location of each argument."""
 
@@ -68,20 +68,20 @@ class Made:
         return self.arguments.get(name)
 
     def place(self, name: str) -> SourceLocation:
-        """Return where an argument stands, or else the call."""
+        """Return the location of an argument, or else of the call."""
         return self.places.get(name, self.location)
 
 
 @final
 @dataclass(slots=True)
 class Scope:
-    """The variables of a module or of one call of a function."""
+    """Variables of a module or of one call of a function."""
 
     outer: Scope | None = None
     names: dict[str, Value] = field(default_factory=dict)
 
     def find(self, name: str) -> Scope | None:
-        """Return the innermost scope that has the name."""
+        """Return the innermost scope that contains the name."""
         if name in self.names:
             return self
         return None if self.outer is None else self.outer.find(name)
@@ -111,7 +111,7 @@ def is_text(value: Value) -> bool:
 
 
 def truth(value: Value) -> bool | None:
-    """Return whether a value counts as true; None if that is unknown."""
+    """Return whether a value counts as true; None if unknown."""
     if isinstance(value, Unknown | Choice):
         return None
     if isinstance(value, Made | Name | Function | Method):
@@ -120,7 +120,7 @@ def truth(value: Value) -> bool | None:
 
 
 def same(first: Value, second: Value) -> bool:
-    """Whether two values are known to be equal."""
+    """Whether two values are certainly equal."""
     if first is second:
         return True
     plain = (bool, int, float, str, PurePath)
