@@ -177,7 +177,7 @@ def _fixed_links(
 
 
 ROTOR_INERTIA = 0.1
-"""Inertia of the rotor and gear of an arm's joint, as the joint feels it [kg·m²].
+"""Inertia of an arm joint's rotor and gear, reflected to the joint [kg·m²].
 
 Manufacturers do not publish it.  The value is that of MuJoCo's UR5e and UR10e models
 (https://github.com/google-deepmind/mujoco_menagerie/tree/main/universal_robots_ur5e).

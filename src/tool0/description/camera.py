@@ -203,7 +203,7 @@ def _view_of_all(model: RobotModel) -> tuple[Vector3, Vector3]:
     points = [point for point, _ in views]
     x, y, z = (sum(values) / len(points) for values in zip(*points, strict=True))
     spread = max(math.dist(point, (x, y, z)) for point in points)
-    # Further back by what a row of that width needs in a picture of 4 : 3.
+    # Move back far enough for a row of that width to fit into a 4:3 image.
     back = max(scale for _, scale in views)
     back += 0.75 * spread / math.tan(_SCENE_VIEW / 2.0) / math.hypot(*_VIEWPOINT)
     dx, dy, dz = (value * back for value in _VIEWPOINT)

@@ -128,7 +128,7 @@ def _imported() -> ModuleType:
     """
     before = list(sys.path)
     of_ros = set(os.environ.get("PYTHONPATH", "").split(os.pathsep))
-    sys.path.sort(key=of_ros.__contains__)  # stable
+    sys.path.sort(key=of_ros.__contains__)  # stable: ROS's folders go last
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)
@@ -151,7 +151,7 @@ class _Expansion:
         """Replace ``xacro.parse`` such that elements know their lines."""
         path = source_path(Path(filename))
         if not path.is_file():
-            self._xacro.filestack.pop()  # as xacro does: this file was never entered
+            self._xacro.filestack.pop()  # like xacro, since this file was never entered
             problem = self._why_no_file(path, is_empty=filename.endswith(os.sep))
             raise self._xacro.XacroException(exc=FileNotFoundError(problem))
         document = parse_file(path)
@@ -321,7 +321,7 @@ def _log(name: str, write: Callable[..., None]) -> Callable[..., None]:
     def report(*args: object, **_: object) -> None:
         write("xacro: %s", " ".join(map(str, args)))
 
-    report.__name__ = name  # by which xacro offers it to expressions
+    report.__name__ = name  # name under which xacro offers it to expressions
     return report
 
 
@@ -343,7 +343,7 @@ def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
         hidden = [name for name in code.co_names if name.startswith("__")]
         if hidden:
             raise xacro.XacroException(f"names such as {hidden[0]} are not allowed")
-        symbols.update(__builtins__={})  # hides Python's builtins, as xacro does
+        symbols.update(__builtins__={})  # like xacro, hides Python's builtins
         return eval(code, symbols, local)
 
     return safe_eval

@@ -316,7 +316,7 @@ def _pedestal_height(given: Mapping[str, str], spawn_z: float) -> str:
     try:
         z = float(given.get("base_xyz", "0 0 0").split()[2])
         roll, pitch, _ = map(float, given.get("base_rpy", "0 0 0").split())
-    except (IndexError, ValueError):  # the xacro complains
+    except (IndexError, ValueError):  # the xacro file reports it
         return "0"
     height = round(spawn_z + z, 9)
     stands = 0.0 < height < math.inf and math.hypot(roll, pitch) < _UPRIGHT

@@ -170,7 +170,7 @@ def packages_around(file: Path) -> dict[str, Path]:
         return {}
     sources = [folder for folder in package.parents if folder.name == "src"]
     found: dict[str, Path] = {}
-    for root in sources:  # the nearest first, and its packages count
+    for root in sources:  # the nearest first: it takes precedence
         for folder in _below(root, depth=_MAX_DEPTH):
             found.setdefault(name_of_package(folder), folder)
     for folder in () if sources else _below(package.parent, depth=1):

@@ -61,7 +61,7 @@ class PoseStore:
         """Set the built-in poses.
 
         A robot that is brought up again from its URDF has none, because the URDF does
-        not tell that the robot is from the catalogue.
+        not say that the robot is from the catalogue.
         """
         self.own = {
             name: NamedPose(name=name, positions=positions, saved=False)

@@ -90,7 +90,7 @@ class RigidModel:
     T_model_shape: Transform = field(default_factory=Transform)
     """Pose of the shape's origin, which is the object's origin, in the model."""
     placement: Transform = field(default_factory=Transform)
-    """Pose in the model's own ``<pose>``, relative to the requested pose."""
+    """The model's own ``<pose>``, relative to the pose at which it is placed."""
     mass: float | None = None
     """Mass [kg]; None for a static body."""
     friction: float = DEFAULT_FRICTION

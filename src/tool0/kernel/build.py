@@ -62,7 +62,7 @@ def open_library(folder: Path = FOLDER) -> ctypes.CDLL:
             or for another machine.
     """
     path = folder / LIBRARY
-    try:  # one of other sources is never loaded
+    try:  # a library from other sources is never loaded
         is_fresh = source_digest(folder).encode() in path.read_bytes()
     except FileNotFoundError:
         raise KernelUnusableError(f"'{path}' does not exist") from None
@@ -159,7 +159,7 @@ def _compilers() -> Iterator[list[str]]:
     yield from ([name] for name in ("cc", "gcc", "clang") if shutil.which(name))
     if importlib.util.find_spec("ziglang") is not None:
         machine = platform.machine()
-        target = ["-mcpu=baseline"]  # its default is this machine's processor only
+        target = ["-mcpu=baseline"]  # the default is this machine's processor
         if machine in ("x86_64", "aarch64") and platform.libc_ver()[0] == "glibc":
             target = ["-target", f"{machine}-linux-gnu.2.17"]
         yield [sys.executable, "-m", "ziglang", "cc", *target]

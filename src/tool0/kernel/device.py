@@ -100,7 +100,7 @@ class DeviceControl:
         self._joints = joints
         wraps, gains, feed_forward = _constants(laws)
         self._motions = Motions(position[:, joints], wraps)
-        self._motions.extend(2)  # as ``command`` needs them
+        self._motions.extend(2)  # as many as ``command`` needs
         self._is_uploaded = self._is_ahead = False
         table = hardware.table
         self._drives = [bounds.joint for bounds in table.bounds]

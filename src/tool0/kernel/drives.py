@@ -322,7 +322,7 @@ class NativeDrives:
             return
         self._goals[index] = _Goal()
         if index not in self._rotors:
-            self._before[index] = math.nan  # no speed limiter remembers it
+            self._before[index] = math.nan  # no speed limiter has its velocity
 
 
 def native_bodies(

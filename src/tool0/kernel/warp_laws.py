@@ -119,7 +119,7 @@ def run_laws(
     robot, k = wp.tid()
     time = wp.float64(steps[robot]) * dt
     j = int(0)
-    while time >= until[robot, k, j]:  # that of the last piece is infinite
+    while time >= until[robot, k, j]:  # infinite for the last piece
         j += 1
     t = wp.float32(time - origin[robot, k, j])
     c = coefficients[robot, k, j]
@@ -179,7 +179,7 @@ def start_motion(
 ) -> None:
     """Make a joint follow a polynomial and then rest at ``end``."""
     last = now + duration
-    until[robot, joint, 0] = last + last * JUST_AFTER  # at its end it still moves
+    until[robot, joint, 0] = last + last * JUST_AFTER  # it still moves at its end
     until[robot, joint, 1] = wp.float64(wp.inf)
     origin[robot, joint, 0] = now
     coefficients[robot, joint, 0] = polynomial

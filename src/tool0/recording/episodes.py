@@ -158,7 +158,7 @@ class Episodes:
             self._error = None
             if self._resets:
                 answer(self._simulation, Reset())
-            recordings.start(file, overwrite=True)  # one without a line is no episode
+            recordings.start(file, overwrite=True)  # not in the index: no episode
             self._wall_start = time.time()
             return self._status()
 

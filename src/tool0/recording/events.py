@@ -43,7 +43,7 @@ class EventQueue:
         waiting = self._waiting
         while self._arrived:
             waiting.append(self._arrived.popleft())
-        if last is not None and snapshot.time < last.time:  # time began again
+        if last is not None and snapshot.time < last.time:  # time was reset
             while waiting:
                 yield (event := waiting.popleft())
                 if isinstance(event, WasReset):

@@ -41,7 +41,7 @@ class RequestWriter:
                 text = encode_text(msgspec.json.encode(_content(entry)))
                 self._file.write(REQUESTS, TEXT, stamp(entry.time), text, entry.step)
                 self._last = entry.number
-                time.sleep(0.0)  # others may want the interpreter
+                time.sleep(0.0)  # let other threads have the interpreter
 
 
 def _content(entry: Executed) -> dict[str, Any]:

@@ -76,8 +76,8 @@ class McapFile:
             ) from None
         except OSError as error:
             raise RecordingError(f"cannot write {path}: {error.strerror}") from error
-        output: Any = self._output  # what the writer uses of a stream
-        self._writer: Any = Writer(  # not all of it has types
+        output: Any = self._output  # has the stream methods that the writer uses
+        self._writer: Any = Writer(  # not fully typed
             output,
             chunk_size=LARGEST_CHUNK,
             compression=CompressionType.ZSTD,
@@ -109,7 +109,7 @@ class McapFile:
 
     def attach(self, name: str, media_type: str, data: bytes, time: int = 0) -> None:
         """Add an attachment, a file within the file."""
-        self._writer.flush()  # in order: the attachment follows what was before it
+        self._writer.flush()  # keeps the order of messages and attachments
         self._writer.add_attachment(0, time, name, media_type, data)
         self._written = self.size
 

@@ -73,7 +73,7 @@ def parse(path: Path, frame_topic: str) -> Parsed:
         raise RecordingError(f"cannot read {path}: {reason}") from error
     except RecordingError:
         raise
-    except Exception as error:  # of mcap, and of the libraries for compression
+    except Exception as error:  # from mcap and the compression libraries
         raise RecordingError(
             f"{path} is damaged at byte {parser.at}: "
             f"{str(error) or 'a record is incomplete'}"

@@ -55,7 +55,7 @@ class Recorder:
             RecordingError: If the file cannot be written.
             RenderError: If a camera does not exist, or images cannot be rendered.
         """
-        for name in images.cameras:  # now, and not in the middle of the recording
+        for name in images.cameras:  # fail now, not during recording
             simulation.cameras.render(simulation.cameras[name])
         self._images = images
         self._simulation = simulation
@@ -82,15 +82,15 @@ class Recorder:
             most_kept=_MOST_WAITING if is_realtime else None,
             with_arms=True,
             with_contacts=True,
-            # What samples the arms marks the snapshots that have forces.
+            # The sampling of the arms marks the snapshots that have forces.
             forces_period=FORCES_PERIOD if simulation.arms else 0.0,
             when_published=None if is_realtime else self._hold_time,
         )
         backlog = self._subscription.backlog
-        assert backlog is not None  # it keeps all
+        assert backlog is not None  # this subscription keeps all snapshots
         self._backlog = backlog
         self._events = EventQueue(self._subscription)
-        # Published with this subscription: the first snapshot of the file.
+        # Causes the publication of the first snapshot of the file.
         simulation.loop.call(lambda: None)
         self._next_flush = 0.0
         self._thread = threading.Thread(
@@ -136,7 +136,7 @@ class Recorder:
                 for event in self._events.rest():
                     self._part.write_event(event, self._seen.time)
             self._part.finish()
-        except Exception as error:  # the simulation goes on
+        except Exception as error:  # the simulation must go on
             self._fail(error)
         finally:
             if not self._simulation.loop.is_closed:
@@ -144,10 +144,10 @@ class Recorder:
 
     def _take(self) -> None:
         snapshots = self._subscription.pending()
-        self._part.write_requests()  # before the snapshots that they lead to
+        self._part.write_requests()  # before the snapshots that result from them
         for snapshot in snapshots:
             self._take_one(snapshot)
-            time.sleep(0.0)  # others may want the interpreter
+            time.sleep(0.0)  # let other threads have the interpreter
         now = time.monotonic()
         if now >= self._next_flush:
             self._next_flush = now + FLUSH_PERIOD
@@ -241,5 +241,5 @@ class Recorder:
             self._simulation.bus.announce(
                 Reported(text, self._simulation.snapshot.time)
             )
-        finally:  # who sees that it is over finds the rest done
+        finally:  # set last: waiters rely on everything else being done
             self._is_over.set()

@@ -80,7 +80,7 @@ class Repetition:
                 problem = str(error)
             else:
                 return self._as_accepted(request, recorded)
-        if recorded.error is None:  # one that failed changed nothing
+        if recorded.error is None:  # a failed request changed nothing
             self.notes.append(
                 f"{recorded.method} at {recorded.time:.3f} s cannot be repeated: "
                 f"{problem}"

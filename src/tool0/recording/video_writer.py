@@ -65,7 +65,7 @@ class VideoWriter:
         require_writable(self._path)
         import av
 
-        self._av: Any = av  # its parts are typed loosely
+        self._av: Any = av  # loosely typed
         self._container = av.open(
             str(self._path), "w", format="mp4", options={"movflags": "+faststart"}
         )
