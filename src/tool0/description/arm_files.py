@@ -1,6 +1,6 @@
 """Checks of an arm's YAML files before xacro reads them: errors name file and line.
 
-The built-in arms are checked by the tests, your own files whenever they are loaded.
+The tests check the built-in arms; your own files are checked whenever they are loaded.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import LimitsError
 
 LINKS: Final = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
-"""The moving links, as the files call them."""
+"""Names of the moving links in these files."""
 JOINTS: Final = {
     "shoulder_pan": "shoulder_pan_joint",
     "shoulder_lift": "shoulder_lift_joint",
@@ -36,7 +36,7 @@ JOINTS: Final = {
     "wrist_2": "wrist_2_joint",
     "wrist_3": "wrist_3_joint",
 }
-"""The joints, as joint_limits.yaml calls them, and their names."""
+"""Joint names in joint_limits.yaml → joint names in the URDF."""
 _BASE = "base"
 _MASSES = tuple(f"{link}_mass" for link in (_BASE, *LINKS))
 _POSITION, _ROTATION = ("x", "y", "z"), ("roll", "pitch", "yaw")
@@ -47,16 +47,17 @@ _LIMITS = tuple(
     + ["has_soft_limits", "min_position"]
     + [f"max_{name}" for name in _QUANTITIES]
 )
-"""The keys of one joint, in ur_description, too."""
+"""Valid keys of one joint, including those of ur_description's files."""
 
 
 def check_arm_files(files: Mapping[str, Path]) -> None:
     """Raise an error with file and line for the first missing or impossible value.
 
-    ``files`` are an arm's by name, such as ``joint_limits``; other names are skipped.
+    ``files`` are the arm's files by name, such as ``joint_limits``; other names are
+    skipped.
 
     Raises:
-        DescriptionError: If a key is missing or unknown, or a value is no number.
+        DescriptionError: If a key is missing or unknown, or a value is not a number.
         ModelError: If no arm can have the value.
     """
     check_files(files, _CHECKS)
@@ -165,4 +166,4 @@ _CHECKS: Mapping[str, Callable[[YamlEntry], None]] = {
     "specifications": _check_specifications,
 }
 ARM_FILES: Final = tuple(_CHECKS)
-"""The names of the files that are checked, without ``.yaml``."""
+"""Names of the files that are checked, without ``.yaml``."""

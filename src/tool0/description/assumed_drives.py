@@ -1,7 +1,7 @@
-"""Drives for a robot file of ROS 2 that leaves them to another package.
+"""Drives for a ROS 2 robot file that leaves them to another package.
 
-Such a file describes the arm only, and the package of the driver adds the
-``<ros2_control>`` tag.
+Such a file describes only the arm; the driver's package adds the ``<ros2_control>``
+tag.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from tool0.description.xml_source import children, locate, parse_text
 logger = logging.getLogger(__name__)
 
 PLUGIN = "tool0/AssumedDrives"
-"""Named as the driver."""
+"""Plugin name that the added tag states as its driver."""
 _DRIVABLE = ("revolute", "continuous", "prismatic")
 _COMMANDS = ("position", "velocity", "effort")
 
@@ -23,7 +23,7 @@ _COMMANDS = ("position", "velocity", "effort")
 def assume_drives(document: Document) -> None:
     """Add a ``<ros2_control>`` tag that drives every joint, if nothing drives one.
 
-    Joints that follow another are left out.
+    Mimic joints are left out.
     """
     robot = document.documentElement
     if robot is None or _has(robot, "ros2_control") or _has(robot, "transmission"):

@@ -1,8 +1,9 @@
-"""The robot as rigid bodies: masses, gravity loads of the joints, and mass matrix.
+"""Rigid-body model of the robot: masses, gravity loads of joints, and mass matrix.
 
-Fixed links are merged into their movable parent link.  Loads and the mass matrix need
-no engine: forward kinematics compute the body frames, and sums over the bodies beyond a
-joint give its load.  The tick needs it, so it is computed with plain floats.
+Fixed links are merged into their movable parent link.  Loads and the mass matrix are
+computed without a physics engine: forward kinematics gives the body frames, and a
+joint's load is a sum over the bodies beyond it.  This runs in every tick, hence the
+plain floats.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class BodyInertia:
 
     @staticmethod
     def of(inertial: Inertial, frame: Matrix) -> BodyInertia:
-        """Return ``inertial`` in the frame in which its link has the pose ``frame``."""
+        """Return ``inertial`` in a frame in which its link has the pose ``frame``."""
         pose = frame @ pose_matrix(inertial.origin)
         i = inertial
         tensor = np.array(
@@ -46,14 +47,14 @@ class BodyInertia:
         return BodyInertia(i.mass, pose[:3, 3], rotation @ tensor @ rotation.T)
 
     def moved(self, frame: Matrix) -> BodyInertia:
-        """Return it in the frame in which its own frame has the pose ``frame``."""
+        """Return this inertia in a frame in which its own has the pose ``frame``."""
         rotation = frame[:3, :3]
         center = rotation @ self.center + frame[:3, 3]
         return BodyInertia(self.mass, center, rotation @ self.tensor @ rotation.T)
 
     @staticmethod
     def total(parts: Sequence[BodyInertia]) -> BodyInertia:
-        """Return the parts as one body (parallel-axis theorem)."""
+        """Return the inertia of all parts together (parallel-axis theorem)."""
         mass = sum(part.mass for part in parts)
         if mass == 0.0:
             return BodyInertia(0.0, np.zeros(3), np.zeros((3, 3)))
@@ -74,17 +75,17 @@ class MovingBody:
 
     joint: Joint
     parent: int
-    """Index of the body that carries the joint; -1 is the world."""
+    """Index of the body that carries this body's joint; -1 is the world."""
     placement: Matrix
-    """The joint's frame in its parent body's frame, shape (4, 4)."""
+    """Frame of the joint in the parent body's frame, shape (4, 4)."""
     links: tuple[tuple[str, Matrix], ...]
-    """Links of the body with their frames in the body's frame."""
+    """Links of the body, each with its frame in the body's frame."""
     inertia: BodyInertia
     """Inertia in the frame of the joint's child link."""
 
     @property
     def tree_joint(self) -> TreeJoint:
-        """Its joint, for forward kinematics."""
+        """The body's joint, for forward kinematics."""
         is_prismatic = self.joint.type is JointType.PRISMATIC
         return TreeJoint(self.parent, self.placement, self.joint.axis, is_prismatic)
 
@@ -118,9 +119,9 @@ def moving_bodies(model: RobotModel) -> tuple[MovingBody, ...]:
 def with_added(
     bodies: Sequence[MovingBody], added: Mapping[str, Sequence[BodyInertia]]
 ) -> list[MovingBody]:
-    """Return ``bodies`` with inertias ``added`` to links, in the links' frames.
+    """Return ``bodies`` plus the inertias ``added`` to links, in the links' frames.
 
-    What is added to a link that never moves has no effect.
+    Inertia added to a link that never moves has no effect.
     """
     found = []
     for body in bodies:
@@ -137,7 +138,7 @@ def with_added(
 def total_inertia(
     model: RobotModel, links: Iterable[tuple[str, Matrix]]
 ) -> BodyInertia:
-    """Return the inertia of links, given with their frames, in the frame of these."""
+    """Return the total inertia of links, each given with its frame."""
     return BodyInertia.total(
         [
             BodyInertia.of(inertial, frame)
@@ -148,7 +149,7 @@ def total_inertia(
 
 
 def check_masses(model: RobotModel, bodies: Sequence[MovingBody]) -> None:
-    """Raise ModelError if a body has no mass: no engine can move it."""
+    """Raise ModelError if a body has no mass, since no engine can move it."""
     for body in bodies:
         if not body.inertia.mass > 0.0:
             joint = body.joint
@@ -176,33 +177,34 @@ def _fixed_links(
 
 
 ROTOR_INERTIA = 0.1
-"""Inertia of the rotor and gear of an arm's joint, as the joint feels it [kg·m²].
+"""Inertia of an arm joint's rotor and gear, reflected to the joint [kg·m²].
 
-Manufacturers do not publish it.  It is that of MuJoCo's model of the UR5e and UR10e
+Manufacturers do not publish it.  The value is that of MuJoCo's UR5e and UR10e models
 (https://github.com/google-deepmind/mujoco_menagerie/tree/main/universal_robots_ur5e).
 """
 STANDARD_GRAVITY: Vector3 = (0.0, 0.0, -9.81)
-"""Acceleration of free fall [m/s²], as MuJoCo has it by default; Gazebo has 9.8."""
+"""Gravitational acceleration [m/s²]: MuJoCo's default; Gazebo's is 9.8."""
 
 
 class DynamicBody(NamedTuple):
     """A moving body, in a frame that is rotated so that its joint acts along z."""
 
     parent: int
-    """Index of the body that carries it; -1 is the world."""
+    """Index of the body that carries this one; -1 is the world."""
     is_prismatic: bool
     master: int
-    """Index of the joint that drives its joint."""
+    """Index of the joint that drives this body's joint; its own if not a mimic
+    joint."""
     multiplier: float
-    """Ratio of the velocities of its joint and of the master."""
+    """Velocity of this body's joint per velocity of the master."""
     placement: Frame
-    """The joint's frame in that of its parent."""
+    """Frame of the joint in the parent body's frame."""
     mass: float
     center: Vector3
     tensor: tuple[float, ...]
-    """Inertia about the centre, 9 numbers [kg·m²]."""
+    """Inertia tensor about the centre of mass, 9 numbers [kg·m²]."""
     armature: float
-    """Inertia of the rotor at its joint [kg·m² | kg]."""
+    """Rotor inertia reflected to the joint [kg·m² | kg]."""
 
 
 class DynamicSpring(NamedTuple):
@@ -216,19 +218,20 @@ class DynamicSpring(NamedTuple):
 
 
 class DynamicsTable(NamedTuple):
-    """The constants of ``JointDynamics``."""
+    """Constants that ``JointDynamics`` computes with."""
 
     gravity: float
-    """Gravity [m/s²]."""
+    """Gravity vector [m/s²]."""
     bodies: tuple[DynamicBody, ...]
     springs: tuple[DynamicSpring, ...]
 
 
 @final
 class JointDynamics:
-    """Gravity and spring loads and mass matrix, including mimic joints in their master.
+    """Gravity loads, spring loads and mass matrix; masters include their mimic joints.
 
-    Passive joints count as mimic joints: they mimic while nothing touches the linkage.
+    Passive joints are treated as mimic joints, which holds while nothing touches the
+    linkage.
     """
 
     def __init__(
@@ -239,7 +242,7 @@ class JointDynamics:
     ) -> None:
         """Read the model; ``gravity`` [m/s²] is in the axes of its root.
 
-        ``added`` are further inertias, by the link in whose frame they are.
+        ``added`` maps a link to additional inertia, given in that link's frame.
         """
         bodies = with_added(moving_bodies(model), added or {})
         self._n = len(bodies)
@@ -263,7 +266,8 @@ class JointDynamics:
         self._mass: list[float] = []
         self._center: list[tuple[float, float, float]] = []
         self.tensors: list[Matrix] = []
-        """Inertia of each body about its centre, in the frames of ``frames``."""
+        """Inertia of each body about its centre of mass, in the frame that ``frames``
+        returns."""
         for body, turn in zip(bodies, self._tree.turns, strict=True):
             self._mass.append(body.inertia.mass)
             x, y, z = (turn.T @ body.inertia.center).tolist()
@@ -273,7 +277,7 @@ class JointDynamics:
 
     @cached_property
     def table(self) -> DynamicsTable:
-        """The constants of ``static_effort`` and ``mass_matrix``."""
+        """Constants for ``static_effort`` and ``mass_matrix``."""
         bodies = tuple(
             DynamicBody(parent, prismatic, *master, *constants)
             for parent, prismatic, master, *constants in zip(
@@ -294,9 +298,8 @@ class JointDynamics:
     def static_effort(self, position: Sequence[float]) -> list[float]:
         """Return the effort that balances gravity and springs, shape (n_joints,).
 
-        [N·m | N], such that nothing moves.
-
-        ``position`` is in the order of the model's movable joints.
+        The effort [N·m | N] holds the robot still.  ``position`` is in the order of the
+        model's movable joints.
         """
         frames = self.frames(position)
         mass = self._mass.copy()
@@ -333,7 +336,8 @@ class JointDynamics:
     def mass_matrix(self, position: Sequence[float]) -> Matrix:
         """Return the mass matrix [kg·m² | kg], shape (n_joints, n_joints).
 
-        At ``position``, with the rotors' inertia; rows of mimic joints are 0.
+        It is evaluated at ``position`` and includes the rotors' inertia; rows of mimic
+        joints are 0.
         """
         # Composite bodies, as plain floats: the kernel does the same (masses.c).
         frames = self.frames(position)
@@ -383,7 +387,7 @@ class JointDynamics:
         )
 
     def _along(self, joint: int, frame: Frame, momentum: Sequence[float]) -> float:
-        """Return the part of a momentum that a joint feels."""
+        """Return the component of a momentum along a joint's axis."""
         px, py, pz, lx, ly, lz = momentum
         x, y, z, ox, oy, oz = frame[6:]
         if self._tree.is_prismatic[joint]:
@@ -394,10 +398,10 @@ class JointDynamics:
     def jacobian(
         self, frames: Sequence[Frame], body: int, point: Vector3
     ) -> tuple[Matrix, Matrix]:
-        """Return the velocities of a body per joint velocity, shape (n_joints, 3).
+        """Return a body's linear and angular Jacobians, each of shape (n_joints, 3).
 
-        Those of the ``point`` on it [m/rad | m/m], and its angular ones; both in the
-        axes of the ``frames``, by master.
+        The linear one is that of the ``point`` on the body [m/rad | m/m].  Both are in
+        the axes of the ``frames``; a mimic joint counts in its master's row.
         """
         linear = [[0.0, 0.0, 0.0] for _ in frames]
         angular = [[0.0, 0.0, 0.0] for _ in frames]
@@ -423,7 +427,7 @@ class JointDynamics:
     def frames(self, position: Sequence[float]) -> list[Frame]:
         """Return each body's frame in the root, turned so that its joint acts along z.
 
-        If gravity is not along -z, in the root rotated so that it is.
+        If gravity is not along -z, the root is rotated such that it is.
         """
         return self._tree.frames(position)
 

@@ -1,4 +1,4 @@
-"""Cameras as frozen values: pose and projection."""
+"""Cameras as immutable values: pose and projection."""
 
 from __future__ import annotations
 
@@ -27,15 +27,16 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 LARGEST = 4096
-"""Largest width and height [pixels] that every OpenGL supports."""
+"""Largest width and height [pixels] that every OpenGL implementation supports."""
 
 _SCENE_VIEW = math.radians(50.0)
 _ARM_LENGTH = 1.098
-"""Distance from joint to joint, summed [m], of the arm for which these are:"""
+"""Sum of the joint-to-joint distances [m] of the arm for which the next constants
+hold."""
 _WORKSPACE: Vector3 = (0.35, 0.05, 0.15)
-"""Point that the camera of the scene looks at, in the frame of the arm's base [m]."""
+"""Point at which the scene camera looks, in the arm's base frame [m]."""
 _VIEWPOINT: Vector3 = (1.0, -1.0, 0.7)
-"""Position of that camera relative to this point [m]."""
+"""Position of the scene camera relative to ``_WORKSPACE`` [m]."""
 _NAME = re.compile(r"[A-Za-z]\w*")
 
 
@@ -48,9 +49,9 @@ class Camera:
     """
 
     name: str
-    """Prefix of its ROS topics and frames."""
+    """Name, which is also the prefix of the camera's ROS topics and frames."""
     link: str | None = None
-    """The link that carries it; None for the robot's root."""
+    """Link that carries the camera; None for the robot's root."""
     pose: Pose = field(default_factory=Pose)
     """Pose of the optical frame in the link."""
     width: int = 640
@@ -112,11 +113,11 @@ class Camera:
 
     @property
     def T_link_camera(self) -> Transform:
-        """The optical frame in the link."""
+        """Pose of the optical frame in the link."""
         return to_transform(self.pose)
 
     def check_on(self, model: RobotModel) -> None:
-        """Raise ConfigError if the robot lacks the link that carries it."""
+        """Raise ConfigError if the robot does not have the camera's link."""
         if self.link is None:
             return
         try:
@@ -155,8 +156,8 @@ def looking(
 def default_cameras(model: RobotModel) -> tuple[Camera, ...]:
     """Return a camera on each flange, and ``scene``, which sees all arms.
 
-    On the flange of a robot with one it is ``wrist``, on those of several
-    ``left_wrist`` and so on.
+    If there is one flange, its camera is ``wrist``; if there are several, the cameras
+    are ``left_wrist`` and so on.
     """
     flanges = flange_names(model)
     cameras = [
@@ -184,7 +185,7 @@ def default_cameras(model: RobotModel) -> tuple[Camera, ...]:
 
 
 def _view_of_all(model: RobotModel) -> tuple[Vector3, Vector3]:
-    """Return where a camera sees all arms from, and what it looks at [m]."""
+    """Return a viewpoint from which all arms are visible, and its target [m]."""
     poses = link_poses(model)
     views = []
     for name, arm in find_arms(model).items():
@@ -202,7 +203,7 @@ def _view_of_all(model: RobotModel) -> tuple[Vector3, Vector3]:
     points = [point for point, _ in views]
     x, y, z = (sum(values) / len(points) for values in zip(*points, strict=True))
     spread = max(math.dist(point, (x, y, z)) for point in points)
-    # Further back by what a row of that width needs in a picture of 4 : 3.
+    # Move back far enough for a row of that width to fit into a 4:3 image.
     back = max(scale for _, scale in views)
     back += 0.75 * spread / math.tan(_SCENE_VIEW / 2.0) / math.hypot(*_VIEWPOINT)
     dx, dy, dz = (value * back for value in _VIEWPOINT)

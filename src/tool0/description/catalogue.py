@@ -1,9 +1,9 @@
 """The built-in arms and grippers, and your own: folders of YAML files.
 
-The built-in ones are in ``tool0_description/config``, in ``arms`` and ``grippers``.
-They contain kinematics, limits, masses, appearance, poses and display names, a gripper
-also its xacro macro; a file
-that a folder lacks is the one that all arms, or all grippers, have in common.
+The built-in ones are in ``tool0_description/config``, in ``arms`` and ``grippers``.  A
+folder contains kinematics, limits, masses, appearance, poses and display names; a
+gripper's folder also contains its xacro macro.  If a folder lacks a file, the file
+shared by all arms, or all grippers, is used.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from tool0.errors import ConfigError, DescriptionError, did_you_mean
 from tool0.user_data import expanded
 
 NO_GRIPPER = "none"
-"""Instead of a gripper's name."""
+"""Value that stands for "no gripper" in place of a gripper's name."""
 
 PartKind = Literal["arm", "gripper"]
 
@@ -33,7 +33,7 @@ _FIRST_FILE: Mapping[PartKind, str] = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DisplayName:
-    """The display name of a link or joint."""
+    """Display name of a link or joint in English and Chinese."""
 
     en: str
     zh: str
@@ -49,7 +49,7 @@ class CataloguePart:
 
     @property
     def name(self) -> str:
-        """Such as ``ur5``; the name of the folder."""
+        """Name such as ``ur5``; also the name of the folder."""
         return self.folder.name
 
     @property
@@ -57,12 +57,12 @@ class CataloguePart:
         return self.folder.parent == shared_folder(self.kind)
 
     def file(self, name: str) -> Path:
-        """Return one of its files, or the one that all parts of its kind share."""
+        """Return the path of a file of the part, or of the one shared by its kind."""
         own = self.folder / name
         return own if own.is_file() else shared_folder(self.kind) / name
 
     def load(self, what: str) -> Mapping[str, Any]:  # Any: any YAML value
-        """Return the mapping ``what`` in its ``<what>.yaml``; empty without the file.
+        """Return the mapping ``what`` in the part's ``<what>.yaml``; empty if no file.
 
         Raises:
             ConfigError: If the file cannot be read, or has no such mapping.
@@ -95,7 +95,7 @@ def find_part(kind: PartKind, name: str) -> CataloguePart:
     ``name`` is a folder if it contains a slash.
 
     Raises:
-        DescriptionError: If there is none.
+        DescriptionError: If there is no such part.
     """
     if os.sep in name or "/" in name:
         folder = expanded(name).absolute()
@@ -113,7 +113,7 @@ def find_part(kind: PartKind, name: str) -> CataloguePart:
 
 
 def shared_folder(kind: PartKind) -> Path:
-    """Return the folder of all built-in parts of a kind, and of what they share."""
+    """Return the folder with all built-in parts of a kind and the files they share."""
     return find_package("tool0_description") / "config" / f"{kind}s"
 
 

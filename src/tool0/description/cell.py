@@ -1,4 +1,4 @@
-"""Merges the robots of a cell into one model, and checks that their bases have room."""
+"""Merging of a cell's robots into one model, and checks that their bases have room."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ WORLD = "world"
 def merge_robots(cell: Cell, name: str, documents: Sequence[Document]) -> Document:
     """Return one URDF, called ``name``, with the elements of all robots' URDFs.
 
-    They have one link ``world`` in common.
+    The robots share one link ``world``.
 
     Raises:
-        ConfigError: If two robots have a link or a joint of one name.
+        ConfigError: If two robots have a link or joint of the same name.
     """
     merged = parse_text("<robot/>")
     root = _root(merged)
@@ -83,7 +83,7 @@ def check_bases(cell: Cell, model: RobotModel) -> None:
 
 
 def _footprint(model: RobotModel, prefix: str) -> _Footprint:
-    """Return the space of the shapes that are fixed to a robot's base."""
+    """Return the space occupied by the shapes that are fixed to a robot's base."""
     poses = link_poses(model, {joint.name: 0.0 for joint in model.movable_joints})
     base = f"{prefix}base_link"
     x, y, z = poses[base].position
@@ -107,7 +107,7 @@ def _fixed_below(model: RobotModel, link: str) -> list[str]:
 
 
 def _half_extents(solid: Solid, T: Transform) -> tuple[float, float]:
-    """Return half the horizontal and the vertical size of a solid [m], at most."""
+    """Return upper bounds of half the width and half the height of a solid [m]."""
     match solid:
         case Sphere(radius=radius):
             return radius, radius

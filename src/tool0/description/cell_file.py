@@ -12,7 +12,7 @@ A cell is several robots and the objects around them::
 
 The other keys of a robot are ``mount`` (of the gripper on tool0), ``initial_pose``,
 ``controllers_file`` and the fields of ``DescriptionConfig``.  The scene is a built-in
-one, a file, or a mapping with the keys of a scene file.  Relative paths count from the
+one, a file, or a mapping with the keys of a scene file.  Paths are relative to the
 folder of the cell's file.
 """
 
@@ -78,10 +78,10 @@ def load_cell(path: Path | str) -> Cell:
 
 
 def parse_robots(words: Sequence[str]) -> Cell:
-    """Return the cell of robots in short form, such as ``left=ur5+2f85@0,0.4,0``.
+    """Return the cell described in short form, such as ``left=ur5+2f85@0,0.4,0``.
 
     Raises:
-        ConfigError: If one is not written like that.
+        ConfigError: If a robot is not written in this form.
     """
     return Cell(robots=tuple(map(_parsed, words)))
 
@@ -143,7 +143,7 @@ def _robot(entry: YamlEntry, folder: Path) -> CellRobot:
 
 
 def _part(values: Namespace, kind: str, folder: Path) -> str | None:
-    """Return a part's name, or its folder if it is written with a slash."""
+    """Return a part's name, or its folder if ``value`` contains a slash."""
     found = values.find(kind)
     if found is None or found.is_null:
         return None

@@ -1,4 +1,4 @@
-"""Selection of the robot, or the cell of robots, to simulate.
+"""Selection of the robot, or the cell of robots, to be simulated.
 
 ``DescriptionConfig`` is the only declaration of these options: ``tool0.bringup``, the
 command line and ``ur_robotiq.urdf.xacro`` all take its fields.
@@ -23,7 +23,7 @@ File = Path | str
 
 
 class Unset(Enum):
-    """The type of ``UNSET``."""
+    """Type of ``UNSET``."""
 
     UNSET = "unset"
 
@@ -38,13 +38,14 @@ UNSET: Final = Unset.UNSET
 """A value that was not given, where None means something else."""
 
 _OF_SEVERAL: Final = ("robot", "cell", "robots")
-"""The options that name robots in another way than by an arm and a gripper."""
+"""The options that name robots other than by an arm and a gripper."""
 _NOT_XACRO: Final = (*_OF_SEVERAL, "namespaces", "args", "relax_inertia", "srdf")
-"""The fields that are no arguments of the xacro file."""
+"""The fields that are not arguments of the xacro file."""
 _OF_EACH: Final = ("ros2_control",)
-"""The options that also apply to a cell, to each of its robots, and to your file."""
+"""The options that also apply to a cell (to each of its robots) and to your own
+file."""
 _OF_ALL: Final = ("prefix", "tf_prefix", "srdf", *_OF_SEVERAL)
-"""The options that a robot of a cell does not have."""
+"""The options that cannot be set for a single robot of a cell."""
 _ROBOT_NAME: Final = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?", re.ASCII)
 
 
@@ -193,15 +194,15 @@ class CellRobot:
     """Name such as ``left``; the robot's links, joints and controllers start with
     ``left_``."""
     description: DescriptionConfig
-    """Arm, gripper, base and mount of the robot."""
+    """Options of this robot: arm, gripper, base, mount and so on."""
     initial_pose: str | Mapping[str, float] | None = None
     """A named pose, or positions by joint without the prefix [rad | m]; ``home`` if not
     given."""
     controllers_file: File | None = None
-    """ros_control YAML instead of its built-in controllers.  It is written for a
-    single robot: the names of joints and controllers get the prefix."""
+    """ros_control YAML file that replaces the built-in controllers.  It is written for
+    a single robot: the names of joints and controllers get the prefix."""
     location: SourceLocation | None = None
-    """Source of the robot's entry, for messages."""
+    """Source location of the robot's entry, for messages."""
 
     def __post_init__(self) -> None:
         if not _ROBOT_NAME.fullmatch(self.name):
@@ -219,7 +220,7 @@ class CellRobot:
 
     @property
     def prefix(self) -> str:
-        """Prefix of the names of its links, joints and controllers."""
+        """Prefix of the names of the robot's links, joints and controllers."""
         return f"{self.name}_"
 
 
@@ -229,7 +230,7 @@ class Cell:
     """Several robots in one world, and the objects around them.
 
     Raises:
-        ConfigError: If there is no robot, or two have one name.
+        ConfigError: If there is no robot, or two have the same name.
     """
 
     name: str = ""
@@ -237,9 +238,9 @@ class Cell:
     robots: tuple[CellRobot, ...]
     """The robots, in the order of their joints."""
     scene: Scene | File | None = None
-    """The objects around them; ``SimulationConfig.scene`` replaces them."""
+    """The objects around the robots; ``SimulationConfig.scene`` replaces them."""
     namespaces: bool = False
-    """Whether each robot has a namespace and a controller manager of its own in ROS."""
+    """Whether, in ROS, each robot has its own namespace and controller manager."""
     location: SourceLocation | None = None
     """Location of the cell's file, for messages."""
 

@@ -1,4 +1,4 @@
-"""Limits of a gripper's drive for one goal."""
+"""Limits of a gripper's drive during one goal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tool0.errors import ControlError
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DriveLimits:
-    """Speed and force limits of a gripper goal, as rSP and rFR of a real gripper.
+    """Speed and force limits of a gripper goal, like rSP and rFR of a real gripper.
 
     Speed and force are those of the pads; the limits of the joint follow from its
     position: ``velocity = speed / lever``, ``effort = force · lever``.
@@ -24,11 +24,12 @@ class DriveLimits:
 
     gripper: ParallelGripper
     speed: float | None = None
-    """Speed of the pads relative to each other [m/s]; None for the joint's limit."""
+    """Largest speed of the pads relative to each other [m/s]; None for the joint's
+    limit."""
     force: float | None = None
-    """Force at each pad [N]; None for the joint's limit."""
+    """Largest force at each pad [N]; None for the joint's limit."""
     effort: float | None = None
-    """Effort of the driven joint [N·m | N], instead of a force."""
+    """Largest effort of the driven joint [N·m | N], as an alternative to ``force``."""
 
     def __post_init__(self) -> None:
         if self.force is not None and self.effort is not None:
@@ -42,7 +43,10 @@ class DriveLimits:
             raise ControlError(f"effort must be above 0 and finite, got {self.effort}")
 
     def at(self, position: float) -> tuple[float, float]:
-        """Return the largest effort [N·m | N] and velocity [rad/s | m/s] there."""
+        """Return the largest effort and velocity at a ``position`` of the joint.
+
+        They are in [N·m | N] and [rad/s | m/s].
+        """
         lever = self.gripper.lever(position)
         effort = math.inf if self.effort is None else self.effort
         if self.force is not None:

@@ -1,10 +1,10 @@
-"""Expand xacro without ROS: ``$(find pkg)``, ``$(dirname)``, errors with locations.
+"""Expansion of xacro without ROS: ``$(find pkg)``, ``$(dirname)``, located errors.
 
-The expander is PyPI's ``xacro``.  Outside ROS its ``$(find)`` imports ament, its
-``$(dirname)`` has no folder, its warnings go to stderr, and it reads YAML with the
-slow pure-Python loader.  ``_substituted`` replaces those functions while one document
-is expanded.  xacro keeps its state in module globals; so one lock covers every
-expansion, and everything is restored afterwards.
+The expander is PyPI's ``xacro``.  Outside ROS, its ``$(find)`` tries to import ament,
+its ``$(dirname)`` does not know the folder, its warnings go to stderr, and it reads
+YAML with the slow pure-Python loader.  ``_substituted`` replaces those functions while
+one document is expanded.  xacro keeps its state in module globals, so one lock covers
+every expansion, and everything is restored afterwards.
 """
 
 from __future__ import annotations
@@ -43,18 +43,18 @@ class Expanded(NamedTuple):
     known: set[str]
     """The arguments that the files declare or read."""
     arguments: Mapping[str, str]
-    """Each argument that has a value: a given one, or the declared default."""
+    """Arguments that have a value: the given one, or the declared default."""
 
 
 def expand(path: Path, args: Mapping[str, str] | None = None) -> Expanded:
     """Return the xacro file ``path``, expanded with ``args``.
 
-    The attributes of ``<robot>`` may use arguments with a default; xacro wants a value
-    for these.
+    Attributes of ``<robot>`` may use arguments that have a default; xacro alone would
+    require a value for them.
 
     Raises:
-        DescriptionError: If that fails, with file, line, macro and includes, or if no
-            file declares one of the arguments.
+        DescriptionError: If the expansion fails, with file, line, macro and includes,
+            or if no file declares one of the arguments.
     """
     expanded = _expanded(path, args, _defaults_of_root)
     for name in args or {}:
@@ -72,7 +72,7 @@ def expand_leniently(path: Path, args: Mapping[str, str] | None = None) -> Expan
     Like xacro, it ignores arguments that no file declares.
 
     Raises:
-        DescriptionError: If that fails, with file, line, macro and includes.
+        DescriptionError: If the expansion fails, with file, line, macro and includes.
     """
     return _expanded(path, args, lambda _: {})
 
@@ -100,9 +100,10 @@ def _expanded(
 
 
 def _defaults_of_root(document: Document) -> dict[str, str]:
-    """Return the arguments in the attributes of ``<robot>`` that have a default.
+    """Return the arguments with a default that attributes of ``<robot>`` use.
 
-    The elements that declare them are inside ``<robot>``: xacro reads them too late.
+    The elements that declare them are inside ``<robot>``, where xacro reads them too
+    late.
     """
     root = document.documentElement
     if root is None:
@@ -121,13 +122,13 @@ def _defaults_of_root(document: Document) -> dict[str, str]:
 
 @functools.cache
 def _imported() -> ModuleType:
-    """Return PyPI's xacro; Python 3.10 warns of its private names while it is imported.
+    """Return PyPI's xacro, without Python 3.10's warnings about its private names.
 
-    A sourced ROS has another one, of any version, which PYTHONPATH puts first.
+    A sourced ROS provides another xacro of any version, which PYTHONPATH puts first.
     """
     before = list(sys.path)
     of_ros = set(os.environ.get("PYTHONPATH", "").split(os.pathsep))
-    sys.path.sort(key=of_ros.__contains__)  # stable
+    sys.path.sort(key=of_ros.__contains__)  # stable: ROS's folders go last
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)
@@ -139,7 +140,7 @@ def _imported() -> ModuleType:
 
 @final
 class _Expansion:
-    """Replacements of xacro's functions during one expansion."""
+    """Replacements for xacro's functions during one expansion."""
 
     def __init__(self, xacro: ModuleType) -> None:
         self._xacro = xacro
@@ -147,10 +148,10 @@ class _Expansion:
         """The arguments that the files declare or read."""
 
     def parse(self, inp: None, filename: str) -> Document:
-        """Replace ``xacro.parse``: elements know their lines."""
+        """Replace ``xacro.parse`` such that elements know their lines."""
         path = source_path(Path(filename))
         if not path.is_file():
-            self._xacro.filestack.pop()  # as xacro does: this file was never entered
+            self._xacro.filestack.pop()  # like xacro, since this file was never entered
             problem = self._why_no_file(path, is_empty=filename.endswith(os.sep))
             raise self._xacro.XacroException(exc=FileNotFoundError(problem))
         document = parse_file(path)
@@ -159,7 +160,7 @@ class _Expansion:
         return document
 
     def substitute(self, text: str) -> str:
-        """Replace ``xacro.eval_extension``: the value of ``$(command …)``."""
+        """Replace ``xacro.eval_extension``, the evaluation of ``$(command …)``."""
         match text[2:-1].split():
             case "find", package:
                 return str(find_package(package))
@@ -205,7 +206,7 @@ class _Expansion:
         return str(resolve_args(text, context=context))
 
     def _why_no_file(self, path: Path, *, is_empty: bool) -> str:
-        """Return why a path is no file; of an empty name, which arguments are empty."""
+        """Return why a path is not a file, or which arguments made the name empty."""
         if is_empty:
             args: dict[str, str] = self._xacro.substitution_args_context["arg"]
             empty = sorted(name for name, value in args.items() if not value.strip())
@@ -220,7 +221,7 @@ class _Expansion:
         return f"there is no file '{path}'"
 
     def load_yaml(self, filename: str) -> Any:  # whatever YAML holds
-        """Replace ``xacro.load_yaml``, with the C loader if there is one."""
+        """Replace ``xacro.load_yaml``; the C loader is used if available."""
         path = source_path(Path(self._xacro.abs_filename_spec(str(filename))))
         if not path.is_file():
             problem = self._why_no_file(path, is_empty=not str(filename).strip())
@@ -229,7 +230,7 @@ class _Expansion:
 
 
 def read_parameters(path: Path) -> YamlEntry:
-    """Return a YAML file as xacro reads it, with units such as ``!degrees``.
+    """Return a YAML file's content as xacro reads it, with units such as ``!degrees``.
 
     Raises:
         DescriptionError: If it cannot be read, or is empty.
@@ -248,7 +249,7 @@ def read_parameters(path: Path) -> YamlEntry:
 
 
 def _construct(unit: Any, loader: Any, node: Any) -> Any:  # xacro's and PyYAML's
-    """Return a number with a unit; ValueError unless it is one."""
+    """Return a number with a unit, converted to SI, or raise ValueError."""
     try:
         return unit.constructor(loader, node)
     except Exception as error:  # xacro evaluates it as Python
@@ -275,7 +276,7 @@ class Parameters(dict[str, Any]):
 
 
 def _wrapped(entry: YamlEntry) -> Any:
-    """Return a value of YAML, its mappings as ``Parameters``."""
+    """Return a YAML value with its mappings converted to ``Parameters``."""
     if entry.is_list:
         return [_wrapped(item) for item in entry.items]
     if not entry.is_mapping:
@@ -288,7 +289,7 @@ def _wrapped(entry: YamlEntry) -> Any:
 
 @contextmanager
 def _substituted(xacro: ModuleType, run: _Expansion) -> Iterator[None]:
-    """Replace the parts of xacro that need ROS with ``run``, until the end."""
+    """Replace, within the context, the parts of xacro that need ROS with ``run``."""
     replacements = {
         "eval_extension": run.substitute,
         "parse": run.parse,
@@ -320,7 +321,7 @@ def _log(name: str, write: Callable[..., None]) -> Callable[..., None]:
     def report(*args: object, **_: object) -> None:
         write("xacro: %s", " ".join(map(str, args)))
 
-    report.__name__ = name  # by which xacro offers it to expressions
+    report.__name__ = name  # name under which xacro offers it to expressions
     return report
 
 
@@ -332,7 +333,7 @@ def _compile(expression: str) -> Any:  # a code object
 def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
     """Return ``xacro.safe_eval`` with cached compilation.
 
-    ``${prefix}`` alone is evaluated a hundred times in one robot.
+    ``${prefix}`` alone is evaluated about a hundred times per robot.
     """
 
     def safe_eval(
@@ -342,7 +343,7 @@ def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
         hidden = [name for name in code.co_names if name.startswith("__")]
         if hidden:
             raise xacro.XacroException(f"names such as {hidden[0]} are not allowed")
-        symbols.update(__builtins__={})  # hides Python's builtins, as xacro does
+        symbols.update(__builtins__={})  # like xacro, hides Python's builtins
         return eval(code, symbols, local)
 
     return safe_eval
@@ -351,8 +352,8 @@ def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
 def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
     """Return ``xacro.eval_text`` with a fast path around its lexer.
 
-    Text without ``$``, or with nothing but plain ``${…}``, is evaluated here; all
-    else by xacro.
+    Text without ``$``, or with only plain ``${…}``, is evaluated here; xacro evaluates
+    everything else.
     """
     original: Callable[[str, Any], Any] = xacro.eval_text
     compiled = _safe_eval(xacro)

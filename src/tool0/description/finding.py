@@ -13,7 +13,7 @@ _LONGEST = 100
 _MOST_QUOTED = 8
 
 Severity = Literal["error", "warning"]
-"""An error fails or does something unintended; a warning is suspicious."""
+"""Severity: an error fails or has an unintended effect; a warning is suspicious."""
 
 
 @final
@@ -22,13 +22,15 @@ class Finding:
     """One mistake in a user's file."""
 
     location: SourceLocation
-    """File and line."""
+    """File and line of the mistake."""
     rule: str
-    """The kind of mistake, the same in every file: ``unread-key``."""
+    """Identifier of the kind of mistake, the same in every file, such as
+    ``unread-key``."""
     severity: Severity = "error"
-    """``error``: it fails or does something unintended; ``warning``: suspicious."""
+    """``error`` if it fails or has an unintended effect; ``warning`` if suspicious."""
     key: str = ""
-    """Subject of the finding: a parameter's full name, an element, a joint."""
+    """Subject of the finding, such as a parameter's full name, an element or a
+    joint."""
     message: str
     """Description of the problem, and why it matters."""
     remedy: str = ""
@@ -40,7 +42,7 @@ class Finding:
         return "; ".join(part for part in (self.message, self.remedy) if part)
 
     def as_json(self) -> dict[str, str | int | None]:
-        """Return the finding as plain values."""
+        """Return the finding as a dict of plain values."""
         file = self.location.file
         return {
             "file": None if file is None else str(file),
@@ -82,7 +84,7 @@ warning_at = partial(error_at, severity="warning")
 
 
 def quoted(names: Iterable[str]) -> str:
-    """Return some of ``names`` for a sentence: ``'a', 'b' and 3 more``."""
+    """Return the first ``names`` for a sentence, such as ``'a', 'b' and 3 more``."""
     items = [f"'{short(name)}'" for name in names]
     left_out = len(items) - _MOST_QUOTED
     more = f" and {left_out} more" if left_out > 0 else ""
@@ -90,7 +92,7 @@ def quoted(names: Iterable[str]) -> str:
 
 
 def short(text: str) -> str:
-    """Return ``text``, with its middle omitted if it is too long for a sentence."""
+    """Return ``text``; if it is too long for a sentence, its middle is omitted."""
     if len(text) <= _LONGEST:
         return text
     half = _LONGEST // 2 - 1

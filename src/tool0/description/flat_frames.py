@@ -1,6 +1,6 @@
 """Frames as plain floats for the tick: 12 numbers, and the joints that carry them.
 
-A pass over 12 joints costs less than one NumPy call per joint.
+A pass over 12 joints costs less than calling NumPy once per joint.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ ROOT: Frame = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 @final
 class FlatTree:
-    """Forward kinematics of joints at one position each.
+    """Forward kinematics for a single set of joint positions.
 
-    The frame of each joint is turned so that the joint acts along its z axis: then its
-    motion mixes only two axes.
+    The frame of each joint is turned so that the joint acts along its z axis; its
+    motion then mixes only two axes.
     """
 
     def __init__(self, joints: Sequence[TreeJoint], root: Array | None = None) -> None:
-        """Take the joints; ``root`` turns the results, shape (3, 3)."""
+        """Precompute the frames of ``joints``; ``root`` (3, 3) rotates all results."""
         self.turns: list[Array] = [turn_z_to(joint.axis) for joint in joints]
         """Rotation of each joint's frame, shape (3, 3): its third column is the
         axis."""
         self.parents = [joint.parent for joint in joints]
         self.is_prismatic = [joint.is_prismatic for joint in joints]
         self.placements: list[Frame] = []
-        """Each turned frame at 0 in that of its parent."""
+        """Each joint's turned frame at position 0, in its parent's turned frame."""
         first = np.eye(3) if root is None else root
         for (parent, placement, *_), turn in zip(joints, self.turns, strict=True):
             before = self.turns[parent].T if parent >= 0 else first
@@ -94,19 +94,19 @@ class FlatTree:
 
 
 def flat_frame(rotation: Array, origin: Array) -> Frame:
-    """Return a rotation, shape (3, 3), and an origin, shape (3,), as a frame."""
+    """Return the frame with a rotation, shape (3, 3), and an origin, shape (3,)."""
     return (*rotation.T.ravel().tolist(), *origin.tolist())
 
 
 def rotate(frame: Sequence[float], vector: Vector3) -> Vector3:
-    """Return a vector given in ``frame`` in the axes of its parent."""
+    """Return a vector, given in ``frame``, in the axes of the frame's parent."""
     x, y, z = vector
     a, b, c, d, e, f, g, h, i = frame[:9]
     return a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z
 
 
 def rotate_back(frame: Sequence[float], vector: Vector3) -> Vector3:
-    """Return a vector in the axes of ``frame``: the inverse of ``rotate``."""
+    """Return a vector in the axes of ``frame``; the inverse of ``rotate``."""
     x, y, z = vector
     a, b, c, d, e, f, g, h, i = frame[:9]
     return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z

@@ -1,6 +1,6 @@
 """Forward kinematics in plain floats: joint positions, link poses and velocities.
 
-``joint_tree`` has it for many positions at once, and for each tick.
+``joint_tree`` computes many positions at once, ``flat_frames`` the tick's.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ def link_poses(
 ) -> dict[str, Transform]:
     """Return the pose of every link in the root link.
 
-    A joint without a ``position`` [rad | m] is at 0, or follows the one it mimics.
+    A joint without a ``position`` [rad | m] is at 0, or follows the joint it mimics.
 
     Raises:
-        ModelError: If ``position`` names a joint that the robot lacks.
+        ModelError: If ``position`` names a joint that the robot does not have.
     """
     given = position or {}
     _check_names(model, given)
@@ -65,7 +65,7 @@ def link_pose(
 
 
 def _above(model: RobotModel, position: Mapping[str, float], link: str) -> Transform:
-    """Return the pose of ``link`` in the root, by the joints above it alone."""
+    """Return the pose of ``link`` in the root, using only the joints above it."""
     joints, name = [], model.link(link).name
     while (joint := model.parent_joint.get(name)) is not None:
         joints.append(joint)
@@ -84,7 +84,7 @@ def _check_names(model: RobotModel, position: Mapping[str, float]) -> None:
 def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
     """Return the pose of the joint's child link in its parent link.
 
-    Positions are as for ``link_poses``; planar and floating joints rest at 0.
+    Positions are as for ``link_poses``; planar and floating joints stay at 0.
     """
     at_zero = _at_zero(joint.origin)
     if joint.type is JointType.PRISMATIC:
@@ -102,7 +102,7 @@ def _at_zero(origin: Pose) -> Transform:
 
 
 def joint_position(joint: Joint, position: Mapping[str, T]) -> T | float:
-    """Return the position of ``joint``: as given, by its mimic relation, or 0.
+    """Return the position of ``joint``: given, from its mimic relation, or 0.
 
     Positions are numbers or arrays.
     """
@@ -120,11 +120,11 @@ def joint_positions(
     Args:
         model: The robot; the order is that of its ``movable_joints``.
         given: Positions of some joints, by name.
-        otherwise: Positions of the rest; mimic joints follow their master.
+        otherwise: Positions of the other joints; mimic joints follow their master.
 
     Raises:
-        ModelError: For an unknown joint, or one that cannot be placed.
-        LimitsError: For a position outside the joint's limits, or not a number.
+        ModelError: If a joint is unknown or its position cannot be determined.
+        LimitsError: If a position is outside the joint's limits or is not a number.
     """
     joints = {joint.name: joint for joint in model.movable_joints}
     for name, value in given.items():
@@ -154,12 +154,12 @@ class FrameMotion:
 
     pose: Transform = field(default_factory=Transform)
     linear: Vector3 = _ZERO
-    """Velocity of its origin [m/s]."""
+    """Linear velocity of the frame's origin [m/s]."""
     angular: Vector3 = _ZERO
-    """Angular velocity [rad/s]."""
+    """Angular velocity of the frame [rad/s]."""
 
     def carry(self, fixed: Transform) -> FrameMotion:
-        """Return the motion of a frame fixed to this one at ``fixed``."""
+        """Return the motion of a frame that has the constant pose ``fixed`` in this."""
         pose = self.pose @ fixed
         arm = subtract(pose.position, self.pose.position)
         return FrameMotion(
@@ -169,10 +169,10 @@ class FrameMotion:
         )
 
     def relative_to(self, other: FrameMotion) -> FrameMotion:
-        """Return this motion relative to that of ``other``, in the axes of ``other``.
+        """Return this motion relative to ``other``, in the axes of ``other``.
 
-        As in Gazebo, the velocities are subtracted: the rotation of ``other`` adds
-        nothing.
+        As in Gazebo, the velocities are simply subtracted; the rotation of ``other``
+        contributes nothing.
         """
         T_other_reference = other.pose.inverse()
         return FrameMotion(
@@ -182,7 +182,7 @@ class FrameMotion:
         )
 
     def placed_in(self, frame: Transform) -> FrameMotion:
-        """Return this motion, given in a frame at rest, in the parent of ``frame``."""
+        """Return this motion, given in the static ``frame``, in its parent frame."""
         return FrameMotion(
             pose=frame @ self.pose,
             linear=frame.rotate(self.linear),
@@ -193,10 +193,11 @@ class FrameMotion:
 def link_motions(
     model: RobotModel, position: Mapping[str, float], velocity: Mapping[str, float]
 ) -> dict[str, FrameMotion]:
-    """Return how every link moves in the root link.
+    """Return the motion of every link relative to the root link.
 
-    Positions [rad | m] are by joint, as for ``link_poses``; so are velocities [rad/s |
-    m/s].  Without a given velocity, mimic joints follow, and other joints are at rest.
+    Positions [rad | m] and velocities [rad/s | m/s] are by joint, as for
+    ``link_poses``.  Without a given velocity, a mimic joint follows its master, and any
+    other joint is at rest.
     """
     found = {model.root: FrameMotion()}
     for joint in model.joints:

@@ -9,10 +9,10 @@ from tool0.errors import ControlError
 
 
 def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
-    """Return the links of ``gripper`` with a ``<gazebo>`` surface, its pads.
+    """Return the pads of ``gripper``: its links that have a ``<gazebo>`` surface.
 
     Raises:
-        ControlError: If there are not two of them.
+        ControlError: If there are not exactly two.
     """
     base = model.joint(gripper.joint).parent
     pads = [name for name in model.links_from(base) if model.link(name).surface]
@@ -25,7 +25,7 @@ def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
 
 
 def flange_of(model: RobotModel, gripper: ParallelGripper) -> str:
-    """Return the link that ``gripper`` is mounted on: a ``…tool0``, or its base."""
+    """Return the link on which ``gripper`` is mounted: a ``…tool0``, or its base."""
     base = link = model.joint(gripper.joint).parent
     while (joint := model.parent_joint.get(link)) and not joint.is_movable:
         link = joint.parent
@@ -40,7 +40,7 @@ def grasp_frame(
     """Return the frame midway between the pads, in the link ``relative_to``.
 
     y points from pad to pad, z away from the gripper's base.  Pads that move on circles
-    are at another distance from the base at each opening (14 mm for a 2F-85).
+    change their distance from the base with the opening (by up to 14 mm for a 2F-85).
 
     Args:
         model: The robot.
@@ -49,8 +49,8 @@ def grasp_frame(
         relative_to: A link that the gripper is fixed to, such as ``tool0``.
 
     Raises:
-        ModelError: If there is no such link, or ``opening`` is out of reach.
-        ControlError: If the gripper has no two pads.
+        ModelError: If there is no such link, or the gripper cannot open that far.
+        ControlError: If the gripper does not have two pads.
     """
     import numpy as np  # slow to import
 

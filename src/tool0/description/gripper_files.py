@@ -1,7 +1,8 @@
 """Checks of a gripper's YAML files before xacro reads them: errors name file and line.
 
-What the files have in common, whatever mechanism the folder's macro describes: a key
-that the macro misses is reported by xacro, with the place of the mapping that lacks it.
+These checks cover what all grippers have in common, whatever mechanism the folder's
+macro describes.  If the macro needs a further key that is missing, xacro reports the
+mapping that lacks it.
 """
 
 from __future__ import annotations
@@ -42,10 +43,10 @@ _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 def check_gripper_files(files: Mapping[str, Path]) -> None:
     """Raise an error with file and line for the first missing or impossible value.
 
-    ``files`` are a gripper's by name, such as ``joint_limits``.
+    ``files`` are the gripper's files by name, such as ``joint_limits``.
 
     Raises:
-        DescriptionError: If a key is missing or unknown, or a value is no number.
+        DescriptionError: If a key is missing or unknown, or a value is not a number.
         ModelError: If no gripper can have the value.
     """
     check_files(files, _CHECKS)
@@ -135,4 +136,4 @@ _CHECKS: Mapping[str, Callable[[YamlEntry], None]] = {
     "poses": _check_poses,
 }
 GRIPPER_FILES: Final = tuple(_CHECKS)
-"""The names of the files that are checked, without ``.yaml``."""
+"""Names of the files that are checked, without ``.yaml``."""

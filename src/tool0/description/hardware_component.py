@@ -1,7 +1,7 @@
 """The hardware components of a robot: its ``<ros2_control>`` tags.
 
-A component is one device with a driver: an arm, a gripper.  It offers command and state
-interfaces, each of which is one number with a name, such as ``elbow_joint/position``.
+A component is one device with a driver, such as an arm or a gripper.  It offers command
+and state interfaces: named numbers such as ``elbow_joint/position``.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ ItemKind = Literal["joint", "sensor", "gpio"]
 
 AXES = ("x", "y", "z")
 WRENCH = (*(f"force.{axis}" for axis in AXES), *(f"torque.{axis}" for axis in AXES))
-"""The state interfaces of a force-torque sensor."""
+"""State interfaces of a force-torque sensor."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HardwareInterface:
-    """One number that controllers command or read, in SI units."""
+    """Interface of one number that controllers command or read, in SI units."""
 
     name: str
     """Name such as ``position``."""
     lower: float = -math.inf
-    """Smallest command."""
+    """Smallest command [SI]."""
     upper: float = math.inf
-    """Largest command."""
+    """Largest command [SI]."""
     initial: float | None = None
-    """Value at the start; None if the description does not say."""
+    """Initial value; None if the description does not state one."""
 
 
 @final
@@ -41,15 +41,15 @@ class HardwareItem:
 
     kind: ItemKind
     name: str
-    """Name; for a joint, its name in the URDF."""
+    """Name of the item; for a joint, its name in the URDF."""
     commands: tuple[HardwareInterface, ...] = ()
     states: tuple[HardwareInterface, ...] = ()
     parameters: Mapping[str, str] = field(default_factory=dict)
-    """Text of each ``<param>``, by name."""
+    """Text of each ``<param>`` of the item, by name."""
 
     @property
     def is_force_torque_sensor(self) -> bool:
-        """Whether it is a sensor that measures a wrench."""
+        """Whether the item is a sensor that measures a wrench."""
         return self.kind == "sensor" and any(
             state.name in WRENCH for state in self.states
         )
@@ -63,20 +63,21 @@ class HardwareComponent:
     name: str
     type: ComponentType
     plugin: str
-    """The driver, which tool0 replaces: ``gz_ros2_control/GazeboSimSystem``."""
+    """Name of the driver (tool0 replaces it), such as
+    ``gz_ros2_control/GazeboSimSystem``."""
     parameters: Mapping[str, str] = field(default_factory=dict)
     """Text of each ``<param>`` of the driver, by name."""
     items: tuple[HardwareItem, ...] = ()
-    """Joints, sensors, inputs and outputs, in the order of the document."""
+    """Joints, sensors, inputs and outputs, in document order."""
 
     @property
     def joints(self) -> Iterator[HardwareItem]:
-        """Its joints."""
+        """The joints of the component."""
         return (item for item in self.items if item.kind == "joint")
 
     @property
     def command_interfaces(self) -> tuple[str, ...]:
-        """Full names, such as ``elbow_joint/position``."""
+        """Full names of the command interfaces, such as ``elbow_joint/position``."""
         return tuple(
             f"{item.name}/{interface.name}"
             for item in self.items
@@ -85,7 +86,7 @@ class HardwareComponent:
 
     @property
     def state_interfaces(self) -> tuple[str, ...]:
-        """Full names, such as ``tcp_fts_sensor/force.x``."""
+        """Full names of the state interfaces, such as ``tcp_fts_sensor/force.x``."""
         return tuple(
             f"{item.name}/{interface.name}"
             for item in self.items

@@ -1,7 +1,7 @@
-"""Forward kinematics of many joint positions at once, by the joints that move.
+"""Forward kinematics of the moving joints for many joint positions at once.
 
-Fixed joints are merged into the placement of the moving ones.  ``forward_kinematics``
-computes one posture by names, ``flat_frames`` one posture for the tick.
+Fixed joints are merged into the placements of the moving ones.  ``forward_kinematics``
+computes single postures by joint name, ``flat_frames`` single postures for the tick.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ class TreeJoint(NamedTuple):
     """A joint that turns or slides."""
 
     parent: int
-    """Index of the joint that carries it; -1 is the root."""
+    """Index of the joint that carries this one; -1 is the root."""
     placement: Array
-    """Frame of the joint at 0 in that of its parent, shape (4, 4)."""
+    """Frame of the joint at position 0 in the parent joint's frame, shape (4, 4)."""
     axis: Vector3
     is_prismatic: bool
 
@@ -37,16 +37,16 @@ class JointFrames(NamedTuple):
     """The frames of m joints in the root, after their motion, at n positions."""
 
     rotations: list[Array]
-    """m arrays of shape (n, 3, 3)."""
+    """Rotation matrices of the frames: m arrays of shape (n, 3, 3)."""
     origins: Array
     """Origins of the frames [m], shape (n, m, 3)."""
     axes: Array
-    """Unit vectors, shape (n, m, 3)."""
+    """Unit vectors along the joints' axes in the root, shape (n, m, 3)."""
 
 
 @final
 class JointTree:
-    """Joints, each placed in the frame of one before it or in the root."""
+    """Tree of joints, each placed in the frame of an earlier joint or in the root."""
 
     def __init__(self, joints: Sequence[TreeJoint]) -> None:
         self._joints = tuple(joints)
@@ -56,7 +56,7 @@ class JointTree:
         self._squares = self._crosses @ self._crosses
 
     def forward(self, q: Array) -> JointFrames:
-        """Return the frames at positions ``q`` [rad | m], shape (n, m)."""
+        """Return the joints' frames at positions ``q`` [rad | m], shape (n, m)."""
         turns = rotations_about(self._crosses, self._squares, q)
         n, m = q.shape
         rotations: list[Array] = []
@@ -78,23 +78,24 @@ class JointTree:
 
 
 class PlacedLinks(NamedTuple):
-    """Links by the moving joints that carry them."""
+    """Links, each with the moving joint that carries it."""
 
     joints: tuple[Joint, ...]
-    """The joints that turn or slide, parents first."""
+    """Joints that turn or slide, parents first."""
     tree: tuple[TreeJoint, ...]
-    """The same joints."""
+    """The same joints for a ``JointTree``."""
     placements: dict[str, tuple[int, Transform]]
-    """Link → index of the joint that carries it, -1 for none, and its pose there."""
+    """Link → index of the joint that carries it (-1 for none), and pose in its
+    frame."""
 
 
 def place_links(
     model: RobotModel, links: Iterable[str], root: str | None = None
 ) -> PlacedLinks:
-    """Return ``links`` with all links above them, as far as ``root``.
+    """Return ``links`` and all links above them up to ``root``.
 
     Raises:
-        ModelError: If the robot lacks one of the links.
+        ModelError: If the robot does not have one of the links.
     """
     above: set[str] = set()
     first = model.root if root is None else root
@@ -122,18 +123,18 @@ def place_links(
 
 @final
 class LinkFrames:
-    """The poses of some links of a model in its root, for n joint positions."""
+    """Poses of some links of a model in its root, for n joint positions at once."""
 
     def __init__(self, model: RobotModel, links: Sequence[str]) -> None:
-        """Collect the joints above ``links``; ModelError if there is no such link."""
+        """Collect the joints above ``links``; a missing link raises ModelError."""
         self._links = tuple(links)
         self._joints, tree, self._placements = place_links(model, links)
         self._tree = JointTree(tree)
 
     def poses(self, position: Mapping[str, Array], n: int) -> dict[str, Frames]:
-        """Return the links' poses by positions [rad | m] of shape (n,).
+        """Return the links' poses for joint positions [rad | m], each of shape (n,).
 
-        A joint without a position is at 0, or follows the one that it mimics.
+        A joint without a position is at 0, or follows the joint that it mimics.
         """
         q = np.empty((n, len(self._joints)))
         for k, joint in enumerate(self._joints):

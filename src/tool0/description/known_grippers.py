@@ -1,7 +1,7 @@
-"""Grippers of published robot files, recognised by the joint that drives them.
+"""Grippers in published robot files, recognised by their driven joint's name.
 
-A file of another project has no ``<parallel_gripper>``, which says how the opening
-follows from the joint.
+Other projects' files have no ``<parallel_gripper>``, the element that relates the
+opening to the joint's position.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _JOINTS: Final = (
     "robotiq_140_left_knuckle_joint",
     "finger_joint",
 )
-"""The driven joints of ros-industrial's and PickNik's descriptions, after a prefix."""
+"""Driven joints in ros-industrial's and PickNik's descriptions, without prefix."""
 _OF_140: Final = 0.72
 """Largest upper limit of a 2F-140 [rad]; a 2F-85 closes at 0.8."""
 
@@ -31,7 +31,7 @@ def add_known_grippers(
 ) -> None:
     """Add ``<parallel_gripper>`` for known grippers, if the file has none.
 
-    ``catalogue`` returns the built-in gripper of a name.
+    ``catalogue`` returns the built-in gripper with a given name.
     """
     robot = document.documentElement
     if robot is None or _has(robot, "parallel_gripper"):
@@ -67,7 +67,7 @@ def _has(element: Element, tag: str) -> bool:
 
 
 def _values(gripper: ParallelGripper) -> dict[str, str]:
-    """Return the attributes of ``<parallel_gripper>`` of a gripper that swings."""
+    """Return the ``<parallel_gripper>`` attributes of a gripper whose pads swing."""
     law = gripper.law
     assert isinstance(law, RotaryOpening)
     numbers = {

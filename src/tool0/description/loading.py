@@ -1,4 +1,4 @@
-"""The description of any robot: built-in arms and grippers, or your own file."""
+"""Loading of any robot's description: built-in arms and grippers, or your own file."""
 
 from __future__ import annotations
 
@@ -44,10 +44,10 @@ MESHES = ("tool0", "upstream")
 GRIPPER_MODELS = ("mimic", "linkage")
 
 _LINKAGE_FILE = "linkage.yaml"
-"""File name of the linkage model of grippers that have one."""
+"""File name of the linkage model; not every gripper has one."""
 _PREFIX = re.compile(r"\w*")
 _UPRIGHT = 0.01
-"""Largest tilt of an arm that stands on a pedestal [rad]."""
+"""Largest tilt at which an arm still gets a pedestal [rad]."""
 
 _ARM_ARGUMENTS = {
     "default_kinematics": "kinematics_params",
@@ -55,17 +55,17 @@ _ARM_ARGUMENTS = {
     "physical_parameters": "physical_params",
     "visual_parameters": "visual_params",
 }
-"""The arguments that replace a file of the arm's folder."""
+"""File in the arm's folder → xacro argument that replaces it."""
 
 _GRIPPER_ARGUMENTS = {
     "joint_limits": "gripper_joint_limit_params",
     "physical_parameters": "gripper_params",
     "visual_parameters": "gripper_visual_params",
 }
-"""The same of the gripper's folder."""
+"""File in the gripper's folder → xacro argument that replaces it."""
 
 Poses = Mapping[str, Mapping[str, float]]
-"""Pose → joint → position [rad | m]."""
+"""Pose name → joint name → position [rad | m]."""
 
 
 def load_description(
@@ -78,7 +78,7 @@ def load_description(
     Raises:
         DescriptionError: If a name, an argument or a file is missing or wrong.
         ModelError: If the parameters are physically impossible.
-        ConfigError: If a cell is wrong.
+        ConfigError: If a cell is invalid.
     """
     description = _loaded(config, spawn_z)
     if config.srdf is None:
@@ -128,7 +128,7 @@ def _cell_of(config: DescriptionConfig) -> Cell | None:
 
 
 def _load_cell(cell: Cell, spawn_z: float) -> RobotDescription:
-    """Return the robots of a cell as one model."""
+    """Return the robots of a cell as one robot description."""
     robots, documents = [], []
     for item in cell.robots:
         try:
@@ -158,7 +158,7 @@ def _expand_robot(
 ) -> tuple[CatalogueRobot, Expanded]:
     """Return an arm of the catalogue with its gripper, and its URDF.
 
-    With a ``name``, it is a robot of a cell.
+    With a ``name``, the arm is a robot of a cell.
     """
     prefix = f"{name}_" if name else ""
     defaults = {"arm": DEFAULT_ARM, "gripper": DEFAULT_GRIPPER, "prefix": prefix}
@@ -219,9 +219,9 @@ def load_robot(
 ) -> RobotDescription:
     """Return the robot in your own file, which is xacro unless it ends in ``.urdf``.
 
-    Packages are those of the workspace that it lies in, before all others.  With
-    ``is_driven``, every joint is driven if the file does not say which are.  With
-    ``relax_inertia``, inertias that no body has are replaced.
+    Packages of the workspace that contains the file take precedence over all others.
+    With ``is_driven``, every joint is driven if the file does not declare which ones
+    are.  With ``relax_inertia``, physically impossible inertias are replaced.
 
     Raises:
         DescriptionError: If the file, or a file it refers to, cannot be read.
@@ -251,14 +251,14 @@ def load_robot(
 
 
 def _built_in_gripper(name: str) -> ParallelGripper:
-    """Return a gripper of the catalogue: how its opening follows from its joint."""
+    """Return a built-in gripper, including how its opening depends on its joint."""
     return assemble(gripper=name).model.grippers[0]
 
 
 def named_poses(description: RobotDescription) -> Poses:
     """Return the built-in poses of a robot; your own file has none.
 
-    If several parts have a pose such as ``home``, it sets them all.
+    If several parts define a pose such as ``home``, the pose sets the joints of all.
     """
     poses: dict[str, dict[str, float]] = {}
     for robot in description.robots:
@@ -280,7 +280,7 @@ def part_names(description: RobotDescription) -> Mapping[str, DisplayName]:
 
 
 def _check_linkage(gripper: CataloguePart) -> None:
-    """Raise DescriptionError unless the gripper's fingers are linkages."""
+    """Raise DescriptionError unless the gripper has a linkage model."""
     if not gripper.file(_LINKAGE_FILE).is_file():
         having = [
             name
@@ -299,7 +299,7 @@ def _own_files(
     arguments: Mapping[str, str],
     given: Mapping[str, str],
 ) -> Mapping[str, Path]:
-    """Return the YAML files of a part that are not built-in ones, by name."""
+    """Return the YAML files of a part that are not built in, by name."""
     files = {}
     if not part.is_built_in:
         files = {name: part.folder / f"{name}.yaml" for name in names}
@@ -316,7 +316,7 @@ def _pedestal_height(given: Mapping[str, str], spawn_z: float) -> str:
     try:
         z = float(given.get("base_xyz", "0 0 0").split()[2])
         roll, pitch, _ = map(float, given.get("base_rpy", "0 0 0").split())
-    except (IndexError, ValueError):  # the xacro complains
+    except (IndexError, ValueError):  # the xacro file reports it
         return "0"
     height = round(spawn_z + z, 9)
     stands = 0.0 < height < math.inf and math.hypot(roll, pitch) < _UPRIGHT
@@ -326,8 +326,8 @@ def _pedestal_height(given: Mapping[str, str], spawn_z: float) -> str:
 def _to_texts(args: Mapping[str, Argument], *, ours: bool = True) -> dict[str, str]:
     """Return the given arguments as text for xacro.
 
-    In ``ours``, each ``…_params`` is a path, made absolute here: xacro would resolve a
-    relative one from the folder of its own file.
+    In ``ours``, each ``…_params`` is a path and is made absolute here, since xacro
+    would resolve a relative path from the folder of its own file.
     """
     texts = {}
     for name, value in args.items():

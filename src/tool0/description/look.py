@@ -1,4 +1,4 @@
-"""Light and colours of a robot and its scene in images."""
+"""Lighting of a robot and its scene in images."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tool0.errors import ConfigError
 LAMP: Final[Vector3] = (-0.4, -1.0, 4.0)
 """Position of the lamp in the robot's root [m]."""
 BRIGHTEST: Final = 3.0
-"""Largest brightness: everything is white."""
+"""Largest brightness, at which everything is white."""
 LIT: Final[Vector3] = (0.2, 0.0, 0.0)
 """The point that the lamp shines on [m]."""
 
@@ -20,12 +20,12 @@ LIT: Final[Vector3] = (0.2, 0.0, 0.0)
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Look:
-    """The lamp above the robot, which casts shadows, and the brightness of all."""
+    """Lighting: a lamp above the robot that casts shadows, and overall brightness."""
 
     lamp: Vector3 = LAMP
     """Position of the lamp in the robot's root [m]; it shines on the workspace."""
     brightness: float = 1.0
-    """Brightness of all light, relative to the usual one."""
+    """Overall brightness relative to the default."""
 
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, self.lamp)) or self.lamp[2] < 0.5:

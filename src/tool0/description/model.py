@@ -1,4 +1,4 @@
-"""The robot as frozen values, the result of a strict URDF parser.
+"""The robot as immutable values, as returned by the strict URDF parser.
 
 Lengths are [m], angles [rad], masses [kg], inertias [kg·m²], efforts [N·m] for a
 revolute joint and [N] for a prismatic one.  Frames are those of URDF and REP-103.
@@ -28,21 +28,21 @@ from tool0.errors import (
 Item = TypeVar("Item")
 
 FLANGE = "tool0"
-"""Name of the link at the end of an arm, after a prefix (REP-199)."""
+"""Name of the link at the end of an arm, without prefix (REP-199)."""
 DEFAULT_TURN_VELOCITY = 1.0
-"""Velocity of revolute joints without a velocity limit [rad/s]; chosen to be slow."""
+"""Velocity limit of revolute joints that state none [rad/s]; deliberately slow."""
 DEFAULT_SLIDE_VELOCITY = 0.25
-"""The same for prismatic joints [m/s]."""
+"""Velocity limit of prismatic joints that state none [m/s]."""
 TIME_TO_FULL_SPEED = 0.4
-"""Time to the largest speed at the largest acceleration [s].  A guess, for lack of a
-datasheet: the shoulder of a UR5 gets 7.9 rad/s², which its drive can give to the
-outstretched arm."""
+"""Time from rest to the largest speed at the default acceleration limit [s].  This is a
+guess, since datasheets do not state it: a UR5's shoulder gets 7.9 rad/s², which its
+drive can achieve with the arm outstretched."""
 _ROUNDING = 1e-3
 """Tolerance of the triangle inequality, for numbers rounded by CAD programs."""
 ROBOTIQ: Final = "robotiq"
-"""The protocol of Robotiq's grippers: the URCap's socket and Modbus registers."""
+"""Protocol of Robotiq's grippers: the URCap's socket and Modbus registers."""
 GRIPPER_PROTOCOLS: Final = (ROBOTIQ,)
-"""The device protocols that a gripper may speak."""
+"""Device protocols that a gripper may speak."""
 
 
 @final
@@ -52,7 +52,7 @@ class Inertial:
 
     mass: float
     origin: Pose = field(default_factory=Pose)
-    """The centre of mass and the axes of the inertia, in the link."""
+    """Pose of the centre of mass and of the inertia's axes in the link's frame."""
     ixx: float
     ixy: float = 0.0
     ixz: float = 0.0
@@ -64,8 +64,8 @@ class Inertial:
     def principal_moments(self) -> Vector3:
         """The eigenvalues of the inertia [kg·m²], smallest first.
 
-        In closed form for symmetric 3 by 3 matrices, see
-        https://en.wikipedia.org/wiki/Eigenvalue_algorithm: NumPy is slow to import.
+        They are computed in closed form for symmetric 3 by 3 matrices, because NumPy is
+        slow to import; see https://en.wikipedia.org/wiki/Eigenvalue_algorithm.
         """
         a, b, c = self.ixx, self.iyy, self.izz
         d, e, f = self.ixy, self.ixz, self.iyz
@@ -85,7 +85,7 @@ class Inertial:
 
 
 def check_mass(mass: float, link: str, location: SourceLocation | None) -> None:
-    """Raise ModelError unless the mass [kg] of a link is above zero."""
+    """Raise ModelError unless a link's mass [kg] is above zero."""
     if not mass > 0:
         raise ModelError(
             f"link '{link}' has mass {mass:g} kg; give a mass above zero", location
@@ -106,7 +106,7 @@ def check_protocol(name: str, location: SourceLocation | None) -> None:
 def check_inertia(
     inertial: Inertial, link: str, location: SourceLocation | None
 ) -> None:
-    """Raise ModelError unless a body of positive mass can have this inertia."""
+    """Raise ModelError if no body of positive mass can have this inertia."""
     low, middle, high = inertial.principal_moments
     moments = f"principal moments {low:.4g}, {middle:.4g}, {high:.4g} kg·m²"
     if not low > 0:
@@ -142,10 +142,10 @@ class Collision:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surface:
-    """A surface made for gripping: the link has one in ``<gazebo reference=…>``."""
+    """Contact properties of a gripping surface, from ``<gazebo reference=…>``."""
 
     mu1: float | None = None
-    """Coulomb friction coefficient; None if absent."""
+    """Coulomb friction coefficient; None if the element does not state it."""
 
 
 @final
@@ -157,7 +157,7 @@ class Link:
     collisions: tuple[Collision, ...] = ()
     surface: Surface | None = None
     self_collide: bool = False
-    """Whether it collides with the links of its robot that say so, too."""
+    """Whether the link collides with links of its own robot that also set this flag."""
 
 
 class JointType(enum.Enum):
@@ -170,30 +170,30 @@ class JointType(enum.Enum):
 
 
 RECOVERABLE = 0.05
-"""Largest distance beyond a limit from which motions still bring a joint back [rad |
-m]: a push, a stop or a hand leaves it there."""
+"""Largest distance beyond a limit from which a motion may still bring a joint back [rad
+| m].  A push, a stop or a hand can leave a joint there."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointLimits:
-    """The limits of one joint.  Infinity means unlimited; NaN is rejected.
+    """Limits of one joint.  Infinity means unlimited; NaN is rejected.
 
     Units are [rad] and [N·m] for a revolute joint, [m] and [N] for a prismatic one.
     """
 
     lower: float = -math.inf
-    """Smallest position."""
+    """Smallest position [rad | m]."""
     upper: float = math.inf
-    """Largest position."""
+    """Largest position [rad | m]."""
     velocity: float = math.inf
-    """Largest speed in either direction, per second."""
+    """Largest speed in either direction [rad/s | m/s]."""
     effort: float = math.inf
-    """Largest effort in either direction."""
+    """Largest effort in either direction [N·m | N]."""
     acceleration: float = math.inf
-    """Largest acceleration of planned motions, per second squared."""
+    """Largest acceleration of planned motions [rad/s² | m/s²]."""
     jerk: float = math.inf
-    """Largest jerk of planned motions, per second cubed."""
+    """Largest jerk of planned motions [rad/s³ | m/s³]."""
 
     def __post_init__(self) -> None:
         if not self.lower <= self.upper:
@@ -218,8 +218,8 @@ class JointLimits:
     def range_from(self, start: float) -> tuple[float, float]:
         """Return the smallest and the largest position of a motion from ``start``.
 
-        From up to ``RECOVERABLE`` beyond a limit, a joint may come back: it may be as
-        far out as at the start.
+        A joint that starts up to ``RECOVERABLE`` beyond a limit may come back; the
+        range then extends to its start position.
         """
         lower = min(self.lower, max(start, self.lower - RECOVERABLE))
         upper = max(self.upper, min(start, self.upper + RECOVERABLE))
@@ -240,7 +240,7 @@ class SafetyController:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mimic:
-    """position = multiplier · position of ``joint`` + offset."""
+    """Mimic relation: position = multiplier · position of ``joint`` + offset."""
 
     joint: str
     multiplier: float = 1.0
@@ -250,7 +250,7 @@ class Mimic:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spring:
-    """effort = stiffness · (reference - position)."""
+    """Joint spring: effort = stiffness · (reference - position)."""
 
     stiffness: float
     """Stiffness of the spring [N·m/rad | N/m]."""
@@ -259,7 +259,7 @@ class Spring:
 
 
 def shortest_turn(start: float, end: float) -> float:
-    """Return the shortest turn from ``start`` to ``end``, in (-π, π] [rad]."""
+    """Return the shortest rotation from ``start`` to ``end`` in (-π, π] [rad]."""
     turn = math.remainder(end - start, math.tau)
     return math.pi if turn == -math.pi else turn
 
@@ -273,13 +273,14 @@ class Joint:
     child: str
     origin: Pose = field(default_factory=Pose)
     axis: Vector3 = (1.0, 0.0, 0.0)
-    """Unit vector in the joint's frame."""
+    """Unit vector of the joint's axis in the joint's frame."""
     limits: JointLimits = field(default_factory=JointLimits)
     damping: float = 0.0
     friction: float = 0.0
     mimic: Mimic | None = None
     passive: bool = False
-    """Whether only a loop drives it: it mimics while nothing touches the loop."""
+    """Whether only a loop drives the joint; it mimics while nothing touches the
+    loop."""
     spring: Spring | None = None
     safety: SafetyController | None = None
 
@@ -289,7 +290,7 @@ class Joint:
 
     @property
     def max_velocity(self) -> float:
-        """Its velocity limit [rad/s | m/s], or a slow default."""
+        """The joint's velocity limit [rad/s | m/s], or a slow default."""
         if math.isfinite(self.limits.velocity):
             return self.limits.velocity
         if self.type is JointType.PRISMATIC:
@@ -298,7 +299,7 @@ class Joint:
 
     @property
     def max_acceleration(self) -> float:
-        """Its acceleration in planned motions [rad/s² | m/s²]."""
+        """The joint's largest acceleration in planned motions [rad/s² | m/s²]."""
         return min(self.max_velocity / TIME_TO_FULL_SPEED, self.limits.acceleration)
 
     def clamp_velocity(self, velocity: float) -> float:
@@ -322,15 +323,15 @@ class Transmission:
     name: str
     joint: str
     interfaces: tuple[Interface, ...]
-    """The command interfaces, the preferred one first; one is active at a time."""
+    """Command interfaces, the preferred one first; only one is active at a time."""
     mechanical_reduction: float = 1.0
     rotor_inertia: float = 0.0
     """Inertia of the rotor, on the motor side [kg·m²]."""
     gravity_compensation: bool = False
-    """Whether the drive compensates gravity itself, and effort acts in addition: for
-    drives with such a large reduction that gravity hardly matters."""
+    """Whether the drive compensates for gravity itself, so that commanded effort acts
+    in addition; for drives with such a large reduction that gravity hardly matters."""
     command_limits: JointLimits = field(default_factory=JointLimits)
-    """Limits of its commands, in addition to those of the joint."""
+    """Limits of the drive's commands, in addition to the joint's limits."""
 
     @property
     def armature(self) -> float:
@@ -341,21 +342,21 @@ class Transmission:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoopJoint:
-    """Two points of different links that coincide: it closes a kinematic loop."""
+    """Loop closure: two points of different links that coincide."""
 
     name: str
     links: tuple[str, str]
     points: tuple[Vector3, Vector3]
-    """The point in the frame of the first link, and in that of the second [m]."""
+    """The point in the frame of the first link and in the frame of the second [m]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotaryOpening:
-    """The opening of pads that a revolute joint moves, each on a circle.
+    """Opening of a gripper whose revolute joint moves each pad on a circle.
 
-    ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``: parallelogram
-    linkages move them so.
+    ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``, as with
+    parallelogram linkages.
     """
 
     pad_offset: float
@@ -374,7 +375,7 @@ class RotaryOpening:
         )
 
     def position(self, opening: float) -> float:
-        """Return the joint position [rad]: where the pads close as it grows."""
+        """Return the position [rad] for ``opening`` [m] on the closing branch."""
         radius = math.hypot(self.pad_cos, self.pad_sin)
         phase = math.atan2(self.pad_sin, self.pad_cos)
         return phase + math.acos((opening / 2.0 - self.pad_offset) / radius)
@@ -389,7 +390,7 @@ class RotaryOpening:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinearOpening:
-    """The opening of pads that a prismatic joint moves, each on a straight line.
+    """Opening of a gripper whose prismatic joint moves each pad on a straight line.
 
     ``opening(q) = 2 (pad_offset + pad_slope · q)``.
     """
@@ -397,14 +398,15 @@ class LinearOpening:
     pad_offset: float
     """Distance of a pad from the centre at q = 0 [m]."""
     pad_slope: float
-    """Below zero: the pads close as the position grows."""
+    """Change of a pad's distance per joint position; negative: growth closes the
+    pads."""
 
     def opening(self, position: float) -> float:
         """Return the distance between the pads [m] at joint ``position`` [m]."""
         return 2.0 * (self.pad_offset + self.pad_slope * position)
 
     def position(self, opening: float) -> float:
-        """Return the joint position [m]."""
+        """Return the joint position [m] for an ``opening`` [m]."""
         return (opening / 2.0 - self.pad_offset) / self.pad_slope
 
     def lever(self, position: float) -> float:
@@ -421,23 +423,23 @@ class ParallelGripper:
     """
 
     name: str
-    """Name in the description, prefix included."""
+    """Name of the gripper in the description, including the prefix."""
     joint: str
-    """The driven joint."""
+    """Name of the driven joint."""
     law: RotaryOpening | LinearOpening
-    """Opening as a function of the joint's position."""
+    """Relation between the opening and the joint's position."""
     max_opening: float
     """Largest distance between the pads [m]."""
     speed: tuple[float, float]
-    """Slowest and fastest closing speed, between the pads [m/s]."""
+    """Slowest and fastest closing speed of the pads relative to each other [m/s]."""
     force: tuple[float, float]
-    """Weakest and strongest grip, at each pad [N]."""
+    """Weakest and strongest grip force at each pad [N]."""
     protocol: str | None = None
-    """The device protocol that its ports speak, one of ``GRIPPER_PROTOCOLS``; None if
-    it is none of them."""
+    """Device protocol of the gripper's ports, one of ``GRIPPER_PROTOCOLS``; None if it
+    speaks none of them."""
     passive: tuple[tuple[str, Mimic], ...] = ()
-    """Mimic relations of the linkage's joints, valid while the pads are parallel: not
-    for fingers that wrap around an object."""
+    """Mimic relations of the linkage's joints; valid while the pads are parallel, not
+    when the fingers wrap around an object."""
 
     @property
     def quantity(self) -> Quantity:
@@ -461,7 +463,7 @@ class ParallelGripper:
     def lever(self, position: float) -> float:
         """Return ``|d opening / d position|`` [m/rad | m/m] at ``position``.
 
-        The effort of the joint is the grip force times the lever.
+        The joint's effort equals the grip force times this lever.
         """
         return self.law.lever(position)
 
@@ -469,28 +471,30 @@ class ParallelGripper:
 @final
 @dataclass(frozen=True)
 class RobotModel:
-    """A checked tree of links and joints."""
+    """A robot: a validated tree of links and joints."""
 
     name: str
     """Name of the robot in the URDF."""
     root: str
-    """The link without a parent: poses are in its frame."""
+    """Link without a parent; poses are in its frame."""
     links: tuple[Link, ...]
     """The links, in the order of the URDF."""
     joints: tuple[Joint, ...]
-    """Depth first from the root, children in the order of the URDF."""
+    """The joints, depth first from the root, with children in the order of the URDF."""
     transmissions: tuple[Transmission, ...] = ()
-    """The drives: one per driven joint."""
+    """Drives, one per driven joint."""
     grippers: tuple[ParallelGripper, ...] = ()
     """Parallel grippers of the robot."""
     loops: tuple[LoopJoint, ...] = ()
-    """Pairs of links connected in a point, beyond the tree."""
+    """Loop-closing joints: pairs of links that are connected in addition to the
+    tree."""
     self_collide: bool = False
-    """Whether all its links collide with each other, whatever each says."""
+    """Whether all links collide with each other, regardless of each link's flag."""
     hardware: tuple[HardwareComponent, ...] = field(default=(), hash=False)
-    """The ``<ros2_control>`` tags; without them, ``<transmission>`` defines drives."""
+    """Contents of the ``<ros2_control>`` tags; without them, ``<transmission>`` defines
+    drives."""
     initial_positions: Mapping[str, float] = field(default_factory=dict, hash=False)
-    """Start positions of joints in ``<ros2_control>``, by joint [rad | m]."""
+    """Start positions that ``<ros2_control>`` states, by joint [rad | m]."""
     locations: dict[str, SourceLocation] = field(
         default_factory=dict, compare=False, repr=False
     )
@@ -498,12 +502,12 @@ class RobotModel:
 
     @cached_property
     def link_by_name(self) -> dict[str, Link]:
-        """Its links by name."""
+        """The robot's links by name."""
         return {link.name: link for link in self.links}
 
     @cached_property
     def joint_by_name(self) -> dict[str, Joint]:
-        """Its joints by name."""
+        """The robot's joints by name."""
         return {joint.name: joint for joint in self.joints}
 
     @cached_property
@@ -521,7 +525,7 @@ class RobotModel:
 
     @cached_property
     def movable_joints(self) -> tuple[Joint, ...]:
-        """The joints that are not fixed, depth first."""
+        """Joints that are not fixed, depth first."""
         return tuple(joint for joint in self.joints if joint.is_movable)
 
     @cached_property
@@ -531,10 +535,10 @@ class RobotModel:
 
     @cached_property
     def wrench_sensors(self) -> dict[str, str]:
-        """The link of each force-torque sensor that the hardware has, by its name.
+        """The link of each force-torque sensor in the hardware, by the sensor's name.
 
-        That is the link in its parameter ``frame_id``, or else the flange whose prefix
-        its name has, too.  A sensor without such a link is left out.
+        The link is the one in the sensor's parameter ``frame_id``, or else the flange
+        with the same prefix as the sensor.  A sensor without such a link is left out.
         """
         found = {}
         for item in (item for component in self.hardware for item in component.items):

@@ -1,4 +1,4 @@
-"""Positions of joints under a name."""
+"""Named joint positions."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ Positions = Mapping[str, float]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NamedPose:
-    """Positions of some or all joints, under a name."""
+    """Named positions of some or all joints."""
 
     name: str
-    """Name such as ``home``."""
+    """Name of the pose, such as ``home``."""
     positions: Positions
-    """Joint → [rad | m]."""
+    """Joint → position [rad | m]."""
     saved: bool
-    """Whether a user saved it."""
+    """Whether a user saved the pose; otherwise it is built in."""

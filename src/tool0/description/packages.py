@@ -1,9 +1,10 @@
 """Finding ROS packages and the files inside them, without ROS.
 
-Bundled packages come first, then those of ``ROS_PACKAGE_PATH``, each entry of which is
-a package or a folder that contains packages, then those that ROS 2 has installed, below
-the entries of ``AMENT_PREFIX_PATH``.  ``preferring`` puts other packages before all:
-those of the workspace that a file lies in, which ``packages_around`` finds.
+Bundled packages come first.  Packages of ``ROS_PACKAGE_PATH`` follow; each of its
+entries is a package or a folder that contains packages.  Packages that ROS 2 has
+installed below the entries of ``AMENT_PREFIX_PATH`` come last.  ``preferring`` puts
+other packages before all of these, such as those of a file's workspace, which
+``packages_around`` finds.
 """
 
 from __future__ import annotations
@@ -28,7 +29,8 @@ _PREFERRED: ContextVar[Mapping[str, Path]] = ContextVar("preferred", default=_NO
 _MAX_FOLDERS = 100
 _MAX_DEPTH = 6
 _MAX_WALKED = 5000
-"""Folders searched for packages: a ``src`` may hold anything."""
+"""Largest number of folders searched for packages, since a ``src`` may hold
+anything."""
 _IGNORE = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 
 
@@ -73,7 +75,7 @@ def find_package(name: str, location: SourceLocation | None = None) -> Path:
 
 
 def _share_folders() -> Iterator[Path]:
-    """Yield where ROS 2 installs packages; they are called as their folders are."""
+    """Yield ROS 2's ``share`` folders; each package has a folder of its name there."""
     for entry in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
         if entry and (share := expanded(entry) / "share").is_dir():
             yield share
@@ -81,7 +83,7 @@ def _share_folders() -> Iterator[Path]:
 
 @contextmanager
 def preferring(packages: Mapping[str, Path]) -> Iterator[None]:
-    """Within the context, find these packages before all others, by name."""
+    """Give these packages, by name, precedence over all others within the context."""
     before = _PREFERRED.set(packages)
     try:
         yield
@@ -114,11 +116,11 @@ def resolve_uri(uri: str, location: SourceLocation | None = None) -> Path:
 
 
 def source_path(path: Path) -> Path:
-    """Return where a file of a package's share folder is in the package's source.
+    """Return the source path of a file in a package's share folder.
 
-    CMake may install a folder of it elsewhere: ``description/urdf`` as
-    ``share/PACKAGE/urdf``.  The path is returned as it is if it exists, or if not
-    exactly one folder of the package has such a file.
+    CMake may install folders under other paths, such as ``description/urdf`` as
+    ``share/PACKAGE/urdf``.  The path is returned unchanged if it exists, or unless
+    exactly one folder of the package contains such a file.
     """
     if os.path.lexists(path):
         return path
@@ -150,17 +152,17 @@ def crawl(root: Path) -> Iterator[Path]:
 
 
 def package_name(folder: Path) -> str:
-    """Return the name in the manifest of the package in ``folder``."""
+    """Return the name in the manifest of the package that is in ``folder``."""
     text = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
     match = _NAME.search(text)
     return match.group(1) if match else folder.name
 
 
 def packages_around(file: Path) -> dict[str, Path]:
-    """Return the packages beside the one that ``file`` lies in, with it, by name.
+    """Return the package that contains ``file`` and those beside it, by name.
 
-    They are searched for below each folder ``src`` that the package lies in, as in a
-    catkin workspace, or else beside the package.
+    The search covers every folder ``src`` above the package, as in a catkin workspace;
+    without one, the package's siblings.
     """
     folders = file.absolute().parents
     package = next((folder for folder in folders if is_package(folder)), None)
@@ -168,7 +170,7 @@ def packages_around(file: Path) -> dict[str, Path]:
         return {}
     sources = [folder for folder in package.parents if folder.name == "src"]
     found: dict[str, Path] = {}
-    for root in sources:  # the nearest first, and its packages count
+    for root in sources:  # the nearest first: it takes precedence
         for folder in _below(root, depth=_MAX_DEPTH):
             found.setdefault(name_of_package(folder), folder)
     for folder in () if sources else _below(package.parent, depth=1):
@@ -199,7 +201,7 @@ def _below(root: Path, depth: int) -> Iterator[Path]:
 
 
 def name_of_package(folder: Path) -> str:
-    """Return the name of the package in ``folder``, by its manifest if it is read."""
+    """Return the name in the manifest, or else the folder's name."""
     try:
         return package_name(folder)
     except OSError:

@@ -1,8 +1,8 @@
-"""The arms and grippers of any robot, by the names that an API calls them.
+"""The arms and grippers of any robot, by the names that the API uses.
 
-A part is named by the prefix of its links: ``left`` for an arm that ends at
-``left_tool0`` and a gripper ``left_gripper``.  Without a prefix they are ``arm`` and
-``gripper``.
+A part is named after the prefix of its links, such as ``left`` for an arm that ends at
+``left_tool0`` and for a gripper ``left_gripper``.  Without a prefix they are ``arm``
+and ``gripper``.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ _GRIPPER = "gripper"
 
 
 class ArmParts(NamedTuple):
-    """An arm: six turning joints in a row that end at a link ``…tool0``."""
+    """An arm: a chain of six revolute joints that ends at a link ``…tool0``."""
 
     flange: str
-    """The link at its end."""
+    """The link at the arm's end."""
     joints: tuple[Joint, ...]
     """The six joints, from base to flange."""
 
@@ -37,8 +37,8 @@ class ArmParts(NamedTuple):
 def find_arms(model: RobotModel) -> dict[str, ArmParts]:
     """Return the arms of a robot by name.
 
-    An arm is six turning joints in a row, and a link below them with a name that ends
-    in ``tool0``; fixed joints may be between them.
+    An arm is a chain of six revolute joints and a link below them whose name ends in
+    ``tool0``; fixed joints may be in between.
     """
     found = []
     for flange in model.flanges:
@@ -62,12 +62,12 @@ def find_grippers(model: RobotModel) -> dict[str, ParallelGripper]:
 
 
 def flange_names(model: RobotModel) -> dict[str, str]:
-    """Return the links ``…tool0``, whether or not an arm ends there, by name."""
+    """Return the links ``…tool0`` by name, whether or not an arm ends there."""
     return _named(((flange, flange) for flange in model.flanges), FLANGE, "arm")
 
 
 def joints_of(model: RobotModel, robot: str) -> tuple[str, ...]:
-    """Return the movable joints of an arm and of all that it carries, base first.
+    """Return the movable joints of an arm and of everything it carries, base first.
 
     Raises:
         ControlError: If there is no arm of this name.
@@ -91,7 +91,7 @@ def gripper_of(model: RobotModel, robot: str) -> str | None:
 
 
 def base_of(model: RobotModel, robot: str) -> str:
-    """Return the lowest link that carries no arm but this one, except for the root.
+    """Return the lowest link below the root that carries only this arm.
 
     Raises:
         ControlError: If there is no arm of this name.
@@ -111,10 +111,10 @@ def base_of(model: RobotModel, robot: str) -> str:
 def joints_of_robot(
     model: RobotModel, positions: Mapping[str, float], robot: str | None
 ) -> dict[str, float]:
-    """Return the positions of one robot's joints; without a name, all.
+    """Return the positions of one robot's joints, or of all joints if no name is given.
 
     Raises:
-        ControlError: If there is no such robot, or it has none of the joints.
+        ControlError: If there is no such robot, or none of the joints belong to it.
     """
     if robot is None:
         return dict(positions)
@@ -126,7 +126,7 @@ def joints_of_robot(
 
 
 def gripper_joints(model: RobotModel) -> frozenset[str]:
-    """Return the movable joints of grippers, and of all that arms carry."""
+    """Return the movable joints of grippers and of everything that arms carry."""
     flanges = [arm.flange for arm in find_arms(model).values()]
     carried = {link for flange in flanges for link in model.links_from(flange)}
     tools = {joint.name for joint in model.movable_joints if joint.child in carried}
@@ -136,9 +136,9 @@ def gripper_joints(model: RobotModel) -> frozenset[str]:
 def _named(
     items: Iterable[tuple[str, Item]], ending: str, alone: str
 ) -> dict[str, Item]:
-    """Return items by the prefix before ``ending``, ``alone`` if there is none.
+    """Return items by the prefix before ``ending``, or ``alone`` without a prefix.
 
-    An item whose name is taken keeps its full one.
+    An item whose short name is taken keeps its full name.
     """
     named: dict[str, Item] = {}
     for full, item in items:
@@ -148,7 +148,7 @@ def _named(
 
 
 def _joints_above(model: RobotModel, link: str) -> tuple[Joint, ...] | None:
-    """Return the six nearest joints above ``link``, from base to tip, if they turn."""
+    """Return the six nearest joints above ``link``, base first, if all are revolute."""
     found: list[Joint] = []
     while len(found) < ARM_JOINTS and (joint := model.parent_joint.get(link)):
         if joint.is_movable:

@@ -1,4 +1,4 @@
-"""The payload of an arm: the mass that its drives assume at the flange.
+"""Payloads as bodies, by which the drives' model of an arm is corrected.
 
 A payload replaces the model of everything beyond the flange, as ``set_payload`` does on
 a UR: the drives then compensate for its weight and inertia instead of those of the
@@ -18,7 +18,7 @@ from tool0.description.payload import Payload
 
 
 def modelled_payload(model: RobotModel, flange: str) -> Payload:
-    """Return the description's payload beyond ``flange``, with open grippers."""
+    """Return the described payload beyond ``flange``, with open grippers."""
     tool = tool_inertia(model, flange)
     x, y, z = tool.center.tolist()
     return Payload(tool.mass, (x, y, z))
@@ -41,7 +41,7 @@ def payload_inertia(payload: Payload) -> BodyInertia:
 
 
 def tool_inertia(model: RobotModel, flange: str) -> BodyInertia:
-    """Return all that the description has beyond ``flange``, in the flange's frame."""
+    """Return everything that the description has beyond ``flange`` as one body."""
     poses = link_poses(model, {})
     from_root = poses[flange].inverse()
     links = [

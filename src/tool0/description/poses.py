@@ -1,4 +1,4 @@
-"""The named poses of a robot: built-in ones, and those that a user saved to a file."""
+"""The named poses of a robot: built-in ones, and ones that a user saved to a file."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ from tool0.user_data import data_folder, locked, replace_text
 
 DEFAULT_POSE = "home"
 LONGEST_NAME = 60
-"""Characters of a pose's name that fit on a button."""
+"""Largest number of characters of a pose's name, so that it fits on a button."""
 _HEADER = "# Poses saved with tool0: joint positions [rad | m].\n"
 
 
 def poses_file(robot: str) -> Path:
-    """Return the file with the saved poses of the robot of that name."""
+    """Return the path of the file with the saved poses of a robot."""
     return data_folder() / "poses" / f"{quote(robot, safe=' ')}.yaml"
 
 
 @final
 class PoseStore:
-    """The poses of a robot: built-in ones, and saved ones in a file of the user.
+    """The poses of a robot: built-in ones, and ones saved in a file of the user's.
 
-    Several processes may change the file at once.  A change is written to a new file
-    that replaces the old one under a lock: no pose is lost, and no reader sees half a
-    file.  A file that cannot be parsed is never replaced.
+    Several processes may change the file at once.  Each change is written to a new file
+    that replaces the old one under a lock, so that no pose is lost and no reader sees
+    half a file.  A file that cannot be parsed is never replaced.
     """
 
     def __init__(self, description: RobotDescription) -> None:
@@ -58,10 +58,10 @@ class PoseStore:
         self._saved: Mapping[str, Positions] = {}
 
     def adopt(self, poses: Mapping[str, Positions]) -> None:
-        """Have these built-in poses.
+        """Set the built-in poses.
 
-        A robot that is brought up again from its URDF has none: it does not say that it
-        is one of the catalogue.
+        A robot that is brought up again from its URDF has none, because the URDF does
+        not say that the robot is from the catalogue.
         """
         self.own = {
             name: NamedPose(name=name, positions=positions, saved=False)
@@ -69,7 +69,7 @@ class PoseStore:
         }
 
     def all(self) -> Mapping[str, NamedPose]:
-        """Return every pose, the built-in ones first; they hide saved namesakes.
+        """Return every pose; built-in ones come first and hide saved namesakes.
 
         Raises:
             ConfigError: If the file of saved poses cannot be read or parsed.
@@ -96,13 +96,13 @@ class PoseStore:
         return poses[name]
 
     def goal(self, name: str, robot: str | None = None) -> dict[str, float]:
-        """Return the joints that a move to a pose moves, and where to [rad | m].
+        """Return the joints that a move to a pose moves, and their targets [rad | m].
 
-        A pose with joints of an arm does not move its gripper.
+        A pose that contains joints of an arm does not move the gripper.
 
         Args:
             name: Name of the pose.
-            robot: Only the joints of this robot; all, if left out.
+            robot: Robot whose joints are returned; all robots if left out.
 
         Raises:
             ControlError: If there is no such pose, or it has no joint of the robot.
@@ -112,9 +112,9 @@ class PoseStore:
         return joints_of_robot(self._description.model, positions, robot)
 
     def moved(self, pose: NamedPose) -> dict[str, float]:
-        """Return the joints that a move to this pose moves, and where to [rad | m].
+        """Return the joints that a move to this pose moves, and their targets.
 
-        To move a gripper with its arm would drop what it holds.
+        Moving a gripper together with its arm would drop the object it holds.
         """
         grippers, positions = self._gripper_joints, pose.positions
         of_arms = {name: q for name, q in positions.items() if name not in grippers}
@@ -125,13 +125,14 @@ class PoseStore:
         return not self._gripper_joints.isdisjoint(self.moved(pose))
 
     def start(self) -> dict[str, float]:
-        """Return where joints start [rad | m], unless options say otherwise.
+        """Return the default start positions of the joints [rad | m].
 
-        That is the initial values of ``<ros2_control>``, else the pose ``home``, else
-        as near to zero as the limits allow; in a cell, the initial pose of each robot.
+        They are the initial values in ``<ros2_control>``, else the pose ``home``, else
+        as near to zero as the limits allow.  In a cell, they are the initial pose of
+        each robot.
 
         Raises:
-            ConfigError: If an initial pose of a cell's robot is wrong.
+            ConfigError: If the initial pose of a cell's robot is invalid.
         """
         model, cell = self._description.model, self._description.cell
         positions = {
@@ -161,12 +162,12 @@ class PoseStore:
         return {robot.prefix + joint: q for joint, q in (pose or {}).items()}
 
     def save(self, name: str, positions: Positions, *, update: bool = False) -> None:
-        """Save a pose, and replace a saved one of that name.
+        """Save a pose; a saved pose of the same name is replaced.
 
-        With ``update``, that one's positions of other joints stay.
+        With ``update``, the old pose's positions of other joints are kept.
 
         Raises:
-            ControlError: If the name is a built-in pose's, or not printable.
+            ControlError: If the name belongs to a built-in pose or is not printable.
             ConfigError: If the file of saved poses cannot be read, parsed or written.
         """
         self._refuse_own(name, "choose another name")

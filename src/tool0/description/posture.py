@@ -1,4 +1,4 @@
-"""The postures of an arm that reach one pose, and their branches."""
+"""The postures with which an arm reaches a pose, and their branches."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from tool0.errors import ControlError
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Branch:
-    """One of the eight postures that reach a pose; None for either.
+    """Branch of inverse kinematics, one of eight; a field that is None matches either.
 
-    Left, up and no flip is the usual posture of a UR.  Where two branches meet the arm
-    is singular.
+    The usual posture of a UR is left, up and no flip.  The arm is singular where two
+    branches meet.
     """
 
     shoulder: Literal["left", "right"] | None = None
-    """Side of the line from the base to the wrist's centre on which the upper arm is,
+    """Side of the line from the base to the wrist's centre on which the upper arm lies,
     as seen from behind the base."""
     elbow: Literal["up", "down"] | None = None
-    """Whether the elbow is above the line from the shoulder to the fourth joint;
-    reversed where that joint and the wrist's centre are on different sides of the
-    base's axis, so that the word changes in singular postures alone."""
+    """Whether the elbow is above the line from the shoulder to the fourth joint.  This
+    is reversed where that joint and the wrist's centre are on different sides of the
+    base's axis, so that the value changes only in singular postures."""
     wrist: Literal["flip", "no_flip"] | None = None
-    """The sign of the fifth joint's sine, from where the sixth axis is parallel to the
-    second: negative for "no_flip"."""
+    """Sign of the sine of the fifth joint's angle, which is 0 where the sixth axis is
+    parallel to the second; negative for "no_flip"."""
 
     def __post_init__(self) -> None:
         for name, values in _BRANCHES.items():
@@ -44,7 +44,7 @@ class Branch:
         )
 
     def __str__(self) -> str:
-        """Return the given fields as text."""
+        """Return the fields that are not None as text."""
         words = (getattr(self, item.name) for item in fields(self))
         return ", ".join(word for word in words if word is not None) or "any"
 
@@ -59,12 +59,12 @@ _BRANCHES = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Solution:
-    """A posture that reaches the pose."""
+    """A posture with which the arm reaches the pose."""
 
     positions: Mapping[str, float]
-    """Joint → position [rad], from base to tip."""
+    """Joint → position [rad], ordered from base to tip."""
     branch: Branch
-    """Branch of the posture, one of eight."""
+    """Branch of the posture; no field is None."""
     distance: float
-    """Distance from ``near``: each joint's turn divided by its largest velocity, as the
-    root of the sum of squares [s]."""
+    """Distance from ``near`` [s]: root of the sum of squares of each joint's rotation
+    divided by its largest velocity."""

@@ -1,4 +1,4 @@
-"""Inertias that no body has, in your own robot file: refused, or replaced."""
+"""Refusal or replacement of physically impossible inertias in your own robot file."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ _PRODUCTS = ("ixy", "ixz", "iyz")
 
 
 def require_inertias(document: Document, *, relax: bool) -> None:
-    """Replace impossible inertias, with a warning, if ``relax``; else refuse them.
+    """Replace impossible inertias, with a warning, if ``relax``; otherwise refuse them.
 
-    The replacement has the middle principal moment about every axis.
+    The replacement uses the middle principal moment about every axis.
 
     Raises:
-        ModelError: Unless ``relax``, with the first link that has one.
+        ModelError: If not ``relax``; it names the first link with an impossible
+            inertia.
     """
     for link, tensor, error in _impossible(document):
         if not relax:
@@ -51,7 +52,7 @@ def require_inertias(document: Document, *, relax: bool) -> None:
 def _impossible(
     document: Document,
 ) -> Iterator[tuple[Element, Element, ModelError]]:
-    """Yield links, their <inertia>, and why no body has it."""
+    """Yield links with an impossible inertia, the ``<inertia>``, and the error."""
     robot = document.documentElement
     for link in () if robot is None else children(robot, "link"):
         inertial = only_child(link, "inertial")
@@ -64,7 +65,7 @@ def _impossible(
 
 
 def _middle_moment(tensor: Element) -> float:
-    """Return the middle principal moment [kg·m²], or the largest if that is not > 0."""
+    """Return the middle principal moment [kg·m²], or the largest if it is not > 0."""
     ixx, iyy, izz, ixy, ixz, iyz = (
         number(tensor, key, 0.0) for key in (*_DIAGONAL, *_PRODUCTS)
     )

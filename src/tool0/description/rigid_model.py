@@ -1,4 +1,4 @@
-"""A simple model from the text of an untrusted URDF or SDF.
+"""Parser of a simple model from the text of an untrusted URDF or SDF.
 
 A simple model is one rigid body with one collision shape or several.
 """
@@ -44,20 +44,20 @@ from tool0.errors import DescriptionError, ModelError, SourceLocation
 logger = logging.getLogger(__name__)
 
 MAX_SIZE, MAX_MASS = 100.0, 1e6
-"""Largest size [m] and mass [kg]: beyond them the physics of either engine diverges."""
+"""Largest size [m] and mass [kg]; the physics of either engine diverges beyond them."""
 MAX_FRICTION = 1e6
-"""Largest coefficient of friction.  A larger one changes no motion, and only spoils the
-engines' numerics."""
+"""Largest coefficient of friction.  A larger one would change no motion and only
+degrade the engines' numerical accuracy."""
 
 _WORLD = "world"
-"""The name of a root link that Gazebo takes for the world itself."""
+"""Name of a root link that Gazebo treats as the world itself."""
 _TRUE = {"true", "1"}
 _MANY = ("include", "model", "gripper")
 """Elements of an SDF <model> that would make it more than one body."""
 _DEFAULT_MASS = 1.0  # [kg] http://sdformat.org/spec?ver=1.6&elem=link#inertial_mass
 
 _UNPAINTED: RGBA = (0.7, 0.7, 0.7, 1.0)
-"""Grey, as Gazebo shows what names no colour."""
+"""Grey, in which Gazebo shows shapes without a colour."""
 _GAZEBO_COLOURS: dict[str, RGBA] = {
     "black": (0.0, 0.0, 0.0, 1.0),
     "blue": (0.0, 0.0, 1.0, 1.0),
@@ -78,26 +78,26 @@ _GAZEBO_COLOURS: dict[str, RGBA] = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigidModel:
-    """The model of an object, with the frames that Gazebo has for it."""
+    """The model of an object, with the frames that Gazebo uses for it."""
 
     name: str
     """Name of the model in its document."""
     geometry: Solid
     link: str = "link"
     collisions: tuple[str, ...] = ("collision",)
-    """The name of each part of the shape."""
+    """Names of the parts of the shape, in their order."""
     T_model_link: Transform = field(default_factory=Transform)
     T_model_shape: Transform = field(default_factory=Transform)
-    """Pose in the model of the shape's origin, which is the object's."""
+    """Pose of the shape's origin, which is the object's origin, in the model."""
     placement: Transform = field(default_factory=Transform)
-    """The model's own ``<pose>``, in the pose that it is asked to have."""
+    """The model's own ``<pose>``, relative to the pose at which it is placed."""
     mass: float | None = None
-    """Mass [kg]; None for a body that stands still."""
+    """Mass [kg]; None for a static body."""
     friction: float = DEFAULT_FRICTION
     rgba: RGBA = _UNPAINTED
 
     def scene_object(self, name: str, T_root_model: Transform) -> SceneObject:
-        """Return the object with the model's frame there; raises ConfigError."""
+        """Return the object for a pose of its model; ConfigError if it is invalid."""
         return SceneObject(
             name=name,
             geometry=self.geometry,
@@ -112,8 +112,8 @@ def read_rigid_model(text: str) -> RigidModel:
     """Return the model that ``text`` describes, in URDF or SDF.
 
     Raises:
-        DescriptionError: If it cannot be read, or is no single body.
-        ModelError: If nothing could be like this.
+        DescriptionError: If the text cannot be read or is not a single body.
+        ModelError: If the model is physically impossible.
     """
     if len(text) > LONGEST_MODEL:
         raise DescriptionError(
@@ -132,7 +132,7 @@ def read_rigid_model(text: str) -> RigidModel:
 
 
 def mesh_uris(text: str) -> tuple[str, ...]:
-    """Return the meshes that a model names; none if it is no XML."""
+    """Return the meshes that a model names; none if the text is not XML."""
     try:
         meshes = parse_text(text).getElementsByTagName("mesh")
     except DescriptionError:
@@ -143,10 +143,10 @@ def mesh_uris(text: str) -> tuple[str, ...]:
 
 
 def _bounded(model: RigidModel) -> RigidModel:
-    """Return ``model`` with a friction that is no larger than it needs to be.
+    """Return ``model`` with its friction limited to ``MAX_FRICTION``.
 
     Raises:
-        ModelError: If its size, its mass or an offset is too large.
+        ModelError: If the model's size, mass or an offset is too large.
     """
     parts = placed_geometries(model.geometry)
     extents = [size for geometry, _ in parts for size in sizes(geometry)]
@@ -215,9 +215,9 @@ def _read_urdf(document: Document, robot: Element) -> RigidModel:
 def _joined(
     T_model_link: Transform, placed: Sequence[tuple[Geometry, Transform]]
 ) -> tuple[Solid, Transform]:
-    """Return shapes, each with its pose in the model, as one; and its pose there.
+    """Return shapes, each with its pose in the model, as one shape, and its pose.
 
-    The origin of several is their link's.
+    The origin of several shapes is that of their link.
     """
     if len(placed) == 1:
         return placed[0]
@@ -227,7 +227,7 @@ def _joined(
 
 
 def _replace_impossible_inertia(robot: Element) -> None:
-    """Make each inertia possible: an object's own follows from its shape and mass."""
+    """Replace impossible inertias; an object's own follows from shape and mass."""
     for link in children(robot, "link"):
         tensor = _descendant(link, "inertial", "inertia")
         try:
@@ -242,7 +242,7 @@ def _replace_impossible_inertia(robot: Element) -> None:
 
 
 def _urdf_mass(model: RobotModel, extensions: list[Element]) -> float | None:
-    """Return the mass of all links [kg]; None if the model stands still."""
+    """Return the total mass of all links [kg]; None if the model is static."""
     if model.root == _WORLD or any(_flag(item, "static") for item in extensions):
         return None
     mass = sum(link.inertial.mass for link in model.links if link.inertial is not None)
@@ -255,7 +255,7 @@ def _urdf_mass(model: RobotModel, extensions: list[Element]) -> float | None:
 
 
 def _urdf_colour(model: RobotModel, extensions: list[Element]) -> RGBA:
-    """Return the colour for Gazebo if one is named, else the first visual's."""
+    """Return the colour named for Gazebo, or else that of the first visual."""
     for extension in extensions:
         named = _gazebo_colour(only_child(extension, "material"))
         if named is not None:
@@ -265,7 +265,7 @@ def _urdf_colour(model: RobotModel, extensions: list[Element]) -> RGBA:
 
 
 def _gazebo_colour(element: Element | None) -> RGBA | None:
-    """Return the colour of ``Gazebo/Red`` and the like; None for textures."""
+    """Return the colour of a material such as ``Gazebo/Red``; None for textures."""
     name = "" if element is None else text_of(element)
     return _GAZEBO_COLOURS.get(name.removeprefix("Gazebo/").lower())
 
@@ -335,14 +335,14 @@ def _one(parent: Element, tag: str, name: str) -> Element:
 
 
 def _descendant(element: Element | None, *tags: str) -> Element | None:
-    """Return the only child of the only child …; None where there is none."""
+    """Return the element at a path of only children, or None if there is none."""
     for tag in tags:
         element = None if element is None else only_child(element, tag)
     return element
 
 
 def _is_bolted(model: Element, name: str) -> bool:
-    """Return whether a fixed joint holds the link to the world."""
+    """Return whether a fixed joint attaches the link to the world."""
     joints = list(children(model, "joint"))
     for joint in joints:
         parent = text_of(required_child(joint, "parent"))

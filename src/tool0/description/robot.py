@@ -1,4 +1,4 @@
-"""A robot as it is described: its model, its URDF, and where it is from."""
+"""A robot's description: its model, its URDF, and its origin."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class CatalogueRobot:
     arm: CataloguePart
     gripper: CataloguePart | None = None
     prefix: str = ""
-    """Prefix of the names of its links and joints."""
+    """Prefix of the names of the robot's links and joints."""
 
     @property
     def parts(self) -> tuple[CataloguePart, ...]:
@@ -36,35 +36,35 @@ class CatalogueRobot:
 
     @property
     def parts_title(self) -> str:
-        """Such as ``ur5 + 2f85``."""
+        """Names of the arm and gripper, such as ``ur5 + 2f85``."""
         return " + ".join(part.name for part in self.parts)
 
     @property
     def title(self) -> str:
-        """Such as ``ur5 + 2f85``, in a cell ``left: ur5 + 2f85``."""
+        """Title of the robot: ``ur5 + 2f85``, or ``left: ur5 + 2f85`` in a cell."""
         return f"{self.name}: {self.parts_title}" if self.name else self.parts_title
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class RobotDescription:
-    """A robot: the model for the engines, and the URDF for everything else."""
+    """Description of a robot: the model for the engines, the URDF for all else."""
 
     model: RobotModel
-    """Links, joints, drives and grippers, checked."""
+    """Validated links, joints, drives and grippers."""
     source: Path
-    """The xacro or URDF file that it was read from."""
+    """Xacro or URDF file from which the robot was read."""
     robots: tuple[CatalogueRobot, ...] = ()
     """Arms and grippers of the catalogue; none for your own file."""
     disabled_collisions: frozenset[frozenset[str]] = frozenset()
-    """Pairs of links that planned motions need not keep apart, of an SRDF."""
+    """Pairs of links that planned motions need not keep apart, from an SRDF."""
     cell: Cell | None = None
-    """The cell of its ``robots``; None for a single one, or in another process."""
-    tf_prefix: str = ""
-    """Prefix of its frames in ROS."""
-    arguments: Mapping[str, str] = field(default_factory=dict)
-    """The values of the arguments of its xacro file; none in a cell, or in another
+    """Cell that contains the ``robots``; None for a single robot, or in another
     process."""
+    tf_prefix: str = ""
+    """Prefix of the robot's frames in ROS."""
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    """Values of the xacro file's arguments; empty in a cell or in another process."""
     _document: Document = field(repr=False, compare=False)
 
     @cached_property
@@ -74,7 +74,7 @@ class RobotDescription:
 
     @property
     def title(self) -> str:
-        """Title shown to users: the names of its parts, or that of your own file."""
+        """Title shown to users: names of the parts, or the name of your own file."""
         return ", ".join(robot.title for robot in self.robots) or self.source.name
 
     @property

@@ -1,8 +1,9 @@
-"""Reads ``<ros2_control>`` tags: which joints are driven, and through what commands.
+"""Parser of ``<ros2_control>`` tags: driven joints and their command interfaces.
 
 The layout is that of ros2_control's ``component_parser``.  The driver's plugin is only
-noted, since tool0 replaces it.  Three parameters of a joint are our own; other drivers
-ignore them: ``mechanical_reduction``, ``rotor_inertia`` and ``gravity_compensation``.
+noted, since tool0 replaces it.  Three joint parameters are tool0's own, and other
+drivers ignore them: ``mechanical_reduction``, ``rotor_inertia`` and
+``gravity_compensation``.
 """
 
 from __future__ import annotations
@@ -43,11 +44,11 @@ from tool0.errors import DescriptionError, LimitsError, ModelError, nearest_name
 DRIVEN_BY: Final[Mapping[str, Interface]] = {
     interface.name.lower(): interface for interface in Interface
 }
-"""The command interfaces of a joint that move it."""
+"""Command interfaces that move a joint."""
 _MOTION: Final = (*DRIVEN_BY, "acceleration")
-"""The interfaces that only a joint has."""
+"""Interfaces that only joints have."""
 _SIMILAR: Final = 0.85
-"""Similarity from which another word means one of them: ``postion``."""
+"""Similarity at which a misspelt word such as ``postion`` means one of these."""
 _BOOLEANS: Final = ("true", "false")
 
 
@@ -58,19 +59,20 @@ class Ros2Control:
 
     components: tuple[HardwareComponent, ...]
     drives: Mapping[str, Transmission]
-    """The drives of the joints that have command interfaces, by joint."""
+    """Drives of the joints that have command interfaces, by joint."""
     mimics: Mapping[str, Mimic | None]
-    """The joints whose ``<mimic>`` is replaced, or removed (None)."""
+    """New mimic relation of each joint whose ``<mimic>`` is replaced or removed
+    (None)."""
     initial: Mapping[str, float]
-    """Positions at the start, by joint [rad | m]."""
+    """Start positions by joint [rad | m]."""
 
 
 def read_ros2_control(robot: Element, joints: Mapping[str, Joint]) -> Ros2Control:
-    """Return what the ``<ros2_control>`` tags of ``robot`` say about its ``joints``.
+    """Return the content of the ``<ros2_control>`` tags of ``robot`` for ``joints``.
 
     Raises:
         DescriptionError: If something is missing or cannot be read.
-        ModelError: If it contradicts the joints.
+        ModelError: If the tags contradict the joints.
     """
     elements = list(children(robot, "ros2_control"))
     components = tuple(map(read_component, elements))
@@ -105,7 +107,7 @@ def read_ros2_control(robot: Element, joints: Mapping[str, Joint]) -> Ros2Contro
 
 
 def command_interfaces(robot: Element) -> dict[str, tuple[str, ...]]:
-    """Return the command interfaces of each joint, even of a faulty robot."""
+    """Return the command interfaces of each joint, even if the robot has mistakes."""
     return {
         joint.getAttribute("name").strip(): tuple(
             interface.getAttribute("name").strip()
@@ -117,14 +119,14 @@ def command_interfaces(robot: Element) -> dict[str, tuple[str, ...]]:
 
 
 def _is_other(item: HardwareItem, joints: Mapping[str, Joint]) -> bool:
-    """Whether a tag ``<joint>`` stands for something else, as old drivers have it."""
+    """Return whether a ``<joint>`` tag describes something else, as for old drivers."""
     interfaces = (*item.commands, *item.states)
     moves = any(interface.name in _MOTION for interface in interfaces)
     return bool(interfaces) and not moves and item.name not in joints
 
 
 def _interfaces(element: Element, item: HardwareItem) -> tuple[Interface, ...]:
-    """Return the commands that move the joint, in the order of the document."""
+    """Return the command interfaces that move the joint, in document order."""
     for tag in ("command_interface", "state_interface"):
         for interface in children(element, tag):
             name = required(interface, "name")
@@ -170,10 +172,10 @@ def _check_drivable(
 def _mimic(
     element: Element, item: HardwareItem, joint: Joint, joints: Mapping[str, Joint]
 ) -> Mimic | None:
-    """Return what ``joint`` follows, by this tag or else by its own ``<mimic>``.
+    """Return the mimic relation of ``joint`` from this tag, or else its own.
 
     The attribute ``mimic`` keeps or removes ``<mimic>``; before ROS 2 Jazzy, parameters
-    said what a joint follows.
+    stated the joint to follow.
     """
     if element.hasAttribute("mimic"):
         text = required(element, "mimic").lower()
@@ -257,13 +259,13 @@ def _check_commands(element: Element, joint: Joint, commands: JointLimits) -> No
 
 
 def _largest(command: HardwareInterface) -> float:
-    """Return the largest size of a command; infinite without limits."""
+    """Return the largest magnitude of a command; infinite without limits."""
     bounds = (abs(bound) for bound in (command.lower, command.upper))
     return max(filter(math.isfinite, bounds), default=math.inf)
 
 
 def _initial(element: Element, item: HardwareItem, joint: Joint) -> float | None:
-    """Return the position that the joint starts at; None if that is open."""
+    """Return the joint's start position; None if the tag does not state it."""
     for interface in (*item.states, *item.commands):
         if interface.name == "position" and interface.initial is not None:
             position, limits = interface.initial, joint.limits
@@ -285,7 +287,7 @@ def _parameter(element: Element, name: str, otherwise: float) -> float:
 
 
 def _reductions(element: Element, joints: Mapping[str, Joint]) -> dict[str, float]:
-    """Return the reductions that ``<transmission>`` tags inside it state, by joint."""
+    """Return the reductions in the tag's nested ``<transmission>`` tags, by joint."""
     found: dict[str, float] = {}
     for joint in _transmission_joints(element):
         name = required(joint, "name")

@@ -1,4 +1,4 @@
-"""Parses ``<ros2_control>`` elements: a component with its interfaces."""
+"""Parser of ``<ros2_control>`` elements: components and their interfaces."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from tool0.description.xml_source import (
 from tool0.errors import LimitsError, ModelError
 
 _ACTIVATION: Final = "reactivate_gripper_cmd"
-"""The command by which grippers with a driver are known."""
+"""Command interface that identifies a gripper with its own driver."""
 _GRIP_LIMITS: Final = ("set_gripper_max_velocity", "set_gripper_max_effort")
-"""Commands that such a driver has for its joint, also if they are not described."""
+"""Command interfaces that such a driver offers for its joint even if not described."""
 
 
 def read_component(element: Element) -> HardwareComponent:
@@ -72,7 +72,7 @@ def _read_item(element: Element) -> HardwareItem:
 
 
 def _with_grip_limits(item: HardwareItem) -> HardwareItem:
-    """Return a joint of a gripper with the commands that its driver adds."""
+    """Return a gripper's joint with the command interfaces that its driver adds."""
     names = {command.name for command in item.commands}
     if item.kind != "joint" or not names:
         return item
@@ -113,7 +113,7 @@ def param_number(element: Element | None, otherwise: float) -> float:
 
 
 def check_unique(elements: Sequence[Element], what: str) -> None:
-    """Raise ModelError if two ``elements`` have one name."""
+    """Raise ModelError if two ``elements`` have the same name."""
     seen: set[str] = set()
     for element in elements:
         name = required(element, "name")

@@ -1,4 +1,4 @@
-"""The objects around the robot, as frozen values."""
+"""The objects around the robot, as immutable values."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from tool0.errors import ConfigError, SourceLocation
 
 DEFAULT_FRICTION = 1.0
 LONGEST_MODEL = 1_000_000
-"""Text of a model [characters]: far more than one body needs, and read within a
-second."""
+"""Largest length of a model's text [characters]: far more than one body needs, and
+still read within a second."""
 DEFAULT_RGBA: RGBA = (0.90, 0.60, 0.00, 1.0)
-"""Orange, which no part of the bundled robots has."""
+"""Orange, a colour that no bundled robot uses."""
 
 GROUND = "ground"
 """Name of the ground plane in contacts and warnings."""
@@ -37,11 +37,11 @@ PALETTE: tuple[RGBA, ...] = (
     (0.84, 0.37, 0.00, 1.0),  # vermilion
     (0.00, 0.45, 0.70, 1.0),  # blue
 )
-"""Default colours of movable objects, in turn: distinct also for colour-blind people
+"""Default colours of movable objects, in turn; colour-blind people can tell them apart
 (Okabe and Ito, https://jfly.uni-koeln.de/color/)."""
 
 DEFAULT_WALL = 0.004
-"""Thickness of floor and walls [m], as of a common plastic box."""
+"""Default thickness of floor and walls [m], like a common plastic box."""
 
 _NAME = re.compile(r"[\w.\-]+( [\w.\-]+)*")
 
@@ -49,25 +49,26 @@ _NAME = re.compile(r"[\w.\-]+( [\w.\-]+)*")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SceneObject:
-    """A rigid object of one shape or several, of uniform density.
+    """A rigid object of uniform density with one or several shapes.
 
-    Between two objects the smaller friction applies, as in ODE.  The ground and the
-    robot's links have a high friction; its pads have their own.
+    The smaller of two objects' friction coefficients applies, as in ODE.  The ground
+    and the robot's links have high friction; the gripper's pads have their own value.
     """
 
     name: str
-    """Letters, digits, ``_``, ``-``, ``.`` and single spaces."""
+    """Unique name of letters, digits, ``_``, ``-``, ``.`` and single spaces."""
     geometry: Solid
-    """Centred at the object's origin; a mesh keeps the origin of its file, and collides
-    by its convex hull; the parts of a compound have poses in the object's frame."""
+    """Shape, centred at the object's origin.  A mesh keeps its file's origin, and its
+    convex hull is used for collisions.  The parts of a compound have poses in the
+    object's frame."""
     pose: Pose = field(default_factory=Pose)
-    """Pose at the start and after a reset, in the robot's root."""
+    """Pose in the robot's root at the start and after a reset."""
     mass: float | None = None
     """Mass [kg]; None for a fixed object."""
     friction: float = DEFAULT_FRICTION
     """Coulomb friction coefficient, as Gazebo's ``mu1``."""
     rgba: RGBA = DEFAULT_RGBA
-    """Each within 0 … 1."""
+    """Colour and opacity, each from 0 to 1."""
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):
@@ -97,10 +98,10 @@ class SceneObject:
 @final
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Objects with unique names; lists of their poses have the same order."""
+    """Objects with unique names; lists of object poses have the same order."""
 
     objects: tuple[SceneObject, ...] = ()
-    """Each with a name of its own."""
+    """Objects of the scene, each with a unique name."""
     locations: dict[str, SourceLocation] = field(
         default_factory=dict, compare=False, repr=False
     )
@@ -139,7 +140,7 @@ class Scene:
         return tuple(found)
 
     def check_beside(self, model: RobotModel) -> None:
-        """Raise ConfigError if an object has the name of a link, or of the ground."""
+        """Raise ConfigError if an object has the same name as a link or the ground."""
         taken = {**dict.fromkeys(model.link_by_name, "a link"), GROUND: "the ground"}
         for item in self.objects:
             if item.name in taken:
@@ -167,8 +168,8 @@ def bin_walls(
         size: Outer dimensions x, y, z [m].
         wall: Thickness of floor and walls [m].
         pose: Pose of the centre of the outer box, in the robot's root.
-        friction: Friction of each of the five.
-        rgba: Colour of each of the five.
+        friction: Friction coefficient of all five objects.
+        rgba: Colour of all five objects.
 
     Raises:
         ConfigError: If the walls leave no room inside, or a value is invalid.

@@ -1,4 +1,4 @@
-"""Reads scenes from YAML files, and lists the built-in scenes.
+"""Reader of scenes in YAML files, and the list of built-in scenes.
 
 The keys are those of ``SceneObject`` and ``Camera``, except that the key of the shape
 is its kind, and that a camera's pose may have a point to look at::
@@ -87,12 +87,12 @@ def shipped_scenes() -> dict[str, Path]:
 
 
 def scene_path(given: Path | str) -> Path:
-    """Return the file of a scene, given by path or built-in name.
+    """Return the file of a scene that is given by its path or built-in name.
 
-    A file has precedence over a built-in scene of the same name.
+    A file takes precedence over a built-in scene of the same name.
 
     Raises:
-        ConfigError: If it is only a name, and neither exists.
+        ConfigError: If ``name`` is not a path, and neither a file nor a scene has it.
     """
     path = expanded(given)
     if path.suffix or path.name != str(given) or path.is_file():
@@ -145,7 +145,7 @@ def _read_list(
 
 
 def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
-    """Return the objects of an entry: one, or the walls of a bin."""
+    """Return the objects that an entry describes: one, or the five of a bin."""
     values = Namespace(entry)
     values.only("name", "pose", "mass", "friction", "rgba", *_KINDS)
     mass = values.number("mass") if values.find("mass") is not None else None
@@ -199,7 +199,7 @@ def _kind(values: Namespace, kinds: Sequence[str], owner: str) -> str:
 
 
 def _shape(values: Namespace, kind: str) -> Namespace:
-    """Return the sizes of a shape."""
+    """Return the sizes of a shape [m]."""
     shape = values.namespace(kind) or values
     shape.only(*_SHAPE_KEYS[kind])
     return shape
@@ -221,7 +221,7 @@ def _compound(values: Namespace, of: str) -> Compound:
 
 
 def _geometry(kind: str, values: Namespace, of: str) -> Geometry:
-    """Return the shape that ``values`` have of a kind; ``of`` names its owner."""
+    """Return the shape of a kind that ``values`` describe; ``of`` names its owner."""
     shape = _shape(values, kind)
 
     def numbers(
@@ -302,7 +302,7 @@ def _pose(values: Namespace, *other_keys: str) -> Pose:
 
 @contextmanager
 def _located(entry: YamlEntry) -> Iterator[None]:
-    """Add the location of ``entry`` to an error without one."""
+    """Add the location of ``entry`` to errors without a location."""
     try:
         yield
     except ConfigError as error:

@@ -15,30 +15,30 @@ class ObjectState:
     name: str
     """Name of the object."""
     position: tuple[float, float, float]
-    """Position of its origin [m]."""
+    """Position of the object's origin [m]."""
     quat_wxyz: tuple[float, float, float, float]
-    """Orientation, a unit quaternion."""
+    """Orientation as a unit quaternion."""
     linear: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Velocity of its origin [m/s]."""
+    """Linear velocity of the object's origin [m/s]."""
     angular: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Angular velocity [rad/s]."""
+    """Angular velocity of the object [rad/s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """The resultant of all contact points between two links or objects.
+    """Resultant of all contact points between two links or objects.
 
-    Links and objects have their own names, also links that are fixed to others; the
-    engine's own ground is ``ground``.  Vectors are in the axes of the robot's root.
+    Links and objects are named individually, even links that are fixed to others; the
+    engine's ground plane is ``ground``.  Vectors are in the axes of the robot's root.
     """
 
     first: str
-    """A link or an object."""
+    """Name of the first link or object."""
     second: str
-    """The touched body."""
+    """Name of the link or object that ``first`` touches."""
     point: tuple[float, float, float]
-    """Mean of the contact points, weighted by their normal forces, in the root [m]."""
+    """Mean of the contact points, weighted by normal force, in the root [m]."""
     force: tuple[float, float, float]
     """Force that ``first`` exerts on ``second`` [N]."""
     torque: tuple[float, float, float]
@@ -46,7 +46,7 @@ class Contact:
 
 
 Wrench = tuple[float, float, float, float, float, float]
-"""Force [N] and torque [N·m]."""
+"""Wrench: force [N] and torque [N·m]."""
 
 
 def contacts_text(contacts: Sequence[tuple[str, str]]) -> str:

@@ -18,10 +18,10 @@ from tool0.errors import ConfigError, DescriptionError, SourceLocation
 MESH_SUFFIXES = (".dae", ".obj", ".stl")
 MOST_MESH_BYTES = 100_000_000
 _STL_HEADER, _STL_TRIANGLE = 84, 50
-"""Sizes in a binary STL [bytes]: header with the number of triangles; each triangle
-with its normal, corners and two spare bytes."""
+"""Sizes in a binary STL file [bytes]: the header with the number of triangles; each
+triangle with its normal, corners and two spare bytes."""
 _STL_TRAILER = 1024
-"""Some programs write something after the triangles [bytes]."""
+"""Bytes tolerated after the triangles, since some programs append data."""
 SHAPES = ("box", "cylinder", "sphere", "mesh")
 
 RGBA = tuple[float, float, float, float]
@@ -59,12 +59,12 @@ class Sphere:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mesh:
-    """A mesh from a file; ``mesh`` makes one."""
+    """A mesh from a file; the function ``mesh`` creates one."""
 
     uri: str
-    """Address as in the source: ``package://…``, ``file://…`` or a path."""
+    """URI as written in the source: ``package://…``, ``file://…`` or a path."""
     path: Path
-    """The file it resolves to; it exists."""
+    """Existing file to which the URI resolves."""
     scale: Vector3 = (1.0, 1.0, 1.0)
     """Factors from the file's numbers to metres, along x, y and z."""
 
@@ -75,13 +75,13 @@ Geometry = Box | Cylinder | Sphere | Mesh
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Compound:
-    """Several shapes that are one rigid body, of the same density.
+    """Several shapes of the same density that form one rigid body.
 
-    Where shapes overlap, the mass counts twice.
+    Mass counts twice where shapes overlap.
     """
 
     parts: tuple[tuple[Geometry, Pose], ...]
-    """Each shape, and its pose in the body's frame."""
+    """Shapes, each with its pose in the body's frame."""
 
     def __post_init__(self) -> None:
         try:
@@ -99,7 +99,7 @@ class Compound:
 
 
 Solid = Geometry | Compound
-"""The shape of an object."""
+"""Shape of an object: one shape, or several as a compound."""
 
 
 def placed_geometries(solid: Solid) -> tuple[tuple[Geometry, Pose], ...]:
@@ -108,7 +108,7 @@ def placed_geometries(solid: Solid) -> tuple[tuple[Geometry, Pose], ...]:
 
 
 def geometry_names(name: str, solid: Solid) -> tuple[str, ...]:
-    """Return a name for each part: ``name``, ``name_1``, ``name_2``, …, as Gazebo."""
+    """Return a name for each part, like Gazebo: ``name``, ``name_1``, ``name_2``, …."""
     count = len(placed_geometries(solid))
     return (name, *(f"{name}_{number}" for number in range(1, count)))
 
@@ -118,16 +118,16 @@ def read_geometry(
     numbers: Callable[..., tuple[float, ...]],
     uri: Callable[[], tuple[str, SourceLocation | None]],
 ) -> Geometry:
-    """Return the shape of a kind in ``SHAPES``, its sizes unchecked.
+    """Return the shape of a kind in ``SHAPES`` without checking its sizes.
 
     Args:
         kind: The kind of shape.
         numbers: Reads ``size``, ``radius``, ``length`` or ``scale``, by name, count and
             an optional default: attributes, child elements or YAML values.
-        uri: Returns the URI of a mesh, and where it is written.
+        uri: Returns the URI of a mesh and its source location.
 
     Raises:
-        DescriptionError: If a mesh is not there, or of a kind that nothing reads.
+        DescriptionError: If a mesh file is missing or its format is not supported.
     """
     if kind == "box":
         x, y, z = numbers("size", 3)
@@ -157,18 +157,19 @@ def sizes(geometry: Geometry) -> tuple[float, ...]:
 
 
 def kind_of(solid: Solid) -> Solid | type[Geometry]:
-    """Return the kind of a box, cylinder or sphere; another shape as it is.
+    """Return the kind of a box, cylinder or sphere, or another shape unchanged.
 
-    Two objects of the same kind differ in their ``sizes`` only.
+    Shapes of the same kind differ only in their ``sizes``.
     """
     return type(solid) if isinstance(solid, Box | Cylinder | Sphere) else solid
 
 
 def resized(geometry: Solid, values: Sequence[float]) -> Geometry:
-    """Return a box, cylinder or sphere of other ``sizes`` [m].
+    """Return a box, cylinder or sphere with different ``sizes`` [m].
 
     Raises:
-        ConfigError: If it is a mesh or a compound, or has not so many sizes.
+        ConfigError: If the shape is a mesh or a compound, or the number of sizes is
+            wrong.
     """
     match geometry, tuple(values):
         case Box(), (x, y, z):
@@ -185,10 +186,10 @@ def resized(geometry: Solid, values: Sequence[float]) -> Geometry:
 
 
 def extents(geometry: Geometry) -> Vector3:
-    """Return the edges of the box around a box, cylinder or sphere [m], in its axes.
+    """Return the edges of the box that bounds a shape [m], in the shape's axes.
 
     Raises:
-        ConfigError: If it is a mesh, whose file says how large it is.
+        ConfigError: If it is a mesh, whose size only its file states.
     """
     match geometry:
         case Box(size=size):
@@ -243,7 +244,7 @@ def check_geometry(geometry: Geometry, of: str) -> None:
 
 
 def _check_scale(geometry: Geometry, of: str, *, is_fixed: bool) -> None:
-    """Raise ConfigError if the sizes must be in another unit."""
+    """Raise ConfigError if the sizes must have been meant in another unit."""
     if isinstance(geometry, Mesh):  # in any unit: its scale says which
         return
     edges = extents(geometry)
@@ -297,10 +298,11 @@ def _size_problem(path: Path) -> str:
 def mesh(file: Path | str, scale: float | Vector3 = 1.0) -> Mesh:
     """Return the shape in an STL or OBJ file: a path, ``package://`` or ``file://``.
 
-    ``scale``, for all or each direction, converts its lengths to [m]: 0.001 for mm.
+    ``scale``, one number or one per axis, converts lengths to [m], such as 0.001 for
+    mm.
 
     Raises:
-        DescriptionError: If it is missing, or its format is not supported.
+        DescriptionError: If the file is missing or its format is not supported.
     """
     three = (scale, scale, scale) if isinstance(scale, (int, float)) else scale
     return Mesh(uri=str(file), path=_find_mesh(str(file), None), scale=three)

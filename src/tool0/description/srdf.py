@@ -1,4 +1,4 @@
-"""The pairs of links of an SRDF that motions need not keep apart."""
+"""Pairs of links in an SRDF that motions need not keep apart."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ def read_disabled_collisions(
 ) -> frozenset[frozenset[str]]:
     """Return the pairs of links in ``<disable_collisions>``.
 
-    Groups, states and all other elements are not read.
+    All other elements, such as groups and states, are ignored.
 
     Raises:
-        DescriptionError: If it is no SRDF, or names a link that the robot lacks, with
-            file and line.
+        DescriptionError: If the file is not an SRDF, or names a link that the robot
+            does not have; with file and line.
     """
     root = parse_file(file).documentElement
     if root is None or root.tagName != "robot":

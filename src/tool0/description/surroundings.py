@@ -12,16 +12,16 @@ from tool0.description.transform import Transform, Vector3
 
 
 class HeldObject(NamedTuple):
-    """An object that moves with a link."""
+    """An object that moves with a link of a gripper."""
 
     item: SceneObject
     link: str
-    """The gripper's link that carries the fingers."""
+    """Link of the gripper that carries the fingers."""
     T_link_item: Transform
 
 
 class Plane(NamedTuple):
-    """A plane that nothing may pass."""
+    """A plane through which nothing may pass."""
 
     name: str
     point: Vector3
@@ -36,9 +36,9 @@ class Surroundings:
     """Positions of the robot and of everything around it."""
 
     positions: Mapping[str, float]
-    """Joint → position of all movable joints [rad | m]."""
+    """Positions of all movable joints by name [rad | m]."""
     objects: tuple[tuple[SceneObject, ObjectState], ...] = ()
     """Objects around the robot, with their states."""
     held: tuple[HeldObject, ...] = ()
-    """Objects that move with a gripper."""
+    """Objects that grippers hold and move."""
     planes: tuple[Plane, ...] = ()

@@ -1,6 +1,6 @@
 """Rigid transforms in plain floats: URDF poses, quaternions and rotation vectors.
 
-``transform_arrays`` has the same for many of them at once.
+``transform_arrays`` does the same for arrays of transforms.
 """
 
 from __future__ import annotations
@@ -19,29 +19,29 @@ if TYPE_CHECKING:  # NumPy is slow to import
 
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
-"""w, x, y, z"""
+"""Quaternion in the order w, x, y, z."""
 Rotation = tuple[Vector3, Vector3, Vector3]
 """Rows of a rotation matrix."""
 
 FARTHEST = 1e6
 """Largest coordinate of a requested pose [m]."""
 _SMALL = 1e-12
-"""Below this angle a rotation is linear in its rotation vector [rad]."""
+"""Angle below which a rotation is treated as linear in its rotation vector [rad]."""
 _IDENTITY: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pose:
-    """A frame in its parent, as in URDF's ``<origin>``."""
+    """Pose of a frame in its parent, as in URDF's ``<origin>``."""
 
     xyz: Vector3 = (0.0, 0.0, 0.0)
     """Position of the frame's origin [m]."""
     rpy: Vector3 = (0.0, 0.0, 0.0)
-    """Fixed-axis roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """Roll, pitch and yaw about fixed axes [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
 
     def __post_init__(self) -> None:
-        """Raise ConfigError if an angle must be in degrees."""
+        """Raise ConfigError if an angle must have been meant in degrees."""
         require_plausible_angles(self.rpy, "rpy")
 
 
@@ -92,7 +92,7 @@ class Transform:
         )
 
     def rotate(self, vector: Vector3) -> Vector3:
-        """Return a free ``vector``, given in this frame's axes, in the parent's."""
+        """Return a free ``vector``, given in this frame, in the parent's axes."""
         return Transform(rotation=self.rotation).apply(vector)
 
     def inverse(self) -> Transform:
@@ -144,14 +144,14 @@ class Transform:
         return matrix
 
     def __repr__(self) -> str:
-        """Return position and quaternion, rounded to the micrometre."""
+        """Return position and quaternion as text, rounded to the micrometre."""
         position = ", ".join(_short(value) for value in self.position)
         quat = ", ".join(_short(value) for value in self.quat_wxyz)
         return f"Transform(position=({position}), quat_wxyz=({quat}))"
 
 
 def to_transform(pose: Pose) -> Transform:
-    """Return ``pose``, an ``<origin>`` of URDF, as a transform."""
+    """Return ``pose``, given in the form of URDF's ``<origin>``, as a transform."""
     roll, pitch, yaw = pose.rpy
     cr, sr = math.cos(roll), math.sin(roll)
     cp, sp = math.cos(pitch), math.sin(pitch)
@@ -183,7 +183,7 @@ def to_pose(transform: Transform) -> Pose:
 
 
 def from_quaternion(position: Sequence[float], quat_wxyz: Sequence[float]) -> Transform:
-    """Return the transform with a quaternion of any positive length."""
+    """Return the transform with a position and a quaternion of any positive length."""
     px, py, pz = position
     length = math.hypot(*quat_wxyz)
     w, x, y, z = (part / length for part in quat_wxyz)
@@ -200,7 +200,7 @@ def from_quaternion(position: Sequence[float], quat_wxyz: Sequence[float]) -> Tr
 def from_rotation_vector(
     position: Sequence[float], rotation_vector: Sequence[float]
 ) -> Transform:
-    """Return the transform with an axis times the angle about it [rad]."""
+    """Return the transform with a position and a rotation vector [rad]."""
     px, py, pz = position
     x, y, z = rotation_vector
     angle = math.hypot(x, y, z)
@@ -231,14 +231,14 @@ def from_matrix(T: NDArray[np.float64]) -> Transform:
 def from_arrays(
     position: NDArray[np.float64], rotation: NDArray[np.float64]
 ) -> Transform:
-    """Return a position, shape (3,), and a rotation matrix, (3, 3), as a transform."""
+    """Return the transform with a position, (3,), and a rotation matrix, (3, 3)."""
     x, y, z = position.tolist()
     a, b, c = map(tuple, rotation.tolist())
     return Transform(position=(x, y, z), rotation=(a, b, c))
 
 
 AnyPose = Transform | Pose | Iterable[Sequence[float]]
-"""A pose; anything else is a homogeneous matrix, shape (4, 4)."""
+"""A pose in any accepted form; sequences are homogeneous matrices, shape (4, 4)."""
 
 
 def as_matrix(pose: AnyPose) -> NDArray[np.float64]:
@@ -247,7 +247,7 @@ def as_matrix(pose: AnyPose) -> NDArray[np.float64]:
     A rotation that is not exactly orthogonal is replaced by the nearest orthogonal one.
 
     Raises:
-        ModelError: If it is not a pose.
+        ModelError: If the value is not a pose.
     """
     import numpy as np
 

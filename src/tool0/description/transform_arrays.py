@@ -1,4 +1,4 @@
-"""Rotations and rigid transforms of many poses at once, as ``transform`` has them."""
+"""Arrays of rotations and rigid transforms; ``transform`` has the scalar versions."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ from tool0.description.transform import Transform, from_arrays, from_rotation_ve
 Array = NDArray[np.float64]
 
 _SMALL = 1e-4
-"""Below this angle series replace the quotients [rad]: the next terms are 1e-16."""
+"""Angle below which series replace the quotients [rad]; the next terms are about
+1e-16."""
 
 
 class Frames(NamedTuple):
-    """Rigid transforms."""
+    """n rigid transforms."""
 
     position: Array
     """Positions of the frames' origins [m], shape (n, 3)."""
@@ -26,11 +27,11 @@ class Frames(NamedTuple):
 
     @classmethod
     def of(cls, T: Transform) -> Frames:
-        """Return one transform, n = 1, which composes with any number of them."""
+        """Return one transform as an array with n = 1, which composes with any n."""
         return cls(np.array([T.position]), np.array([T.rotation]))
 
     def __matmul__(self, other: Frames | Transform) -> Frames:
-        """Return the poses of ``other``, given in these frames, in their parents."""
+        """Return the poses ``other``, given in these frames, in the frames' parents."""
         position, rotation = np.asarray(other.position), np.asarray(other.rotation)
         return Frames(
             self.position + (self.rotation @ position[..., None])[..., 0],
@@ -61,7 +62,7 @@ class Frames(NamedTuple):
 
 
 def cross_matrices(vectors: Array) -> Array:
-    """Return K of vectors v, (…, 3), with K @ u = v x u, shape (…, 3, 3)."""
+    """Return K with K @ u = v x u for vectors v, (…, 3); shape (…, 3, 3)."""
     K = np.zeros((*vectors.shape, 3))
     K[..., 2, 1], K[..., 0, 2], K[..., 1, 0] = np.moveaxis(vectors, -1, 0)
     K[..., 1, 2], K[..., 2, 0], K[..., 0, 1] = np.moveaxis(-vectors, -1, 0)
@@ -71,8 +72,8 @@ def cross_matrices(vectors: Array) -> Array:
 def rotations_about(K: Array, K_squared: Array, angle: Array) -> Array:
     """Return rotations by ``angle`` [rad], shape (…), about unit axes.
 
-    Rodrigues' formula with the axes' cross-product matrices ``K``, of shape (3, 3) or
-    that of the result, (…, 3, 3).
+    This is Rodrigues' formula.  ``K`` are the axes' cross-product matrices, of shape
+    (3, 3) or of the result's shape, (…, 3, 3).
     """
     sin, versine = np.sin(angle), 1.0 - np.cos(angle)
     turn = sin[..., None, None] * K
@@ -80,7 +81,7 @@ def rotations_about(K: Array, K_squared: Array, angle: Array) -> Array:
 
 
 def from_rotation_vectors(vectors: Array) -> Array:
-    """Return the rotations of rotation vectors [rad], (n, 3), as (n, 3, 3)."""
+    """Return rotation vectors [rad], (n, 3), as rotation matrices, (n, 3, 3)."""
     K = cross_matrices(vectors)
     first, second, _ = _quotients(vectors)
     return np.asarray(
@@ -89,7 +90,7 @@ def from_rotation_vectors(vectors: Array) -> Array:
 
 
 def left_jacobians(vectors: Array) -> Array:
-    """Return J with ω = J v̇ for R = exp(v), ω in the fixed axes, shape (n, 3, 3).
+    """Return J, (n, 3, 3), with ω = J v̇ for R = exp(v) and ω in the fixed axes.
 
     J = 1 + (1 - cos θ)/θ² K + (θ - sin θ)/θ³ K², with K the cross-product matrix of v:
     T. D. Barfoot, State Estimation for Robotics (2017), (7.77).
@@ -142,7 +143,7 @@ def quats_wxyz(R: Array) -> Array:
 
 
 def from_quats(quat_wxyz: Array) -> Array:
-    """Return the rotations of quaternions of any length, (n, 4), as (n, 3, 3)."""
+    """Return quaternions of any length, (n, 4), as rotation matrices, (n, 3, 3)."""
     w, x, y, z = (quat_wxyz / np.linalg.norm(quat_wxyz, axis=1, keepdims=True)).T
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -153,7 +154,7 @@ def from_quats(quat_wxyz: Array) -> Array:
 
 
 def yaws_of_quats(quat_wxyz: Array) -> Array:
-    """Return ``yaw_of`` the rotations of unit quaternions, (n, 4), shape (n,)."""
+    """Return ``yaw_of`` for the rotations of unit quaternions, (n, 4); shape (n,)."""
     w, x, y, z = quat_wxyz.T
     return np.asarray(np.arctan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z)))
 
@@ -161,7 +162,7 @@ def yaws_of_quats(quat_wxyz: Array) -> Array:
 def rotated_by(quat_wxyz: Array, vectors: Array) -> Array:
     """Return ``vectors``, (…, 3), rotated by unit quaternions, (…, 4).
 
-    The result is that of ``transform.rotate_by`` to the bit.
+    The result is bit-identical to that of ``transform.rotate_by``.
     """
     w, x, y, z = np.moveaxis(quat_wxyz, -1, 0)
     a, b, c = np.moveaxis(vectors, -1, 0)
@@ -203,5 +204,5 @@ def matrix_of(pose: Sequence[float]) -> Array:
 
 
 def rotation_vector(R: Array) -> Array:
-    """Return the rotation vector of one rotation, (3, 3), of length 0 … π [rad]."""
+    """Return the rotation vector of a rotation matrix, (3, 3); length 0 … π [rad]."""
     return np.array(from_arrays(np.zeros(3), R).rotation_vector)

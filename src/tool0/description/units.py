@@ -1,8 +1,8 @@
-"""Numbers with units as people write them, and values that must be in another unit.
+"""Numbers with units as people write them, and detection of values in a wrong unit.
 
-Every file and option of tool0 takes ``40mm``, ``90deg`` and ``250mm/s``, with a blank
-or without one, and ROS's forms of angles: ``deg(90)``, ``rad(1.57)``, in YAML also
-``!degrees 90`` and ``!radians 1.57``.  Inside, all is SI.
+Every file and option of tool0 accepts ``40mm``, ``90deg`` and ``250mm/s``, with or
+without a blank, and ROS's notations for angles: ``deg(90)``, ``rad(1.57)`` and, in
+YAML, ``!degrees 90`` and ``!radians 1.57``.  All internal values are SI.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ _NUMBER = re.compile(
     r"([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*([^\W\d_]*(?:/s)?)", re.I
 )
 _ROS_ANGLE = re.compile(r"(deg|rad)\(([^)]*)\)")
-"""rosparam's ``deg(90)`` and ``rad(pi/2)``, of which only numbers are understood."""
+"""rosparam's ``deg(90)`` and ``rad(pi/2)``; only plain numbers inside are
+understood."""
 ANGLE_TAGS: Final = {"!degrees": "deg", "!radians": "rad"}
 """ROS's tags in YAML, and the unit that each stands for."""
 
@@ -32,12 +33,12 @@ class Quantity:
 
     name: str
     units: Mapping[str, float]
-    """The SI unit and the other usual one, with their sizes."""
+    """The SI unit and the other common unit, each with its size in SI."""
     suspect: float
-    """A value from this on is probably in the other unit."""
+    """Size from which a value is probably in the other unit [SI]."""
 
     def suggestion(self, value: float, fits: Callable[[float], bool]) -> str:
-        """Return ``; did you mean 90deg = 1.571 rad?`` if that fits, or nothing.
+        """Return a hint such as ``; did you mean 90deg = 1.571 rad?``, or ``""``.
 
         Args:
             value: A refused value, in SI.
@@ -53,7 +54,7 @@ class Quantity:
         """Raise ConfigError if ``value``, in SI, must have been meant in another unit.
 
         Args:
-            value: The value; one that is no finite float is left to others.
+            value: The value; anything but a finite float is ignored.
             what: Name of the value, for the message.
         """
         if self.suspect <= abs(value) <= sys.float_info.max:
@@ -74,23 +75,24 @@ Radians = Annotated[float, ANGLE]
 MetresPerSecond = Annotated[float, SPEED]
 
 FAR: Final = 100.0
-"""An object as far from every link is probably placed in mm [m]."""
+"""Distance from every link beyond which an object is probably placed in mm [m]."""
 LARGEST_MOVABLE: Final = 5.0
-"""A body that can move is smaller in some direction [m]."""
+"""Size in every direction from which a movable body is probably in mm [m]."""
 LARGEST_FIXED: Final = 20.0
-"""Size from which a fixed body is probably in mm: ground may be a block [m]."""
+"""Size from which a fixed body is probably in mm [m]; larger, since it may be the
+ground."""
 
 
 def read_number(text: str, *quantities: Quantity) -> tuple[float, Quantity | None]:
-    """Return a number that was typed or written, in SI, and what its unit measures.
+    """Return the number in ``text``, in SI, and the quantity that its unit measures.
 
     Args:
         text: A number, with a unit or without one.
         quantities: Quantities that it may measure.
 
     Raises:
-        ConfigError: If it is no finite number, if it has another unit, or if it is
-            implausible without one, such as an angle of several turns.
+        ConfigError: If it is not a finite number, has another unit, or has no unit and
+            is implausible, such as an angle of several turns.
     """
     ros = _ROS_ANGLE.fullmatch(text.strip())
     match = _NUMBER.fullmatch(ros[2].strip() + ros[1] if ros else text.strip())
@@ -109,20 +111,20 @@ def read_number(text: str, *quantities: Quantity) -> tuple[float, Quantity | Non
 
 
 def is_ros_angle(text: str) -> bool:
-    """Return whether a text has rosparam's form of an angle."""
+    """Return whether a text is an angle in rosparam's notation."""
     return _ROS_ANGLE.fullmatch(text) is not None
 
 
 def within_a_turn(angle: float) -> float:
-    """Return an implausible angle of a robot's file as the same direction [rad].
+    """Return an implausible angle in a robot's file reduced to one turn [rad].
 
-    ROS takes such files as they are.
+    ROS accepts such files unchanged.
     """
     return angle if abs(angle) < ANGLE.suspect else math.remainder(angle, math.tau)
 
 
 def require_plausible_angles(angles: object, what: str) -> None:
-    """Raise ConfigError if an angle must be in degrees; what is no number is left."""
+    """Raise ConfigError if an angle must have been meant in degrees."""
     listed = angles.tolist() if hasattr(angles, "tolist") else angles  # of numpy
     for angle in listed if isinstance(listed, Sequence) else ():
         if isinstance(angle, int | float):
@@ -132,12 +134,12 @@ def require_plausible_angles(angles: object, what: str) -> None:
 def require_plausible_size(
     edges: Sequence[float], what: str, *, is_fixed: bool
 ) -> None:
-    """Raise ConfigError if a body is so large in every direction that it is in mm.
+    """Raise ConfigError if a body is so large that its sizes must be in mm.
 
     Args:
-        edges: Its lengths [m].
+        edges: Lengths of the body along each axis [m].
         what: The body, for the message.
-        is_fixed: Whether it cannot move.
+        is_fixed: Whether the body cannot move.
     """
     largest = LARGEST_FIXED if is_fixed else LARGEST_MOVABLE
     if largest <= min(edges) < math.inf:

@@ -1,10 +1,9 @@
 """Strict URDF parser: returns a ``RobotModel``, or an error with file and line.
 
-Besides the tree it reads ``<transmission>`` as ros_control does, ``<ros2_control>`` as
-ros2_control does, ``<gazebo reference=…>`` (surfaces and springs) as Gazebo does, and
-elements of our own:
-``<loop_joint>``, ``<passive_joint>`` (called so in SRDF), ``<parallel_gripper>`` and
-``<self_collide>``.
+In addition to the tree, it reads ``<transmission>`` like ros_control,
+``<ros2_control>`` like ros2_control, and ``<gazebo reference=…>`` (surfaces and
+springs) like Gazebo.  It also reads tool0's own elements: ``<loop_joint>``,
+``<passive_joint>`` (a name from SRDF), ``<parallel_gripper>`` and ``<self_collide>``.
 """
 
 from __future__ import annotations
@@ -55,7 +54,7 @@ _Locations = dict[str, SourceLocation]
 LOOP_GAP = 1e-5
 """Largest distance between the ends of a loop in its rest position [m]."""
 _SELF_COLLIDE = ("selfCollide", "self_collide")
-"""Tags by which libsdformat reads whether a link collides with those of its model."""
+"""Tags that tell libsdformat whether a link collides with links of its own model."""
 _BOOLEANS = ("true", "1", "false", "0")
 _SURFACE = ("mu1", "mu2", "kp", "kd", "minDepth", "maxVel")
 
@@ -138,7 +137,7 @@ def _add(
 def _order(
     links: Mapping[str, Link], joints: Mapping[str, Joint], locations: _Locations
 ) -> tuple[str, tuple[Joint, ...]]:
-    """Return the root link, and the joints depth first; or raise ModelError."""
+    """Return the root link and the joints, depth first, or raise ModelError."""
     above: dict[str, Joint] = {}
     below: dict[str, list[Joint]] = {name: [] for name in links}
     for joint in joints.values():
@@ -179,7 +178,7 @@ def _order(
 
 
 def _loop(above: Mapping[str, Joint], start: Joint) -> list[str]:
-    """Return the joints of the loop found by going up from ``start``."""
+    """Return the joints of the cycle that is found by going up from ``start``."""
     path: list[str] = []
     joint = start
     while joint.name not in path:
@@ -189,7 +188,7 @@ def _loop(above: Mapping[str, Joint], start: Joint) -> list[str]:
 
 
 def _check_mimics(joints: Mapping[str, Joint], locations: _Locations) -> None:
-    """Raise ModelError unless each mimic joint follows a joint that mimics none."""
+    """Raise ModelError if a mimic joint follows a missing or another mimic joint."""
     for joint in joints.values():
         if joint.mimic is None:
             continue
@@ -241,7 +240,7 @@ def _with_spring(joint: Joint, element: Element) -> Joint:
 
 
 def _with_surface(link: Link, element: Element) -> Link:
-    """Return ``link`` with the properties of one ``<gazebo>``; it may have several."""
+    """Return ``link`` with the properties of one of its ``<gazebo>`` elements."""
     flags = [flag for tag in _SELF_COLLIDE for flag in children(element, tag)]
     if flags:
         link = replace(link, self_collide=any([_is_true(flag) for flag in flags]))
@@ -260,7 +259,7 @@ def _with_surface(link: Link, element: Element) -> Link:
 def _is_self_colliding(robot: Element) -> bool:
     """Return whether all links collide with each other: ``<self_collide>``.
 
-    It is an element of our own below ``<robot>``, or Gazebo's of the whole model.
+    This is tool0's own element below ``<robot>``, or Gazebo's for the whole model.
     """
     of_model = (
         element
@@ -295,7 +294,7 @@ def _mark_passive(robot: Element, joints: dict[str, Joint]) -> None:
 def _read_transmissions(
     robot: Element, joints: Mapping[str, Joint], drives: Mapping[str, Transmission]
 ) -> tuple[Transmission, ...]:
-    """Return the drives; those of ``<ros2_control>`` come first."""
+    """Return the drives; those from ``<ros2_control>`` come first."""
     found: dict[str, Transmission] = {}
     for element in children(robot, "transmission"):
         transmission = read_transmission(element, drives)
@@ -313,7 +312,7 @@ def _read_transmissions(
 
 
 def _check_loops(model: RobotModel) -> None:
-    """Raise ModelError unless every loop is closed in every rest position.
+    """Raise ModelError unless every loop stays closed over its range of motion.
 
     The ``<mimic>`` of passive joints must keep the loop closed; both ends and the
     middle of each master's range are tried.

@@ -1,7 +1,7 @@
-"""Parses the elements of URDF: ``<link>``, ``<joint>`` and the parts of a joint.
+"""Parser of URDF's elements: ``<link>``, ``<joint>`` and the parts of a joint.
 
-``<loop_joint>`` and ``<parallel_gripper>`` are our own; other URDF parsers ignore
-unknown elements.
+``<loop_joint>`` and ``<parallel_gripper>`` are tool0's own; other URDF parsers ignore
+them.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ from tool0.description.xml_source import (
 from tool0.errors import ConfigError, DescriptionError, LimitsError, ModelError
 
 SHEET = 1e-3
-"""Thickness of a box that has one edge of length 0, such as a drawn floor [m]."""
+"""Thickness given to a box with one edge of length 0, such as a flat floor [m]."""
 
 _LIMITED = (JointType.REVOLUTE, JointType.PRISMATIC)
 _WITH_AXIS = (*_LIMITED, JointType.CONTINUOUS, JointType.PLANAR)
@@ -69,7 +69,7 @@ _INTERFACE_PACKAGE = "hardware_interface/"
 
 
 def read_link(element: Element, materials: Mapping[str, RGBA]) -> Link:
-    """Return the link that ``element`` describes; ``materials`` are of all links."""
+    """Return the link that ``element`` describes, given all named ``materials``."""
     name = required(element, "name")
     return Link(
         name=name,
@@ -90,7 +90,7 @@ def read_link(element: Element, materials: Mapping[str, RGBA]) -> Link:
 
 
 def read_inertial(link: Element, name: str) -> Inertial | None:
-    """Return the <inertial> of a link, or None; ModelError if no body is like this."""
+    """Return the ``<inertial>`` of a link, or None; ModelError if it is impossible."""
     element = only_child(link, "inertial")
     if element is None:
         return None
@@ -255,7 +255,7 @@ def read_transmission(
 ) -> Transmission:
     """Return the transmission that ``element`` describes, as in ros_control.
 
-    If its joint is one of ``drives``, it only adds its data to that drive.
+    If its joint is already in ``drives``, its data is added to that drive.
     """
     joint = required_child(element, "joint")
     actuator = only_child(element, "actuator")
@@ -293,7 +293,7 @@ def read_transmission(
 def _read_interface(
     element: Element, joint: Element, actuator: Element | None
 ) -> Interface:
-    """Return the interface named in ``joint``, else the one in ``actuator``."""
+    """Return the interface named in ``joint``, or else the one in ``actuator``."""
     valid = [item.value for item in Interface]
     for owner in (joint, actuator):
         for named in () if owner is None else children(owner, "hardwareInterface"):
@@ -308,7 +308,7 @@ def _read_interface(
 
 
 def read_loop(element: Element, links: Collection[str]) -> LoopJoint:
-    """Return the joint that closes a loop between two of ``links``."""
+    """Return the loop joint that ``element`` describes between two of ``links``."""
     name = required(element, "name")
     ends = list(children(element, "end"))
     if len(ends) != 2:
@@ -337,7 +337,7 @@ _ROTARY, _LINEAR = ("pad_cos", "pad_sin"), ("pad_slope",)
 
 
 def read_gripper(element: Element, joints: Mapping[str, Joint]) -> ParallelGripper:
-    """Return the gripper that one of ``joints`` drives."""
+    """Return the gripper that ``element`` describes; one of ``joints`` drives it."""
     name, driven = required(element, "name"), required(element, "joint")
     what = f"gripper '{name}' is driven by the unknown joint"
     require_known(driven, joints, what, locate(element))
@@ -381,7 +381,7 @@ def read_gripper(element: Element, joints: Mapping[str, Joint]) -> ParallelGripp
 def _read_opening_law(
     element: Element, name: str, joint: Joint
 ) -> RotaryOpening | LinearOpening:
-    """Return how the opening of gripper ``name`` follows from its ``joint``."""
+    """Return the relation between the opening of gripper ``name`` and its ``joint``."""
     is_linear = any(map(element.hasAttribute, _LINEAR))
     if is_linear == any(map(element.hasAttribute, _ROTARY)):
         raise DescriptionError(

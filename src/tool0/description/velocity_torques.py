@@ -19,19 +19,20 @@ def velocity_efforts(
 ) -> Matrix:
     """Return the efforts that keep the joints at constant velocities, without gravity.
 
-    They are C(q, qd) qd [N·m | N], shape (n_joints,): the accelerations of the bodies
-    at constant joint velocities, weighed by their masses.
+    They are C(q, qd) qd [N·m | N], shape (n_joints,), computed from the accelerations
+    of the bodies at constant joint velocities.
 
     Args:
         dynamics: Dynamics of the robot.
-        position: Positions of the model's movable joints, in its order [rad | m].
-        velocity: Velocities in the same order; those of mimic joints follow from their
+        position: Positions of the movable joints, in the model's order [rad | m].
+        velocity: Velocities in the same order [rad/s | m/s]; mimic joints follow their
             masters.
     """
     frames = dynamics.frames(position)
     efforts = np.zeros(len(frames))
     motions: list[tuple[Vector3, Vector3, Vector3]] = []
-    """Angular velocity, angular and linear acceleration of each body's frame."""
+    """Angular velocity, angular acceleration and linear acceleration of each body's
+    frame."""
     for i, (frame, body) in enumerate(zip(frames, dynamics.table.bodies, strict=True)):
         omega, alpha, a = _carried(frames, motions, i, body.parent)
         speed = body.multiplier * velocity[body.master]
@@ -60,7 +61,7 @@ def _carried(
     body: int,
     parent: int,
 ) -> tuple[Vector3, Vector3, Vector3]:
-    """Return the motion of the place on its parent where the frame of a body is."""
+    """Return the motion, as part of the parent, of the point at a body's frame."""
     if parent < 0:
         return _ZERO, _ZERO, _ZERO
     omega, alpha, a = motions[parent]
@@ -69,7 +70,7 @@ def _carried(
 
 
 def _relative(omega: Vector3, alpha: Vector3, way: Vector3) -> tuple[Vector3, Vector3]:
-    """Return by which the acceleration differs at the other end of a way [m/s²]."""
+    """Return tangential and centripetal acceleration at an offset ``way`` [m/s²]."""
     return _cross(alpha, way), _cross(omega, _cross(omega, way))
 
 
@@ -87,7 +88,7 @@ def _sum(*vectors: Vector3) -> Vector3:
 
 
 def _rotated(frame: Frame, vector: Vector3) -> Vector3:
-    """Return a vector of a body's frame in the axes of the root."""
+    """Return a vector, given in a body's frame, in the axes of the root."""
     ax, ay, az, bx, by, bz, cx, cy, cz = frame[:9]
     x, y, z = vector
     return (

@@ -1,8 +1,8 @@
 """XML whose elements know their file and line, and typed access to their values.
 
-The location follows an element when xacro clones a macro's body, so that an error in
+An element keeps its location when xacro clones a macro's body, so that an error in
 expanded XML points at the macro's source.  Comments and white space between elements
-are omitted: nothing needs them, and xacro is much faster without.
+are omitted: nothing needs them, and xacro is much faster without them.
 """
 
 from __future__ import annotations
@@ -20,15 +20,16 @@ from tool0.description.units import within_a_turn
 from tool0.errors import DescriptionError, ModelError, SourceLocation, did_you_mean
 
 MAX_DEPTH = 500
-"""Largest nesting depth; minidom climbs to the top for each added element."""
+"""Largest nesting depth; limited since minidom climbs to the top for each new
+element."""
 
 
 @final
 class LocatedElement(Element):
     """A DOM element that remembers its source location.
 
-    Its attributes are a plain dict.  minidom keeps each as a node in two dicts, which
-    takes a third of the time of an expansion.
+    Its attributes are a plain dict.  minidom would keep each as a node in two dicts,
+    which takes a third of an expansion's time.
     """
 
     def __init__(self, tag: str, location: SourceLocation | None = None) -> None:
@@ -38,7 +39,7 @@ class LocatedElement(Element):
 
     @property
     def attributes(self) -> Any:  # type: ignore[override]  # a NamedNodeMap in minidom
-        """A copy of the attributes; xacro only uses ``items`` and ``keys``."""
+        """Copy of the attributes; xacro only uses ``items`` and ``keys``."""
         return dict(self._values)
 
     def hasAttribute(self, name: str) -> bool:
@@ -75,7 +76,7 @@ class LocatedElement(Element):
     def writexml(
         self, writer: Any, indent: str = "", addindent: str = "", newl: str = ""
     ) -> None:
-        """Write the element and its children; text alone stays on its line."""
+        """Write the element and its children; text-only elements stay on one line."""
         attributes = "".join(
             f' {name}="{value.translate(_ESCAPES)}"'
             for name, value in self._values.items()
@@ -96,11 +97,11 @@ class LocatedElement(Element):
 _ESCAPES = str.maketrans(
     {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\n": "&#10;"}
 )
-"""Escaping of text in XML, between tags or double quotes."""
+"""Escapes for text in XML, between tags or in double quotes."""
 
 
 def parse_file(path: Path) -> Document:
-    """Return the document in ``path``.
+    """Return the XML document in the file ``path``.
 
     Raises:
         DescriptionError: If the file cannot be read or is not well-formed XML.
@@ -115,10 +116,10 @@ def parse_file(path: Path) -> Document:
 
 
 def parse_text(text: str | bytes, file: Path | None = None) -> Document:
-    """Return the document in ``text``, which came from ``file``.
+    """Return the XML document in ``text``, which was read from ``file``.
 
     Raises:
-        DescriptionError: If it is not well-formed, or declares entities.
+        DescriptionError: If the text is not well-formed or declares entities.
     """
     return _Builder(file).build(text)
 
@@ -140,7 +141,7 @@ def children(element: Element, tag: str | None = None) -> Iterator[Element]:
 
 
 def to_text(document: Document) -> str:
-    """Return ``document`` as indented XML; its blank text is lost."""
+    """Return ``document`` as indented XML; white space between elements is lost."""
     for element in document.getElementsByTagName("*"):
         for child in list(element.childNodes):
             if not isinstance(child, Element) and not (child.nodeValue or "").strip():
@@ -150,7 +151,7 @@ def to_text(document: Document) -> str:
 
 @final
 class _Builder:
-    """Builds one document from expat's events."""
+    """Builder of one document from expat's events."""
 
     def __init__(self, file: Path | None) -> None:
         self._file = file
@@ -214,7 +215,7 @@ class _Builder:
     def _doctype(
         self, _name: str, _system: str | None, _public: str | None, declares: bool
     ) -> None:
-        """Reject declarations: nested entities expand a small file to gigabytes."""
+        """Reject entity declarations: nested ones expand a small file to gigabytes."""
         if declares:
             raise DescriptionError(
                 "declarations in <!DOCTYPE …> are not allowed; remove them, "

@@ -1,4 +1,4 @@
-"""Checks of the values in YAML files of parameters: errors name file and line."""
+"""Checks of the values in YAML parameter files; errors name file and line."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SHAPES = ("mesh", "box", *_SIZES)
 def check_files(
     files: Mapping[str, Path], checks: Mapping[str, Callable[[YamlEntry], None]]
 ) -> None:
-    """Check files by name; those without a check, or that do not exist, are skipped."""
+    """Check files by name; missing files and those without a check are skipped."""
     for name, check in checks.items():
         path = files.get(name)
         if path is not None and path.is_file():
@@ -28,7 +28,7 @@ def check_files(
 
 
 def child_at(entry: YamlEntry, key: str, siblings: Collection[str] = ()) -> YamlEntry:
-    """Return the entry at ``key``, which ``siblings`` are not mistaken for."""
+    """Return the entry at ``key``; error hints never suggest one of ``siblings``."""
     child = entry.find(key)
     if child is None:
         near = nearest_name(key, entry.children.keys() - set(siblings))
@@ -59,7 +59,7 @@ def allow_only(entry: YamlEntry, *valid: str) -> None:
 def numbers_at(
     entry: YamlEntry, keys: tuple[str, ...], *, others: bool = False
 ) -> dict[str, float]:
-    """Return the numbers at ``keys``; unless ``others``, there are no other keys."""
+    """Return the numbers at ``keys``; other keys are errors unless ``others``."""
     if not others:
         allow_only(entry, *keys)
     return {key: number_of(child_at(entry, key, keys)) for key in keys}
@@ -73,14 +73,14 @@ def check_positive(entry: YamlEntry, keys: tuple[str, ...]) -> None:
 
 
 def vector_of(entry: YamlEntry, count: int) -> list[float]:
-    """Return the numbers of a list of ``count``."""
+    """Return the numbers in a list of length ``count``."""
     if len(entry.items) != count:
         raise wrong_value(entry, f"a list of {count} numbers")
     return [number_of(item) for item in entry.items]
 
 
 def number_of(entry: YamlEntry) -> float:
-    """Return a finite number; YAML 1.1 takes some, such as 2e-05, for text."""
+    """Return a finite number, even if YAML 1.1 reads it as text (such as 2e-05)."""
     value = entry.scalar
     try:
         number = math.nan if value is None or value is True else float(value)

@@ -1,4 +1,4 @@
-"""YAML as a tree of entries: each value with its full key, its file and its line.
+"""YAML as a tree of entries: each value with its full key, file and line.
 
 Controllers, scenes, launch files, the linter and xacro read YAML through this module.
 """
@@ -20,12 +20,13 @@ if TYPE_CHECKING:
 
 Scalar = str | float | int | bool | None
 Constructor = Callable[[Any, Any], Any]
-"""Constructs a tagged scalar from PyYAML's loader and the node."""
+"""Constructor of a tagged scalar from PyYAML's loader and node."""
 
 MOST_ENTRIES = 30_000
-"""Largest number of values in one text: a few lines of aliases can mean billions."""
+"""Largest number of values in one text, since a few lines of aliases can mean
+billions."""
 MOST_LEVELS = 100
-"""Largest depth of lists and mappings in each other."""
+"""Largest nesting depth of lists and mappings."""
 
 
 @final
@@ -34,7 +35,7 @@ class YamlEntry:
     """A YAML value: a scalar, a list or a mapping."""
 
     key: str
-    """The full name: ``arm_controller/gains/elbow_joint/p``."""
+    """Full key, such as ``arm_controller/gains/elbow_joint/p``."""
     location: SourceLocation
     value: Scalar | list[YamlEntry] | dict[str, YamlEntry] = None
 
@@ -53,7 +54,7 @@ class YamlEntry:
 
     @property
     def scalar(self) -> Scalar:
-        """The number, string or boolean; None for other values."""
+        """The value of a number, string or boolean; None for other entries."""
         return None if isinstance(self.value, list | dict) else self.value
 
     @property
@@ -112,13 +113,13 @@ class Tree:
         default_factory=lambda: YamlEntry("", SourceLocation(None), {})
     )
     findings: list[Finding] = field(default_factory=list)
-    """Suspicious, but readable entries."""
+    """Findings about entries that are readable but suspicious."""
 
     def load(self, text: str, location: SourceLocation) -> None:
         """Merge the parameters of a YAML text into the existing ones, replacing values.
 
         Raises:
-            ConfigError: If it is not YAML, or not a mapping; ``location`` is the
+            ConfigError: If the text is not YAML or not a mapping; ``location`` is the
                 location of its first line.
         """
         entry = _TreeReader(location, self.findings).read(text)
@@ -156,7 +157,7 @@ def read_mapping(file: Path) -> YamlEntry:
 
 
 def read_verbatim(file: Path, units: Mapping[str, Constructor] | None = None) -> Tree:
-    """Return the content of a YAML file; the root is null if it is empty.
+    """Return the content of a YAML file; the root is null if the file is empty.
 
     Keys and strings are used as they are, without rosparam's slashes and angles;
     ``!degrees 90`` is the text ``90deg``, for ``read_number``.  ``units``, if given,
@@ -197,7 +198,8 @@ def text_of(file: Path) -> str:
 def require_yaml(text: str, location: SourceLocation) -> None:
     """Raise ConfigError if a text cannot be parsed, or is nested too deeply.
 
-    Parsing needs no recursion, composing does: the C library overflows the stack.
+    Parsing needs no recursion, but composing does, and the C library would overflow the
+    stack.
     """
     import yaml
 
@@ -239,13 +241,13 @@ def _too_deep(where: SourceLocation) -> ConfigError:
 
 
 def _line_of(mark: Any, first: SourceLocation) -> SourceLocation:
-    """Return where a mark of PyYAML's is, in a text whose first line is ``first``."""
+    """Return the location of a PyYAML mark in a text whose first line is ``first``."""
     line = (first.line or 1) + (0 if mark is None else mark.line)
     return SourceLocation(first.file, line)
 
 
 def merged(*entries: YamlEntry) -> YamlEntry:
-    """Return a copy of the first mapping with the values of the others."""
+    """Return a copy of the first mapping, updated with the values of the others."""
     result = YamlEntry(entries[0].key, entries[0].location, {})
     for entry in entries:
         _merge(result, _copied(entry))
@@ -272,7 +274,7 @@ def _merge(target: YamlEntry, source: YamlEntry) -> None:
 
 @final
 class _TreeReader:
-    """Turns the nodes of one text into entries."""
+    """Converter of the nodes of one text into entries."""
 
     def __init__(
         self,
@@ -319,7 +321,7 @@ class _TreeReader:
     def _opened(
         self, node: yaml.Node, key: str, where: SourceLocation
     ) -> Iterator[None]:
-        """Count a node, and raise ConfigError if aliases make too much of the text."""
+        """Count a node, and raise ConfigError if aliases expand the text too much."""
         self._left -= 1
         if self._left < 0:
             raise ConfigError(
@@ -358,7 +360,7 @@ class _TreeReader:
         return result
 
     def _path(self, name: str, name_node: yaml.Node, key: str) -> list[str]:
-        """Return the names in a key: in ROS ``a/b`` is ``b`` in the namespace ``a``."""
+        """Return the names in a key; in ROS, ``a/b`` is ``b`` in namespace ``a``."""
         where = self._where(name_node)
         if self._units is not None:
             if not name:
@@ -376,7 +378,7 @@ class _TreeReader:
     def _pairs(
         self, node: yaml.Node, key: str
     ) -> Iterator[tuple[str, yaml.Node, yaml.Node]]:
-        """Yield keys and values, those of ``<<`` first unless they are overridden."""
+        """Yield keys and values; those of ``<<`` come first unless overridden."""
         import yaml
 
         own = [

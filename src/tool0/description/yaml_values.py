@@ -1,4 +1,4 @@
-"""Reading typed values out of a mapping of YAML, with errors that name the line."""
+"""Typed access to the values of a YAML mapping, with errors that name the line."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import ConfigError, SourceLocation, did_you_mean, nearest_name
 
 Value = str | float | int | bool | tuple[str, ...] | tuple[float, ...]
-"""The value that a getter returns."""
+"""Type of the values that getters return."""
 Recorded = TypeVar("Recorded", bound=Value)
 
 
 @final
 @dataclass(slots=True)
 class Reading:
-    """The reads from a mapping and from those inside it; keys are full."""
+    """Record of the reads from a mapping and its nested mappings, by full key."""
 
     keys: set[str] = field(default_factory=set)
-    """The keys that were looked up so far."""
+    """Keys that were looked up so far."""
     values: dict[str, Value] = field(default_factory=dict)
-    """Key → the returned value, defaults included."""
+    """Key → returned value, including defaults."""
     adjustable: set[str] = field(default_factory=set)
-    """The keys whose values may change later."""
+    """Keys whose values may change later."""
 
 
 @final
@@ -35,7 +35,7 @@ class Reading:
 class Namespace:
     """A mapping of values; every getter raises ConfigError with file and line.
 
-    The constructor does so, too, if ``entry`` is not a mapping.
+    So does the constructor if ``entry`` is not a mapping.
     """
 
     entry: YamlEntry
@@ -51,7 +51,7 @@ class Namespace:
 
     @property
     def name(self) -> str:
-        """The last part of its key."""
+        """Last part of the mapping's key."""
         return self.entry.key.rpartition("/")[2]
 
     def find(self, path: str) -> YamlEntry | None:
@@ -65,7 +65,7 @@ class Namespace:
         return None if entry is None else Namespace(entry, self.reading)
 
     def accept(self, *paths: str) -> None:
-        """Mark parameters as known that ROS reads and tool0 does not need."""
+        """Mark parameters that ROS reads and tool0 does not need as known."""
         self.reading.keys.update(f"{self.entry.key}/{path}" for path in paths)
 
     def mark_adjustable(self, *paths: str) -> None:
@@ -91,7 +91,7 @@ class Namespace:
         return frozenset(map(self.path_of, self.reading.adjustable))
 
     def path_of(self, key: str) -> str:
-        """Return the path of an entry in it, by the entry's full key."""
+        """Return the path within the mapping of an entry, given its full key."""
         return key.removeprefix(f"{self.entry.key}/")
 
     def _recorded(self, path: str, value: Recorded) -> Recorded:
@@ -112,7 +112,7 @@ class Namespace:
     ) -> float:
         """Return the finite number at ``path``, in SI.
 
-        With ``quantities``, which it may measure, it can have a unit.
+        With ``quantities``, the number may have a unit of one of these.
         """
         if default is not None and self.find(path) is None:
             return self._recorded(path, default)
@@ -136,7 +136,7 @@ class Namespace:
         default: tuple[float, ...] | None = None,
         *quantities: Quantity,
     ) -> tuple[float, ...]:
-        """Return the list of ``count`` finite numbers at ``path``, as ``number``."""
+        """Return the list of ``count`` finite numbers at ``path``; see ``number``."""
         if default is not None and self.find(path) is None:
             return self._recorded(path, default)
         kind = f"a list of {count} numbers"
@@ -149,7 +149,7 @@ class Namespace:
     def vector(
         self, path: str, default: Vector3 | None = None, *quantities: Quantity
     ) -> Vector3:
-        """Return the three numbers at ``path``, as ``number``."""
+        """Return the three numbers at ``path``; see ``number``."""
         x, y, z = self.numbers(path, 3, default, *quantities)
         return (x, y, z)
 
@@ -163,7 +163,7 @@ class Namespace:
         return tuple(entry.items)
 
     def not_negative(self, path: str, default: float | None = None) -> float:
-        """Return the number at ``path``, 0 or more."""
+        """Return the number at ``path``, which must be 0 or more."""
         value = self.number(path, default)
         entry = self.find(path)
         if entry is not None and not value >= 0.0:
@@ -219,10 +219,10 @@ class Namespace:
 
 
 def number_of(entry: YamlEntry, *quantities: Quantity) -> float:
-    """Return a finite number, in SI; with a unit only if it measures ``quantities``.
+    """Return a finite number in SI; only units of ``quantities`` are accepted.
 
     Raises:
-        ConfigError: If it is none, with its location.
+        ConfigError: If the value is not such a number; with its location.
     """
     value = entry.scalar
     if quantities and value is not None and not isinstance(value, bool):

@@ -43,7 +43,7 @@ _PROBE: Final = """\
 #include <string.h>
 double probe(double x) { return pthread_self() == 0 ? x : sin(x); }
 """
-"""A program needs headers and libraries, which some compilers lack."""
+"""Program to try a compiler with: it needs headers and libraries that some lack."""
 
 
 class KernelBuildError(Exception):
@@ -51,17 +51,18 @@ class KernelBuildError(Exception):
 
 
 class KernelUnusableError(Exception):
-    """There is no library of these sources that this process can load."""
+    """The library is missing, was built from other sources, or cannot be loaded."""
 
 
 def open_library(folder: Path = FOLDER) -> ctypes.CDLL:
     """Return the library in ``folder``.
 
     Raises:
-        KernelUnusableError: If it is missing, of other sources, or of another machine.
+        KernelUnusableError: If the library is missing, or was built from other sources
+            or for another machine.
     """
     path = folder / LIBRARY
-    try:  # one of other sources is never loaded
+    try:  # a library from other sources is never loaded
         is_fresh = source_digest(folder).encode() in path.read_bytes()
     except FileNotFoundError:
         raise KernelUnusableError(f"'{path}' does not exist") from None
@@ -78,7 +79,8 @@ def open_library(folder: Path = FOLDER) -> ctypes.CDLL:
 def source_digest(folder: Path = FOLDER) -> str:
     """Return a digest of the sources and the flags they are compiled with.
 
-    It detects accidents: importing hashlib would take ten times as long.
+    It only needs to detect accidental changes; importing hashlib would take ten times
+    as long.
     """
     parts = ["\0".join((*FLAGS, *_LIBRARIES)).encode()]
     for path in _sources(folder):
@@ -90,14 +92,15 @@ def source_digest(folder: Path = FOLDER) -> str:
 def build(folder: Path = FOLDER, *, flags: Sequence[str] = ()) -> Path:
     """Compile the sources in ``folder``, and return the path of the library.
 
-    A process that uses the previous library keeps it.
+    A process that uses the previous library can go on using it.
 
     Args:
-        folder: The folder of the sources, in which the library is put.
-        flags: Additional ones for the compiler.
+        folder: The folder of the sources, into which the library is written.
+        flags: Additional compiler flags.
 
     Raises:
-        KernelBuildError: If there is no compiler, it fails, or the folder is read-only.
+        KernelBuildError: If there is no compiler, compilation fails, or the folder is
+            read-only.
     """
     import tempfile
 
@@ -120,7 +123,7 @@ def find_compiler() -> list[str]:
     """Return the command of the first C compiler that works.
 
     Raises:
-        KernelBuildError: If there is none, with what is wrong with those that exist.
+        KernelBuildError: If there is none; it states the problems of those that exist.
     """
     if os.name != "posix":
         raise KernelBuildError("the kernel is not compiled on this operating system")
@@ -156,14 +159,14 @@ def _compilers() -> Iterator[list[str]]:
     yield from ([name] for name in ("cc", "gcc", "clang") if shutil.which(name))
     if importlib.util.find_spec("ziglang") is not None:
         machine = platform.machine()
-        target = ["-mcpu=baseline"]  # its default is this machine's processor only
+        target = ["-mcpu=baseline"]  # the default is this machine's processor
         if machine in ("x86_64", "aarch64") and platform.libc_ver()[0] == "glibc":
             target = ["-target", f"{machine}-linux-gnu.2.17"]
         yield [sys.executable, "-m", "ziglang", "cc", *target]
 
 
 def _problem(command: Sequence[str]) -> str | None:
-    """Return why this compiler cannot make a shared library, or None if it can."""
+    """Return the reason why this compiler cannot make a shared library, or None."""
     import tempfile
 
     with tempfile.TemporaryDirectory() as folder:
@@ -180,7 +183,7 @@ def _problem(command: Sequence[str]) -> str | None:
 def _compile(
     sources: Sequence[Path], library: Path, digest: str, flags: Sequence[str]
 ) -> str:
-    """Compile, and return the warnings."""
+    """Compile the library, and return the compiler's warnings."""
     if not sources:
         raise KernelBuildError("the C sources of the kernel are not installed")
     command = find_compiler()
@@ -221,7 +224,7 @@ def _call(command: Sequence[str], folder: Path | None = None) -> str:
 
 
 def _sources(folder: Path) -> list[Path]:
-    """Return the files that the library is made from, headers too."""
+    """Return the files from which the library is made, including headers."""
     return sorted(path for path in folder.iterdir() if path.suffix in (".c", ".h"))
 
 

@@ -1,4 +1,4 @@
-"""Whether shapes stay apart, and the search for a way."""
+"""Clearance checks between shapes, and the search for a collision-free path."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from tool0.hardware.shape_memory import ShapeMemory
 from tool0.kernel.memory import FloatArray, IntArray
 
 MOST_MOVING: Final = 24
-"""Most joints of a plan."""
+"""Largest number of joints that a plan can move."""
 FREE: Final = -1
 TILTED: Final = -2
-"""Number of a pose's violation that is no pair of shapes: the tool is tilted."""
+"""Violation of a pose that is not a pair of shapes: the tool is tilted."""
 
 
 class Ended(IntEnum):
@@ -37,7 +37,7 @@ class Ended(IntEnum):
 
     FOUND = 0
     NO_WAY = 1
-    """The trees were full."""
+    """The search trees were full."""
     TIMEOUT = 2
     CANCELLED = 3
     NO_MEMORY = 4
@@ -101,28 +101,29 @@ class _Search(Structure):
 
 
 class Pairs(NamedTuple):
-    """The pairs of shapes that must stay apart."""
+    """Pairs of shapes that must stay apart."""
 
     first: IntArray
     second: IntArray
-    """Numbers of shapes: the second is the larger one, or a plane."""
+    """Numbers of the shapes; the second is the larger one, or a plane."""
     least: FloatArray
-    """Distance that is kept [m]."""
+    """Smallest allowed distance of each pair [m]."""
     reach: FloatArray
-    """Largest relative motion of any of their points [m/rad], shape (n, n_joints)."""
+    """Largest relative motion of a pair's points per joint [m/rad], shape (n,
+    n_joints)."""
 
 
 class Joints(NamedTuple):
-    """The joints that a plan moves, from base to tip."""
+    """Joints that a plan moves, from base to tip."""
 
     addresses: IntArray
-    """Address of each joint in the engine's positions."""
+    """Index of each joint in the engine's positions."""
     axis_rows: IntArray
-    """The row of each in the engine's axes."""
+    """Row of each joint in the engine's axes."""
     sliding: int
-    """A bit for each that slides."""
+    """Bit mask of the prismatic joints."""
     moved_by: NDArray[np.uint32]
-    """Joints that move each shape of the engine, a bit for each joint."""
+    """For each shape of the engine, the bit mask of the joints that move it."""
 
 
 class Upright(NamedTuple):
@@ -134,34 +135,34 @@ class Upright(NamedTuple):
     up: FloatArray
     """Direction of that axis in the world, shape (3,)."""
     tilt: float
-    """Largest angle between them [rad]."""
+    """Largest allowed angle between ``axis`` and its direction [rad]."""
     tilting: int
-    """A bit for each joint that turns the tool."""
+    """Bit mask of the joints that rotate the tool."""
 
 
 class Violation(NamedTuple):
-    """Pair of shapes that are too near on a way, and the place."""
+    """Pair of shapes that are too near on a path, and the place on the path."""
 
     pair: int
     """Number of the pair, or TILTED."""
     row: int
-    """The pose before."""
+    """Row of the last pose before the violation."""
     part: float
-    """Part of the way from there to the next pose."""
+    """Fraction of the segment from that pose to the next one."""
 
 
 class Found(NamedTuple):
-    """The end of a search."""
+    """Result of a search."""
 
     ended: Ended
     way: FloatArray
-    """Poses [rad | m], shape (n, n_joints)."""
+    """Poses of the path [rad | m], shape (n, n_joints)."""
     samples: int
 
 
 @final
 class Cancelled:
-    """A flag that another thread sets to end a search."""
+    """Flag that another thread sets to end a search."""
 
     def __init__(self) -> None:
         self._flag = c_int32(0)
@@ -170,7 +171,7 @@ class Cancelled:
         self._flag.value = 1
 
     def __bool__(self) -> bool:
-        """Return whether it is set."""
+        """Return whether the flag is set."""
         return bool(self._flag.value)
 
     @property
@@ -180,7 +181,7 @@ class Cancelled:
 
 @final
 class Clearances:
-    """Looks at poses and ways of one group of joints; one thread at a time."""
+    """Checker of poses and paths of one group of joints, for one thread at a time."""
 
     def __init__(
         self,
@@ -192,14 +193,14 @@ class Clearances:
         slack: float,
         upright: Upright | None = None,
     ) -> None:
-        """Look at ``pairs``.
+        """Check the clearances of ``pairs``.
 
         Args:
             compiled: The kernel.
-            memory: The engine's.
+            memory: Memory of the engine.
             joints: Joints that move.
-            pairs: They must include ``slack``.
-            slack: Distance by which a motion is checked ahead, at least [m].
+            pairs: Pairs of shapes; ``least`` must include ``slack``.
+            slack: Smallest distance by which a motion is checked ahead [m].
             upright: The tool to keep upright.
         """
         self.n_joints = len(joints.addresses)
@@ -247,16 +248,16 @@ class Clearances:
 
     @property
     def poses(self) -> int:
-        """Number of poses that were looked at so far."""
+        """Number of poses that were checked so far."""
         return int(self._struct.poses)
 
     def at(self, q: FloatArray) -> int:
-        """Return FREE, TILTED, or a pair that is too near, in a pose (n_joints,)."""
+        """Return FREE, TILTED, or a pair that is too near, for a pose (n_joints,)."""
         q = _packed(q)
         return int(self._compiled.tool0_clearances_at(self._ref, _at(q)))
 
     def distances(self, q: FloatArray, most: float) -> FloatArray:
-        """Return the distance of each pair in a pose, up to ``most`` [m]."""
+        """Return the distance of each pair in a pose [m], computed up to ``most``."""
         q, found = _packed(q), np.empty(self._struct.n_pairs)
         self._compiled.tool0_clearances_all(
             self._ref, _at(q), c_double(most), _at(found)
@@ -264,7 +265,7 @@ class Clearances:
         return found
 
     def along(self, poses: FloatArray) -> Violation | None:
-        """Return what is too near on the straight ways from pose to pose."""
+        """Return the first violation on straight segments between poses, or None."""
         poses, row, part = _packed(poses), c_int32(), c_double()
         found = self._compiled.tool0_clearances_along(
             self._ref, _at(poses), len(poses), byref(row), byref(part)
@@ -284,18 +285,19 @@ class Clearances:
         timeout: float,
         cancelled: Cancelled,
     ) -> Found:
-        """Search a way by RRT-Connect.
+        """Search for a path by RRT-Connect.
 
         Args:
             start: A free pose, shape (n_joints,).
             goals: Free poses, shape (n, n_joints).
             samples: Bounds of the samples, shape (n_joints,) each.
-            beside: Distance of most samples from between the start and a goal [rad].
+            beside: Distance by which most samples may lie outside the range between the
+                start and a goal [rad].
             seed: Seed of the samples.
-            longest: Longest extension of a tree [rad].
-            most_nodes: Size of a tree.
-            timeout: Wall time after which it ends [s].
-            cancelled: Ends it.
+            longest: Length of a tree's longest extension step [rad].
+            most_nodes: Largest number of nodes of a tree.
+            timeout: Wall time after which the search ends [s].
+            cancelled: Flag that ends the search.
         """
         arrays = [_packed(item) for item in (start, goals, *samples)]
         way = np.empty((2 * most_nodes, self.n_joints))
@@ -328,7 +330,7 @@ class Clearances:
         timeout: float = math.inf,
         cancelled: Cancelled,
     ) -> FloatArray:
-        """Return a way with straight parts in place of detours.
+        """Return a path in which straight parts replace detours.
 
         Poses are left out first; then ``tries`` random parts are replaced.
         """

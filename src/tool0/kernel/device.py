@@ -34,30 +34,30 @@ from tool0.motion.gripper import RAMP_TIME
 
 NO_GRIP = (0.0, 0.0, 0.0)
 DLPACK_CPU, DLPACK_CUDA = 1, 2
-"""Kinds of memory in ``__dlpack_device__``."""
+"""Device types that ``__dlpack_device__`` returns."""
 
 
 class DeviceState(NamedTuple):
     """Arrays of the engine on the device, one row per robot.
 
-    Joints come first where an array has more columns.
+    Where an array has more columns, those of the joints come first.
     """
 
     steps: Any
-    """Steps since the reset, shape (n,)."""
+    """Physics steps since the reset, shape (n,)."""
     position: Any
     velocity: Any
     motors: Any
     """Efforts that the engine reads, one per motor."""
     has_diverged: Any
-    """1 for robots that stand still since they failed, shape (n,)."""
+    """1 for robots that diverged and stand still since, shape (n,)."""
 
 
 @final
 class DeviceControl:
     """The running controllers and the drives of n copies of one robot.
 
-    Every array that a caller passes or gets is in double precision.
+    Arrays that callers pass or get are in double precision.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class DeviceControl:
         Args:
             running: The running controllers by name, in load order, with their joints.
             hardware: The drives.
-            grippers: Grippers that goals with limits move.
+            grippers: Grippers that are moved by goals with limits.
             state: State of the engine.
             position: Positions of the joints [rad | m], shape (n, n_joints).
             motor_joints: The joint of each motor.
@@ -92,7 +92,7 @@ class DeviceControl:
         self._dt, self._period = hardware.table.dt, period
         n = len(position)
         self._first: list[int] = []
-        """The number of the first joint of each running controller."""
+        """Number of each running controller's first joint."""
         joints: list[int] = []
         for (_, its), law in zip(running.values(), laws, strict=True):
             self._first.append(len(joints))
@@ -100,7 +100,7 @@ class DeviceControl:
         self._joints = joints
         wraps, gains, feed_forward = _constants(laws)
         self._motions = Motions(position[:, joints], wraps)
-        self._motions.extend(2)  # as ``command`` needs them
+        self._motions.extend(2)  # as many as ``command`` needs
         self._is_uploaded = self._is_ahead = False
         table = hardware.table
         self._drives = [bounds.joint for bounds in table.bounds]
@@ -141,23 +141,24 @@ class DeviceControl:
             self._grip_array = wp.zeros((n, len(self._drives)), dtype=wp.vec3)
         self._gravity = table.dynamics.gravity
         self.layout = 0
-        """Grows when arrays have moved: a recorded graph of launches is then void."""
+        """Counter that grows when arrays have moved, which invalidates recorded
+        graphs."""
         self._allocate()
 
     @property
     def effort(self) -> Array:
-        """The efforts applied in the last step [N·m | N], shape (n, n_joints)."""
+        """Efforts that were applied in the last step [N·m | N], shape (n, n_joints)."""
         return np.asarray(self._effort.numpy(), dtype=np.float64)
 
     @property
     def effort_array(self) -> Any:
-        """The same as Warp's array."""
+        """The efforts applied in the last step [N·m | N], as a Warp array."""
         return self._effort
 
     # ---- what a tick launches -------------------------------------------------------
 
     def upload(self) -> None:
-        """Copy the changes of commands to the device."""
+        """Copy changed commands to the device."""
         if self._is_uploaded:
             return
         if self._until.shape != self._motions.until.shape:
@@ -170,7 +171,7 @@ class DeviceControl:
         self._is_uploaded = True
 
     def _download(self) -> None:
-        """Copy the motions that the device has started to the host."""
+        """Copy the motions that were started on the device to the host."""
         if self._is_ahead:
             motions = self._motions
             motions.until = self._until.numpy().copy()
@@ -258,7 +259,7 @@ class DeviceControl:
     # ---- commands between ticks -----------------------------------------------------
 
     def restart(self, rows: Indices, position: Array) -> None:
-        """Put copies at rest at ``position`` of all joints, (len(rows), n_joints)."""
+        """Put copies at rest with all joints at ``position``, (len(rows), n_joints)."""
         self._download()
         self._motions.rest(rows, position[:, self._joints])
         self._grips[rows] = NO_GRIP
@@ -288,7 +289,7 @@ class DeviceControl:
         positions: Array,
         velocities: Array | None,
     ) -> int | None:
-        """Start motions as ``Motions.start``; limits of goals on the joints end."""
+        """Start motions like ``Motions.start``; earlier goals' limits end."""
         self._download()
         columns = [self._first[controller] + joint for joint in joints]
         refused = self._motions.start(
@@ -318,9 +319,9 @@ class DeviceControl:
     ) -> None:
         """Start motions to positions in arrays on the device, shape (n, k).
 
-        As ``start`` with one point, and limits of goals on the joints end.  Positions
-        beyond the limits count as the limits; a robot with a number that is not finite
-        diverges.
+        This works like ``start`` with one point, and limits of earlier goals no longer
+        apply.  Positions beyond the limits are clamped; a robot with a number that is
+        not finite diverges.
 
         Raises:
             ControlError: If an array is not of single precision.
@@ -369,14 +370,14 @@ class DeviceControl:
     ) -> None:
         """Move pads to openings [m], with speeds [m/s] and forces [N], shape (n,) each.
 
-        ``openings`` may be an array on the device; those out of reach count as the
-        nearest one, and a robot with one that is not finite diverges.
+        ``openings`` may be an array on the device.  Openings out of range are clamped,
+        and a robot whose opening is not finite diverges.
 
         Args:
             rows: The robots.
             controller: The number of the running controller.
-            joint: The number of the gripper's joint there.
-            gripper: Its geometry.
+            joint: The number of the gripper's joint in that controller.
+            gripper: Geometry of the gripper.
             openings: Distances between the pads.
             speeds: Largest speeds of the pads relative to each other.
             forces: Largest forces at each pad.
@@ -427,7 +428,7 @@ class DeviceControl:
 
 
 def is_on_device(array: object, device: str) -> bool:
-    """Return whether an array of another library lies in the memory of a device."""
+    """Return whether an array of another library is in the memory of a device."""
     if not hasattr(array, "__dlpack_device__"):
         return False
     kind, number = array.__dlpack_device__()
@@ -438,7 +439,7 @@ def is_on_device(array: object, device: str) -> bool:
 
 
 def _floats(array: object) -> Any:
-    """Return an array on the device as Warp's, which shares its memory."""
+    """Return an array on the device as a Warp array that shares its memory."""
     found = array if isinstance(array, wp.array) else wp.from_dlpack(array)
     if found.dtype is not wp.float32:
         raise ControlError(
@@ -450,7 +451,7 @@ def _floats(array: object) -> Any:
 def _laws(
     running: Mapping[str, tuple[Controller, Sequence[int]]], hardware: RobotHardware
 ) -> list[TrajectoryLaw | None]:
-    """Return the law of each controller, None for an idle one; or raise ConfigError."""
+    """Return each controller's law (None if it is idle), or raise ConfigError."""
     laws: list[TrajectoryLaw | None] = []
     for name, (controller, _) in running.items():
         law = controller.law()
@@ -477,7 +478,7 @@ def _laws(
 def _constants(
     laws: Sequence[TrajectoryLaw | None],
 ) -> tuple[list[bool], list[tuple[float, ...]], list[float]]:
-    """Return for each controlled joint whether errors wrap, gains and feed-forward."""
+    """Return whether errors wrap, the gains and the feed-forward of each joint."""
     wraps: list[bool] = []
     gains: list[tuple[float, ...]] = []
     feed_forward: list[float] = []

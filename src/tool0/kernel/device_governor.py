@@ -1,4 +1,4 @@
-"""The governor of joints' speeds, for many robots on a Warp device."""
+"""The joint speed governor for many robots on a Warp device."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from tool0.kernel.warp_laws import Body
 
 @final
 class DeviceGovernor:
-    """Limits the efforts of n robots, as ``SpeedGovernor``."""
+    """Limiter of the efforts of n robots, like ``SpeedGovernor``."""
 
     def __init__(self, hardware: RobotHardware, n: int) -> None:
-        """Allocate on Warp's present device."""
+        """Allocate memory on Warp's current device."""
         setup, table, own = (
             hardware.setup.governor,
             hardware.table,
@@ -63,13 +63,13 @@ class DeviceGovernor:
 
     @property
     def flags(self) -> tuple[Any, Any]:
-        """Whether robots remember velocities and a mobility: 0 where they restart."""
+        """Flags of robots with known velocities and mobility; 0 restarts a robot."""
         return self._remembered.has_before, self._remembered.has_mobility
 
     def launch(
         self, command: Any, loads: Any, position: Any, velocity: Any, applied: Any
     ) -> Any:
-        """Return the efforts to request of the drives, from Warp's arrays.
+        """Return the efforts to request from the drives, computed from Warp arrays.
 
         ``applied`` are the efforts of the last step.
         """
@@ -99,9 +99,9 @@ class DeviceGovernor:
 
 
 def body_structs(bodies: Sequence[DynamicBody], to_model: Sequence[int]) -> list[Any]:
-    """Return the bodies as Warp's structs, without their tensors.
+    """Return the bodies as Warp structs, without their inertia tensors.
 
-    ``to_model`` has the engine's number of each of the model's joints.
+    ``to_model`` contains the engine's number of each joint of the model.
     """
     found = []
     for each, joint in zip(bodies, to_model, strict=True):

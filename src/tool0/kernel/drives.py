@@ -1,4 +1,4 @@
-"""The drives of a robot for ``drives.c``: its tables, and the state of one copy.
+"""The drives of a robot for ``drives.c``: tables, and the state of one copy.
 
 The classes mirror the structures of ``drives.h``, which documents the fields.
 """
@@ -159,14 +159,15 @@ class Drives(ctypes.Structure):
 class NativeDrives:
     """The drives of one robot, in memory that ``drives.c`` works on.
 
-    ``drives_efforts`` changes what ``RobotHardware.state`` has, and never the setup.
+    ``drives_efforts`` changes only the values in ``RobotHardware.state``, never the
+    setup.
     """
 
     struct: Drives
     """The struct for ``drives_efforts``."""
 
     def __init__(self, hardware: RobotHardware) -> None:
-        """Continue from the state of ``hardware``."""
+        """Allocate the memory, and continue from the state of ``hardware``."""
         table = hardware.table
         self._hardware = hardware
         self._bounds = {drive.joint: drive for drive in table.bounds}
@@ -225,7 +226,7 @@ class NativeDrives:
             servo.target, servo.integral, servo.speed = memory
 
     def store(self) -> None:
-        """Give the hardware this state back."""
+        """Copy this state back to the hardware."""
         struct, before = self.struct, self._before
         if struct.masses_at >= 0:
             self._keep_masses()
@@ -246,7 +247,7 @@ class NativeDrives:
         self._hardware.restore(self._setup, state)
 
     def _keep_masses(self) -> None:
-        """Store the masses that were set here in the setup."""
+        """Copy the masses that were set in this memory to the setup."""
         n = self.struct.n_servos
         masses = tuple(self._masses[k * n : (k + 1) * n] for k in range(n))
         fastest = [servo.fastest for servo in self._servos[:n]]
@@ -254,7 +255,7 @@ class NativeDrives:
         self.struct.masses_at = -1
 
     def _keep_mobility(self) -> None:
-        """Store the mobility that was set here in the setup."""
+        """Copy the mobility that was set in this memory to the setup."""
         n = self.struct.governor.n_free
         mobility = tuple(tuple(self._mobility[k * n : (k + 1) * n]) for k in range(n))
         posture = tuple(self._posture[:n])
@@ -264,11 +265,11 @@ class NativeDrives:
 
     @property
     def drive_limits(self) -> Mapping[int, DriveLimits]:
-        """The limits of goals, by joint."""
+        """Drive limits of goals by joint number."""
         return self._setup.drive_limits
 
     def set_drive_limits(self, index: int, limits: DriveLimits | None) -> None:
-        """Limit a drive as RobotHardware does, in this copy alone."""
+        """Limit a drive like ``RobotHardware``, but only in this copy."""
         current = dict(self._setup.drive_limits)
         current.pop(index, None)
         if limits is not None:
@@ -321,7 +322,7 @@ class NativeDrives:
             return
         self._goals[index] = _Goal()
         if index not in self._rotors:
-            self._before[index] = math.nan  # no speed limiter remembers it
+            self._before[index] = math.nan  # no speed limiter has its velocity
 
 
 def native_bodies(

@@ -1,4 +1,4 @@
-"""Ticks without Python: which robot's, and until when."""
+"""Selection of the ticks that are executed without Python."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from tool0.kernel.program import TickProgram
 
 @final
 class Kernel:
-    """Decides which ticks of one robot the kernel executes.
+    """Decision which ticks of one robot the kernel executes.
 
-    Only the thread that owns the tick may use it.
+    Only the thread that owns the tick may use this object.
     """
 
     def __init__(
@@ -26,7 +26,7 @@ class Kernel:
         manager: ControllerManager,
         period: float,
     ) -> None:
-        """Load nothing yet; ``period`` is that of a tick [s]."""
+        """Prepare without loading anything; ``period`` is the length of a tick [s]."""
         self._engine, self._hardware, self._manager = engine, hardware, manager
         self._period = period
         self._compiled = None if engine.stepper is None else library.load()
@@ -35,8 +35,8 @@ class Kernel:
     def load(self, state: JointState) -> TickProgram | None:
         """Return a program that executes the ticks from ``state`` on.
 
-        None if only Python can: there is no compiled kernel, the engine cannot be
-        stepped by it, or a controller has no law.
+        It returns None if only Python can execute them: there is no compiled kernel, it
+        cannot step the engine, or a controller has no law.
         """
         stepper, compiled = self._engine.stepper, self._compiled
         if compiled is None or stepper is None:

@@ -1,4 +1,4 @@
-"""The compiled kernel of this installation, or why there is none."""
+"""The compiled kernel of this installation, or the reason why there is none."""
 
 from __future__ import annotations
 
@@ -18,21 +18,22 @@ from tool0.kernel.build import FOLDER, LIBRARY, KernelUnusableError, open_librar
 logger = logging.getLogger(__name__)
 
 VARIABLE: Final = "TOOL0_KERNEL"
-"""Set to ``python``, the Python reference runs: same results, more slowly."""
+"""Environment variable; ``python`` selects the slower Python reference, same
+results."""
 COMPILE_COMMAND: Final = shlex.join([sys.executable, "-m", "tool0.kernel.build"])
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class KernelStatus:
-    """The compiled kernel, or why the Python reference runs."""
+    """The compiled kernel, or the reason why the Python reference runs."""
 
     path: Path
-    """The library, which may not exist."""
+    """Path of the library, which may not exist."""
     library: ctypes.CDLL | None
-    """The library; its calls release the interpreter's lock."""
+    """The library, whose calls release the interpreter's lock."""
     reason: str = ""
-    """Why there is no library; empty if there is one."""
+    """Reason why there is no library; empty if there is one."""
 
 
 def load() -> ctypes.CDLL | None:
@@ -45,7 +46,7 @@ def load() -> ctypes.CDLL | None:
 
 
 def kernel_status() -> KernelStatus:
-    """Return the compiled kernel or why there is none, as ``load``."""
+    """Return the kernel that ``load`` returns, or the reason why there is none."""
     selected = os.environ.get(VARIABLE, "")
     if selected == "python":
         reason = f"{VARIABLE}=python selects the Python reference"
@@ -60,7 +61,7 @@ def kernel_status() -> KernelStatus:
 
 @cache
 def _opened(folder: Path) -> KernelStatus:
-    """Open the library in ``folder``, once per process: 0.5 ms."""
+    """Open the library in ``folder``, once per process, since it takes 0.5 ms."""
     path = folder / LIBRARY
     try:
         return KernelStatus(path, open_library(folder))

@@ -1,4 +1,4 @@
-"""Many copies of a robot, executed by the kernel: ``many.c``."""
+"""Execution of many copies of a robot by the kernel: ``many.c``."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class StartResult(IntEnum):
 
     YES = 0
     UNKNOWN = 1
-    """No: Python knows more of the present motion than the kernel."""
+    """No: Python knows more about the current motion than the kernel."""
     REFUSED = 2
     """No: the motion is implausible."""
 
@@ -36,7 +36,7 @@ _STARTS = tuple(StartResult)  # an index takes a tenth of the time of StartResul
 
 @final
 class BatchKernel:
-    """Runs robots that are loaded into the kernel, by the addresses of their structs.
+    """Runner of robots that are loaded into the kernel, by their structs' addresses.
 
     Every array has one row per robot.
     """
@@ -50,23 +50,23 @@ class BatchKernel:
         ticks: TickCounts,
         untold: TickCounts,
     ) -> None:
-        """Run robots in so many threads, which end with this object.
+        """Start a pool of threads, which ends with this object.
 
         Args:
             compiled: The kernel.
             threads: Number of threads.
-            left: Ticks to execute, from which a run subtracts what it has executed.
-            ticks: A run adds that to these, and to ``untold``.
-            untold: As ``ticks``.
+            left: Ticks to execute; a run subtracts the executed ones.
+            ticks: Counts to which a run adds the executed ticks.
+            untold: Further counts to which a run adds the executed ticks.
         """
         n = len(left)
         self._compiled = compiled
         self.robots: Addresses = np.zeros(n, dtype=np.uintp)
         """Addresses of the robots' structs; 0 for those that are not loaded."""
         self.most: IntArray = np.zeros(n, dtype=np.int32)
-        """The most ticks of each in one run."""
+        """Largest number of ticks of each robot in one run."""
         self.results: IntArray = np.zeros(n, dtype=np.int32)
-        """Ends of the last run of each robot: ``Ended``."""
+        """Reason why each robot's last run ended, as in ``Ended``."""
         compiled.tool0_open_pool.restype = ctypes.c_void_p
         pool = compiled.tool0_open_pool(threads)
         if pool is None:
@@ -80,9 +80,9 @@ class BatchKernel:
         self._read.restype = None
 
     def run(self) -> bool:
-        """Execute up to ``most`` of the ticks that are left of each loaded robot.
+        """Execute up to ``most`` of each loaded robot's remaining ticks.
 
-        Return whether an event has ended that of one, or ticks are left.
+        Return whether an event has ended a robot's run, or ticks are left.
         """
         n = len(self.robots)
         return bool(
@@ -92,9 +92,9 @@ class BatchKernel:
         )
 
     def refresh(self, hardware: RobotHardware) -> None:
-        """Compute what is due after a run, as ``masses`` does; then it is ``DONE``.
+        """Compute the masses and mobilities that are due; the run is then ``DONE``.
 
-        ``hardware`` is that of one of the robots.
+        ``hardware`` is one robot's hardware.
         """
         for due, compute in REFRESHES.items():
             if (is_due := self.results == due).any():
@@ -104,7 +104,7 @@ class BatchKernel:
     def read(self, which: BoolArray, n_joints: int) -> FloatArray:
         """Return positions, velocities and efforts of robots, shape (3, n, n_joints).
 
-        The numbers of those that ``which``, shape (n,), leaves out are arbitrary.
+        Values of robots for which ``which``, shape (n,), is false are arbitrary.
         """
         n = len(which)
         found = np.empty((3, n, n_joints))
@@ -122,12 +122,12 @@ class BatchKernel:
         positions: FloatArray,
         velocities: FloatArray | None,
     ) -> tuple[StartResult, int]:
-        """Start motions through points, as ``JointTrajectoryController.command``.
+        """Start motions through points, like ``JointTrajectoryController.command``.
 
         Args:
-            robots: Robots that the laws move.
-            laws: Laws of trajectory controllers.
-            joints: Numbers of the k joints of theirs that move, shape (k,).
+            robots: Addresses of the robots that the laws move.
+            laws: Addresses of the laws of trajectory controllers.
+            joints: Numbers of the laws' k joints that move, shape (k,).
             now: The time of the next tick [s], shape (n,).
             times: Times of the points after now [s], increasing, shape (n, m).
             positions: Positions of the points [rad | m], shape (n, m, k).
@@ -135,7 +135,8 @@ class BatchKernel:
                 motions.
 
         Returns:
-            Whether they started, all or none; if not, because of which row.
+            Whether all motions started (otherwise none did), and the row that prevented
+            it.
         """
         arrays = [np.ascontiguousarray(a) for a in (now, times, positions)]
         speeds = None if velocities is None else np.ascontiguousarray(velocities)
@@ -159,7 +160,7 @@ class BatchKernel:
     ) -> FloatArray | None:
         """Return the desired positions of one joint [rad | m], shape (n,).
 
-        None if the kernel does not know one.
+        It returns None if the kernel does not know all of them.
         """
         laws, now = np.ascontiguousarray(laws), np.ascontiguousarray(now)
         found = np.zeros(len(laws))

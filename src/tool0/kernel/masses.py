@@ -1,4 +1,4 @@
-"""Masses and mobilities of drives, for robots that the kernel runs: ``masses.c``."""
+"""Masses and mobilities of drives for robots that the kernel runs: ``masses.c``."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from tool0.kernel.memory import Addresses, FloatArray, address
 def refresh_masses(
     compiled: ctypes.CDLL, robots: Addresses, hardware: RobotHardware
 ) -> None:
-    """Compute the masses of the servos that are due in these robots.
+    """Compute the masses of servos in robots in which these are due.
 
-    ``hardware`` has the drives of one of them; all have the same, with the same
+    ``hardware`` has the drives of one of the robots; all have the same drives and
     payloads.
     """
     robots = np.ascontiguousarray(robots)
@@ -31,9 +31,9 @@ def refresh_masses(
 def refresh_mobilities(
     compiled: ctypes.CDLL, robots: Addresses, hardware: RobotHardware
 ) -> None:
-    """Compute the mobilities of the free joints that are due in these robots.
+    """Compute the mobilities of free joints in robots in which these are due.
 
-    ``hardware`` is as for ``refresh_masses``, but brakes may hold other joints.
+    ``hardware`` is as for ``refresh_masses``, except that brakes may hold other joints.
     """
     robots = np.ascontiguousarray(robots)
     matrices, positions = _mass_matrices(compiled, robots, hardware)

@@ -1,4 +1,4 @@
-"""The memory that the kernel works on: its structs, and arrays of laws.
+"""The memory that the kernel works on: structs, and arrays of laws.
 
 The structs are those of ``laws.h`` and ``robot.h``; addresses are integers.
 """
@@ -39,9 +39,9 @@ from tool0.protocol.goals import Tolerance
 from tool0.protocol.trajectories import TrajectoryPoint
 
 MOST_PIECES = 64
-"""Pieces of a motion per joint; Python continues a longer one."""
+"""Largest number of pieces of a motion per joint; Python continues longer motions."""
 PIECE_SIZE = 16
-"""Numbers of a piece."""
+"""Number of values of a piece."""
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -53,7 +53,7 @@ Addresses = NDArray[np.uintp]
 
 
 class LawKind(IntEnum):
-    """Kind of a law."""
+    """Kind of a control law."""
 
     TRAJECTORY = 0
     COMMAND = 1
@@ -116,7 +116,7 @@ class StartStruct(Structure):
 
 @final
 class StartMemory:
-    """The memory of what starts a trajectory with the coming tick, of one law."""
+    """Memory of one law for the trajectory that starts with the coming tick."""
 
     def __init__(self, n_joints: int) -> None:
         self.struct = struct = StartStruct()
@@ -131,7 +131,7 @@ class StartMemory:
         self._loaded: TrajectoryStart | None = None
 
     def load(self, start: TrajectoryStart | None, *, has_points: bool) -> None:
-        """Start trajectories so; the motion before them ``has_points``."""
+        """Set the start of trajectories; the motion before them ``has_points``."""
         struct = self.struct
         struct.is_known, struct.has_points = start is not None, has_points
         struct.n_points = struct.is_first = 0
@@ -145,7 +145,7 @@ class StartMemory:
         self._tolerances[:] = tolerance_rows(start.path, start.at_goal)
 
     def coming(self) -> tuple[TrajectoryGoal, float] | None:
-        """Return the trajectory that starts next, and when it was commanded [s]."""
+        """Return the trajectory that starts next, and the time of its command [s]."""
         struct, n = self.struct, self.struct.n_points
         if not n:
             return None
@@ -257,10 +257,10 @@ class RobotStruct(Structure):
 
 @final
 class LawMemory:
-    """The memory of one law of one robot, in arrays of shape (n_joints, …)."""
+    """Memory of one law of one robot, in arrays of shape (n_joints, …)."""
 
     def __init__(self, law: ActiveLaw, joints: Sequence[int]) -> None:
-        """Allocate it; ``joints`` are the engine's numbers of the law's joints."""
+        """Allocate memory; ``joints`` are the engine's numbers of the law's joints."""
         k = len(joints)
         self._kind = _KINDS[type(law)]
         self.joints: IntArray = np.array(joints, dtype=np.int32)
@@ -309,7 +309,7 @@ class LawMemory:
         struct.rates = self._scratch[1].ctypes.data
 
     def started_splines(self) -> dict[int, JointSpline]:
-        """Return the motions that the kernel started, by the joint's number."""
+        """Return the motions that the kernel started, by joint number."""
         found = {}
         for k in np.flatnonzero(self.started).tolist():
             n = self.started[k]
@@ -322,7 +322,7 @@ class LawMemory:
 
 
 _UNTIL, _ORIGIN, _COEFFICIENTS = 0, 1, slice(2, 8)
-"""Columns of a piece."""
+"""Columns of a piece's values."""
 _ARRAYS = (
     "joints",
     "wraps",
@@ -343,7 +343,7 @@ _ARRAYS = (
 
 
 def packed(piece: Piece, monitor: GoalMonitor | None = None) -> tuple[float, ...]:
-    """Return a piece as the kernel reads it, with the checks of an active goal."""
+    """Return a piece in the kernel's format, with the checks of an active goal."""
     check, tolerance = Check.NOTHING, UNCHECKED
     if monitor is not None:
         check, tolerance = monitor.check_of(piece)
@@ -361,7 +361,7 @@ _Buffer = c_char * 0
 
 
 def address(array: NDArray[Any]) -> Array[c_char] | c_void_p:
-    """Return where the numbers of a contiguous array are, for a call of the kernel."""
+    """Return the address of a contiguous array's data, for calls of the kernel."""
     if array.flags.writeable:
         return _Buffer.from_buffer(array.data)  # a fifth of the time
     return c_void_p(array.ctypes.data)

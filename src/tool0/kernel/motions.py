@@ -1,4 +1,4 @@
-"""Desired motions of many joints at once: cubics that follow each other."""
+"""Desired motions of many joints at once, as sequences of cubics."""
 
 from __future__ import annotations
 
@@ -19,38 +19,39 @@ class JointGoal(NamedTuple):
     """A joint that a command on the device moves."""
 
     source: int
-    """Column of the joint in the command."""
+    """Column of the joint in the command array."""
     joint: int
-    """Number of the joint in the controller."""
+    """Number of the joint in its controller."""
     lower: float
     upper: float
-    """Limits of its position [rad | m]."""
+    """Position limits of the joint [rad | m]."""
 
 
 @final
 class Motions:
     """The motions of k joints of n robots, in pieces.
 
-    They are those of a JointTrajectoryController that gets points without
-    accelerations by its topic: lines or cubics, and then rest.
+    They equal the motions of a JointTrajectoryController that receives points without
+    accelerations on its topic: lines or cubics, followed by rest.
     """
 
     def __init__(self, position: Array, wraps: Sequence[bool]) -> None:
         """Start with every joint at rest at ``position`` [rad | m], shape (n, k).
 
-        ``wraps`` tells which joints turn endlessly.
+        ``wraps`` is true for continuous joints.
         """
         self._wraps = tuple(wraps)
         self.until: Array = np.full((*position.shape, 1), math.inf)
-        """Start of the next piece [s], shape (n, k, n_pieces)."""
+        """Start of the piece after each piece [s], shape (n, k, n_pieces)."""
         self.origin: Array = np.zeros_like(self.until)
-        """Start of a piece [s]."""
+        """Start of each piece [s], of the same shape."""
         self.coefficients: Array = np.zeros((*self.until.shape, 4))
-        """Coefficients of the polynomial in the time since then, the constant first."""
+        """Coefficients of the polynomial in time since ``origin``, the constant one
+        first."""
         self.coefficients[..., 0, 0] = position
 
     def rest(self, rows: Indices, position: Array) -> None:
-        """Put the joints of these robots at rest at ``position``, (len(rows), k)."""
+        """Put the joints of some robots at rest at ``position``, (len(rows), k)."""
         self.until[rows] = math.inf
         self.coefficients[rows] = 0.0
         self.coefficients[rows, :, 0, 0] = position
@@ -73,7 +74,7 @@ class Motions:
         positions: Array,
         velocities: Array | None,
     ) -> int | None:
-        """Move from the desired motion through m points, and rest at the last.
+        """Move from the current desired motion through m points, and then rest.
 
         Args:
             rows: The robots, r of them.
@@ -81,11 +82,12 @@ class Motions:
             now: The time of the next tick [s], shape (r,).
             times: Times of the points after now [s], increasing, shape (r, m).
             positions: Positions [rad | m], shape (r, m, j).
-            velocities: Those at the points, the same shape; None makes linear motions.
+            velocities: Velocities at the points [rad/s | m/s], of the same shape; None
+                makes linear motions.
 
         Returns:
-            None, or the number of a row that asks for an implausible motion; then
-            nothing has changed.
+            None, or the number of a row that requests an implausible motion; in that
+            case, nothing has changed.
         """
         n_points = times.shape[1]
         ends = now[:, None] + times
@@ -124,7 +126,7 @@ class Motions:
         return None
 
     def extend(self, n_pieces: int) -> None:
-        """Make room for so many pieces of each motion."""
+        """Make room for ``n_pieces`` pieces of each motion."""
         missing = n_pieces - self.until.shape[2]
         if missing > 0:
             room = ((0, 0), (0, 0), (0, missing))
@@ -145,7 +147,7 @@ def _fit(q0: Array, v0: Array, q1: Array, v1: Array | None, T: Array) -> Array:
 
 
 def _largest(coefficients: Array, T: Array) -> Array:
-    """Return bounds of position and velocity, as ``Segment.is_bounded`` has them."""
+    """Return bounds of position and velocity, as in ``Segment.is_bounded``."""
     a = np.moveaxis(np.abs(coefficients), -1, 0)
     position = a[0] + T * (a[1] + T * (a[2] + T * a[3]))
     speed = a[1] + T * (2.0 * a[2] + T * 3.0 * a[3])

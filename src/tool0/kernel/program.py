@@ -1,4 +1,4 @@
-"""The ticks of one robot, executed by the kernel until an event."""
+"""Execution of one robot's ticks by the kernel, until an event."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ from tool0.kernel.memory import (
 )
 
 LOADED_PIECES = 16
-"""Pieces of a motion that Python makes for each joint at once."""
+"""Number of pieces of a motion that Python makes for each joint at a time."""
 
 
 @final
 class RobotMemory:
-    """The struct of one robot, with its state between ticks."""
+    """Memory of one robot: its struct, with the state between ticks."""
 
     def __init__(self, n_joints: int, n_laws: int) -> None:
         self.laws = (LawStruct * n_laws)()
@@ -79,7 +79,7 @@ class RobotMemory:
         struct.standstill = BRAKE_STANDSTILL
 
     def tick_start(self) -> JointState:
-        """Return the state at the start of the last tick, or of an unfinished one."""
+        """Return the state at the start of the last or of the unfinished tick."""
         struct = self.struct
         steps = struct.steps - struct.steps_per_tick + struct.steps_left
         position, velocity, effort = self._tick.tolist()
@@ -94,7 +94,7 @@ class RobotMemory:
 
 @final
 class _LoadedLaw:
-    """A law of a running controller in the kernel's memory."""
+    """A running controller's law in the kernel's memory."""
 
     def __init__(self, law: ActiveLaw, joints: Sequence[int]) -> None:
         self._memory = LawMemory(law, joints)
@@ -104,15 +104,15 @@ class _LoadedLaw:
         self._packed: tuple[object, object] | None = None
         self._known_until = -math.inf
         self._started_grip: tuple[DriveLimits, float] | None = None
-        """Limits and start [s] of a goal that Python lacks."""
+        """Limits and start [s] of a goal that Python does not know yet."""
 
     def use(self, struct: LawStruct) -> None:
-        """Use this struct, which is new."""
+        """Use ``struct``, which is new and empty, for the law."""
         self._struct = struct
         self._memory.fill(struct, self._law)
 
     def load(self, law: ActiveLaw, time: float) -> None:
-        """Take the law as it is at ``time`` [s]."""
+        """Copy the law's state at ``time`` [s] to the kernel's memory."""
         memory, pid = self._memory, law.pid
         self._law = law
         if pid is not None:
@@ -184,7 +184,7 @@ class _LoadedLaw:
     def start_grip(
         self, target: float, effort: float | None, limits: DriveLimits, now: float
     ) -> None:
-        """Start a goal that nobody waits for, as ``GripperActionController.drive``."""
+        """Start a goal that nobody awaits, like ``GripperActionController.drive``."""
         law, grip = self._law, self._memory.grip
         assert isinstance(law, GripperLaw)
         self._started_grip = limits, now
@@ -213,7 +213,7 @@ class _LoadedLaw:
         grip.stall_position, grip.stall_since = now.stall_position, now.stall_since
 
     def _store_starts(self, controller: TrajectoryFollower, time: float) -> None:
-        """Give the controller the motions that started here, or are about to."""
+        """Pass motions that started in the kernel, or are about to, to Python."""
         memory, start = self._memory, self._memory.start
         coming = start and start.coming()
         if memory.started.any():
@@ -228,7 +228,7 @@ class _LoadedLaw:
             controller.command(*coming)
 
     def store(self, controller: Controller, time: float) -> None:
-        """Give the controller its state back; ``time`` is that of the next tick [s]."""
+        """Copy the state back to the controller; the next tick is at ``time`` [s]."""
         law, memory = self._law, self._memory
         if isinstance(controller, TrajectoryFollower):
             self._store_starts(controller, time)
@@ -244,31 +244,32 @@ class _LoadedLaw:
 
 
 class Ended(IntEnum):
-    """Why a run of the kernel ended."""
+    """Reason why a run of the kernel ended."""
 
     DONE = 0
-    """All ticks are executed."""
+    """All ticks were executed."""
     EVENT = 1
-    """Python executes the next tick, or the steps that are left of this one."""
+    """Python must execute the next tick, or the remaining steps of this one."""
     CHECK = 2
-    """Python checks whether the state has diverged, and then as ``EVENT``."""
+    """Python must check whether the state has diverged; otherwise like ``EVENT``."""
     MASSES = 3
-    """Masses of servos are due (``refresh_masses``); then it goes on."""
+    """Masses of servos are due (``refresh_masses``) before the run can go on."""
     MOBILITY = 4
-    """The mobility of fast joints is due (``refresh_mobilities``); then it goes on."""
+    """Mobility of fast joints is due (``refresh_mobilities``) before the run can go
+    on."""
 
 
 REFRESHES = {Ended.MASSES: refresh_masses, Ended.MOBILITY: refresh_mobilities}
-"""Functions that compute what is due."""
+"""Functions that compute the quantities that are due."""
 _ENDED = tuple(Ended)  # an index takes a tenth of the time of Ended(...)
 
 
 @final
 class TickProgram:
-    """The running controllers and drives of one robot in the kernel's memory.
+    """One robot's running controllers and drives in the kernel's memory.
 
-    From ``load`` to ``store``, their state is there, and the objects in Python are out
-    of date.
+    From ``load`` to ``store``, the kernel's memory has their state, and the Python
+    objects are out of date.
     """
 
     def __init__(
@@ -287,8 +288,8 @@ class TickProgram:
         Args:
             compiled: The library.
             running: The running controllers in load order, with their joints.
-            specs: Their parameters.
-            laws: One for each of them.
+            specs: The controllers' parameters.
+            laws: The controllers' laws, one for each.
             hardware: The drives.
             dt: Length of a step of the engine [s].
             period: Length of a tick [s].
@@ -319,9 +320,9 @@ class TickProgram:
         running: Sequence[tuple[Controller, Sequence[int]]],
         specs: Sequence[ControllerSpec],
     ) -> bool:
-        """Run these controllers from the next ``load`` on, if the memory fits them.
+        """Run these controllers from the next ``load`` on; return whether memory fits.
 
-        It fits those that were restarted, as by a reset.
+        The memory fits controllers that were restarted, for example by a reset.
         """
         if running is self._running:
             return True
@@ -347,7 +348,7 @@ class TickProgram:
         self._use(stepper)
 
     def run(self, most: int, stepper: NativeStepper) -> tuple[Ended, int]:
-        """Execute up to ``most`` ticks; return how it ended, and how many were."""
+        """Execute up to ``most`` ticks; return why it ended, and their number."""
         self._use(stepper)
         robot, done = self._arguments
         executed = 0
@@ -366,13 +367,13 @@ class TickProgram:
             self._robot.set_stepper(stepper)
 
     def note_steps(self, stepper: NativeStepper) -> bool:
-        """Tell the engine the executed steps; return whether there were any."""
+        """Tell the engine the number of executed steps; return whether any were."""
         before, steps = stepper.steps(), self.steps
         stepper.note_steps(steps, self._robot.effort.tolist())
         return steps > before
 
     def set_drive_limits(self, joint: int, limits: DriveLimits) -> None:
-        """Limit the drive of a joint, by its number, as RobotHardware does."""
+        """Limit the drive of a joint, given by its number, like ``RobotHardware``."""
         if self._drives.drive_limits.get(joint) != limits:
             self._drives.set_drive_limits(joint, limits)
 
@@ -384,9 +385,9 @@ class TickProgram:
         limits: DriveLimits,
         now: float,
     ) -> None:
-        """Start a goal of a GripperActionController, by its number, ``now`` [s].
+        """Start a goal of a GripperActionController, given its number, at ``now``.
 
-        Nobody waits for its end; ``target`` and ``effort`` are those of ``drive``.
+        Nobody awaits the goal; ``target`` and ``effort`` are as for ``drive``.
         """
         law = self._laws[controller]
         assert law is not None
@@ -394,7 +395,7 @@ class TickProgram:
 
     @property
     def n_controllers(self) -> int:
-        """The running controllers, with and without a law."""
+        """Number of running controllers, with and without a law."""
         return len(self._running)
 
     @property
@@ -410,39 +411,39 @@ class TickProgram:
 
     @property
     def effort(self) -> FloatArray:
-        """The effort applied in the last step [N·m | N], a view."""
+        """The effort applied in the last step [N·m | N], as a view."""
         return self._robot.effort
 
     def law_address(self, controller: int) -> int:
-        """Return the address of the law of a running controller, by its number."""
+        """Return the address of a running controller's law, given its number."""
         laws = [law for law in self._laws[:controller] if law is not None]
         return addressof(self._robot.laws) + len(laws) * sizeof(LawStruct)
 
     @property
     def steps(self) -> int:
-        """Steps of the engine since its time was 0."""
+        """Number of engine steps since time 0."""
         steps: int = self._struct.steps
         return steps
 
     @property
     def has_stepped(self) -> bool:
-        """Whether the engine was stepped since the last ``load``."""
+        """Whether the engine has been stepped since the last ``load``."""
         return self.steps != self._loaded_at
 
     @property
     def step_address(self) -> tuple[int, int, int]:
-        """Address of the last step, as in a row of ``ToolForcesKernel.of_steps``."""
+        """Addresses of the last step's state, for ``ToolForcesKernel.of_steps``."""
         struct = self._struct
         return struct.step_position, struct.step_velocity, struct.velocity
 
     @property
     def steps_left(self) -> int:
-        """Steps of a tick, whose laws are executed, that Python must execute."""
+        """Number of steps that Python must execute to finish a tick after its laws."""
         left: int = self._struct.steps_left
         return left
 
     def tick_start(self) -> JointState:
-        """Return the state at the start of the last tick, or of an unfinished one."""
+        """Return the state at the start of the last or of the unfinished tick."""
         return self._robot.tick_start()
 
     def step_start(self) -> JointState:
@@ -450,7 +451,7 @@ class TickProgram:
         return self._robot.step_start()
 
     def store(self) -> None:
-        """Give controllers and drives their state back."""
+        """Copy the state back to the controllers and drives."""
         time = self.steps * self._struct.dt
         for law, (controller, _) in zip(self._laws, self._running, strict=True):
             if law is not None:

@@ -1,4 +1,4 @@
-"""Kinematics of the tool of n copies of an arm, by the kernel: ``tool.c``."""
+"""Tool kinematics of n copies of an arm, computed by the kernel: ``tool.c``."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class _Frame(Structure):
 
     @classmethod
     def of(cls, T: FloatArray) -> _Frame:
-        """Return a pose, shape (4, 4)."""
+        """Return a pose, shape (4, 4), as a struct."""
         return cls((c_double * 9)(*T[:3, :3].flat), (c_double * 3)(*T[:3, 3]))
 
 
@@ -35,7 +35,7 @@ class _Arm(Structure):
 
 @final
 class ToolKernel:
-    """The tool of one kind of arm.  Every array has one row per copy."""
+    """Tool kinematics of one kind of arm.  Every array has one row per copy."""
 
     def __init__(
         self,
@@ -51,10 +51,10 @@ class ToolKernel:
 
         Args:
             compiled: The kernel.
-            base: The arm's base in the root, shape (4, 4).
-            joints: Each joint at 0 in the one before, six of shape (4, 4).
+            base: Pose of the arm's base in the root, shape (4, 4).
+            joints: Six poses, shape (4, 4): each joint at position 0 in the one before.
             axes: Axes of the joints, in their own frames, shape (6, 3).
-            tool: The tool in the last joint, shape (4, 4).
+            tool: Pose of the tool in the last joint, shape (4, 4).
             damping: Damping of the inverse of the Jacobian, squared [m²].
         """
         self._arm = _Arm(
@@ -89,7 +89,7 @@ class ToolKernel:
         rotations: FloatArray,
         limit: FloatArray,
     ) -> FloatArray:
-        """Return joint positions nearer to poses, as ``gym.tool.Tool.approach``."""
+        """Return joint positions nearer to poses; see ``gym.tool.Tool.approach``."""
         given = [np.ascontiguousarray(a) for a in (q, positions, rotations, limit)]
         found = np.empty((len(q), _JOINTS))
         self._approach(self._at, len(q), *map(address, given), address(found))
@@ -98,7 +98,7 @@ class ToolKernel:
     def steered(
         self, q: FloatArray, moves: FloatArray, lowest: float, limit: FloatArray
     ) -> FloatArray:
-        """Return joint positions after moves, as ``gym.tool.Tool.steered``."""
+        """Return joint positions after moves; see ``gym.tool.Tool.steered``."""
         q, moves = np.ascontiguousarray(q), np.ascontiguousarray(moves)
         found = np.empty((len(q), _JOINTS))
         self._steer(

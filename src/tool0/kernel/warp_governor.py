@@ -1,7 +1,8 @@
-"""The governor of joints' speeds as a Warp kernel: ``hardware/speed_governor.py``.
+"""The joint speed governor of ``hardware/speed_governor.py`` as a Warp kernel.
 
-In single precision, for many robots at once.  Arrays have one row per robot: shape
-(n, …).  The f free joints are those that no brake holds, the governed ones first.
+It computes many robots at once, in single precision.  Arrays have one row per robot:
+shape (n, …).  The f free joints are those that no brake holds, with the governed ones
+first.
 """
 
 import warp as wp
@@ -26,14 +27,14 @@ class Governed:
 
 @wp.struct
 class Scratch:
-    """Memory of ``govern`` for each robot."""
+    """Working memory of ``govern`` for each robot."""
 
     rotations: wp.array2d[wp.mat33]
     positions: wp.array2d[wp.vec3]
     """Frames of the bodies."""
     linear: wp.array2d[wp.vec3]
     angular: wp.array2d[wp.vec3]
-    """Velocities of a body for those of the free joints."""
+    """Velocities of a body per velocity of each free joint."""
     coming: wp.array2d[float]
     wanted: wp.array2d[float]
     used: wp.array2d[float]
@@ -42,7 +43,7 @@ class Scratch:
 
 @wp.struct
 class Remembered:
-    """Data that ``govern`` has from step to step."""
+    """Data that ``govern`` keeps from step to step."""
 
     has_before: wp.array[int]
     before: wp.array2d[float]
@@ -50,7 +51,7 @@ class Remembered:
     has_mobility: wp.array[int]
     mobility: wp.array3d[float]
     posture: wp.array2d[float]
-    """Positions of the free joints at which it was computed."""
+    """Positions of the free joints for which the mobility was computed."""
 
 
 @wp.kernel
@@ -71,10 +72,10 @@ def govern(
     remembered: Remembered,
     requested: wp.array2d[float],
 ) -> None:
-    """Request command and load of each joint, less what would make joints too fast.
+    """Request each joint's command and load, minus effort that would exceed speeds.
 
-    ``free_of`` has the number of each joint among the free ones, or -1; ``rotors`` are
-    the inertias of the free joints' rotors; ``compensates`` is 1 for joints whose drive
+    ``free_of`` is each joint's number among the free ones, or -1; ``rotors`` are the
+    rotor inertias of the free joints; ``compensates`` is 1 for joints whose drive
     carries their load.
     """
     robot = wp.tid()
@@ -124,7 +125,7 @@ def find_mobility(
     scratch: Scratch,
     mobility: wp.array3d[float],
 ) -> None:
-    """Set the mobility of a robot, as ``DriveDynamics``, when its bodies are placed."""
+    """Set the mobility of a robot with placed bodies, like ``DriveDynamics``."""
     n = rotors.shape[0]
     for i in range(n):
         for j in range(n):
@@ -179,7 +180,7 @@ def change(
     by: float,
     coming: wp.array2d[float],
 ) -> None:
-    """Add the effect of a change of one effort to the coming velocities."""
+    """Add the effect of changing one effort to the coming velocities."""
     for j in range(coming.shape[1]):
         coming[robot, j] += mobility[robot, row, j] * by
 
@@ -196,7 +197,7 @@ def limit(
     scratch: Scratch,
     requested: wp.array2d[float],
 ) -> None:
-    """Limit the requested efforts of a robot: ``SpeedGovernor.limit``."""
+    """Limit the requested efforts of a robot, like ``SpeedGovernor.limit``."""
     m = drives.shape[0]
     for k in range(free.shape[0]):
         i = free[k]
@@ -244,7 +245,7 @@ def share_excess(
     mobility: wp.array3d[float],
     scratch: Scratch,
 ) -> None:
-    """Share what a joint's own drive cannot brake among all drives."""
+    """Distribute braking that exceeds a joint's own drive among all drives."""
     m = drives.shape[0]
     is_within = int(0)
     sweep = int(0)

@@ -1,8 +1,8 @@
-"""The control law as Warp kernels: ``laws.c`` and ``drives.c`` for many robots at once.
+"""The control laws as Warp kernels: ``laws.c`` and ``drives.c`` for many robots.
 
-The order of operations is that of the C code, in single precision.  Time is in double
-precision, so that motions begin and end in the same tick.  Units are those of the C
-structs, and so are the names.  Arrays have one row per robot: shape (n, …).
+Operations have the same order as in the C code, but single precision.  Time is in
+double precision, so that motions begin and end in the same tick as there.  Units and
+names are those of the C structs.  Arrays have one row per robot: shape (n, …).
 """
 
 import math
@@ -11,7 +11,7 @@ import warp as wp
 
 TURN = wp.constant(math.tau)
 JUST_AFTER = wp.constant(wp.float64(2.3e-16))
-"""Relative distance to the next number."""
+"""Relative distance from a number to the next larger one."""
 
 
 @wp.struct
@@ -28,7 +28,7 @@ class Body:
     position: wp.vec3
     center: wp.vec3
     tensor: wp.mat33
-    """Inertia about the centre."""
+    """Inertia tensor about the centre of mass."""
 
 
 @wp.struct
@@ -38,7 +38,7 @@ class Spring:
     joint: int
     master: int
     factor: float
-    """Multiplier times stiffness."""
+    """Multiplier of the joint times the spring's stiffness."""
     reference: float
 
 
@@ -50,7 +50,7 @@ class Drive:
     is_soft: int
     is_linear: int
     is_governed: int
-    """Whether the governor limits its speed."""
+    """Whether the governor limits the joint's speed."""
     effort: float
     velocity: float
     lower: float
@@ -71,7 +71,7 @@ class Goal:
     """A joint that a command moves."""
 
     source: int
-    """Column of the joint in the command."""
+    """Column of the joint in the command array."""
     column: int
     """Number of the joint among the controlled joints."""
     drive: int
@@ -95,7 +95,7 @@ class Gripper:
     fastest: float
     ramp_time: float
     shortest: float
-    """Least duration of a motion [s]."""
+    """Shortest duration of a motion [s]."""
 
 
 @wp.kernel
@@ -115,11 +115,11 @@ def run_laws(
     integrals: wp.array2d[float],
     command: wp.array2d[float],
 ) -> None:
-    """Write the command of a tick, for each robot and each controlled joint."""
+    """Write the command of a tick for each robot and each controlled joint."""
     robot, k = wp.tid()
     time = wp.float64(steps[robot]) * dt
     j = int(0)
-    while time >= until[robot, k, j]:  # that of the last piece is infinite
+    while time >= until[robot, k, j]:  # infinite for the last piece
         j += 1
     t = wp.float32(time - origin[robot, k, j])
     c = coefficients[robot, k, j]
@@ -159,7 +159,7 @@ def setpoint(
 
 @wp.func
 def cubic(start: wp.vec2, way: float, speed: float, T: float) -> wp.vec4:
-    """Return a polynomial over T from position and velocity along a way to a speed."""
+    """Return a cubic of duration T, given its start, displacement and final speed."""
     c2 = (3.0 * way - (2.0 * start[1] + speed) * T) / T / T
     c3 = (-2.0 * way + (start[1] + speed) * T) / T / T / T
     return wp.vec4(start[0], start[1], c2, c3)
@@ -179,7 +179,7 @@ def start_motion(
 ) -> None:
     """Make a joint follow a polynomial and then rest at ``end``."""
     last = now + duration
-    until[robot, joint, 0] = last + last * JUST_AFTER  # at its end it still moves
+    until[robot, joint, 0] = last + last * JUST_AFTER  # it still moves at its end
     until[robot, joint, 1] = wp.float64(wp.inf)
     origin[robot, joint, 0] = now
     coefficients[robot, joint, 0] = polynomial
@@ -202,10 +202,10 @@ def start_motions(
     grips: wp.array2d[wp.vec3],
     has_diverged: wp.array[int],
 ) -> None:
-    """Move joints from their setpoints to ``positions``, and rest: ``Motions.start``.
+    """Move joints from setpoints to ``positions``, and rest, like ``Motions.start``.
 
-    A line, or a cubic if ``velocities`` is not empty.  Positions beyond a limit count
-    as the limit.  A robot with a number that is not finite diverges.
+    The motion is a line, or a cubic if ``velocities`` is not empty.  Positions beyond a
+    limit are clamped.  A robot with a number that is not finite diverges.
     """
     robot, k = wp.tid()
     if is_chosen[robot] == 0:
@@ -248,10 +248,9 @@ def start_grips(
     grips: wp.array2d[wp.vec3],
     has_diverged: wp.array[int],
 ) -> None:
-    """Move pads to openings: ``motion.gripper.direct_path``, with speeds and forces.
+    """Move pads to openings with speeds and forces; see ``motion.gripper.direct_path``.
 
-    Openings out of reach count as the nearest one.  A robot whose opening is not finite
-    diverges.
+    Openings out of range are clamped.  A robot whose opening is not finite diverges.
     """
     robot = wp.tid()
     if is_chosen[robot] == 0:
@@ -303,7 +302,7 @@ def place_bodies(
     rotations: wp.array2d[wp.mat33],
     positions: wp.array2d[wp.vec3],
 ) -> None:
-    """Find the frames of all bodies of a robot."""
+    """Compute the frames of all bodies of a robot."""
     for i in range(bodies.shape[0]):
         body = bodies[i]
         R = body.rotation
@@ -335,9 +334,10 @@ def balance(
     moments: wp.array2d[wp.vec3],
     loads: wp.array2d[float],
 ) -> None:
-    """Set loads to the efforts that balance gravity and springs, when they are due.
+    """Set loads to the efforts that balance gravity and springs, if they are due.
 
-    ``rotations``, ``positions`` and ``moments`` (mass last) are scratch, one per body.
+    ``rotations``, ``positions`` and ``moments`` (mass last) are scratch memory, one
+    element per body.
     """
     robot = wp.tid()
     if steps[robot] % pose_period != 0:
@@ -370,7 +370,7 @@ def balance(
 
 @wp.func
 def soft_speed(drive: Drive, position: float, limit: float) -> wp.float32:
-    """Return the speed towards a soft limit that the position allows."""
+    """Return the speed towards a soft limit that is allowed at the position."""
     speed = -drive.k_position * (position - limit)
     return wp.clamp(speed, -drive.velocity, drive.velocity)
 
@@ -389,11 +389,11 @@ def run_drives(
     motors: wp.array2d[float],
     motor_of: wp.array[int],
 ) -> None:
-    """Write the effort of the next step, for each robot and each drive.
+    """Write the effort of the next step for each robot and each drive.
 
-    ``compensates`` is 1 for drives that carry their load, ``motor_of`` the number of a
-    drive's motor.  Of a goal, ``grips`` has force and speed of the pads, and 1, or 0 if
-    there is none.
+    ``compensates`` is 1 for drives that carry their load; ``motor_of`` is the number of
+    a drive's motor.  ``grips`` contains a goal's force and speed of the pads, and 1 if
+    there is a goal.
     """
     robot, k = wp.tid()
     drive = drives[k]

@@ -1,1 +1,1 @@
-"""Recordings: MCAP files with ROS 2 messages, written from snapshots, and read."""
+"""Writing and reading of recordings: MCAP files with ROS 2 messages."""

@@ -1,8 +1,8 @@
-"""Messages of constant layout in CDR: one ``struct`` packs and unpacks each.
+"""Messages of constant layout in CDR, packed and unpacked by one ``struct`` each.
 
-In a stream only the numbers change, not the names, so that everything else is packed
-once.  This takes 2 to 5 µs for a message; a general serializer takes fifty.  CDR is
-little endian here, and aligns to the bytes after its four bytes of header:
+Only the numbers change within a stream, so everything else, such as names, is packed
+once.  A message takes 2 to 5 µs; a general serializer takes 50 µs.  The CDR is little
+endian, with alignment relative to the end of its four-byte header:
 https://www.omg.org/spec/DDSI-RTPS/2.3 chapter 10.
 """
 
@@ -16,14 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 HEADER: Final = b"\x00\x01\x00\x00"
-"""Little endian, no options."""
+"""CDR header: little endian, no options."""
 _NS: Final = 1_000_000_000
 _UINT32, _FLOAT64 = 6, 8
-"""Types of sensor_msgs/PointField."""
+"""Data types of sensor_msgs/PointField."""
 
 
 def _string(text: str, offset: int) -> bytes:
-    """Return a string at ``offset``, with the padding before it."""
+    """Return a string encoded for ``offset``, including the padding before it."""
     data = text.encode() + b"\x00"
     return _padding(offset, 4) + struct.pack("<I", len(data)) + data
 
@@ -35,7 +35,7 @@ def _padding(offset: int, alignment: int) -> bytes:
 def _columns(
     messages: Sequence[bytes], size: int, start: int, count: int
 ) -> NDArray[np.float64]:
-    """Return ``count`` doubles from ``start`` of each message, shape (n, count)."""
+    """Return ``count`` doubles from offset ``start`` of each message, as (n, count)."""
     rows = np.frombuffer(b"".join(messages), np.uint8).reshape(-1, size)
     part = np.ascontiguousarray(rows[:, start : start + 8 * count])
     return part.view("<f8").astype(np.float64, copy=False)
@@ -43,7 +43,7 @@ def _columns(
 
 @final
 class JointStates:
-    """sensor_msgs/JointState of the same joints."""
+    """sensor_msgs/JointState for a fixed list of joints."""
 
     def __init__(self, names: Sequence[str], *, has_effort: bool = True) -> None:
         """Without efforts, the third sequence of the message is empty."""
@@ -67,7 +67,7 @@ class JointStates:
 
     @staticmethod
     def _count(offset: int, n: int) -> bytes:
-        """Return the length of a sequence of doubles, aligned for what follows."""
+        """Return a sequence's length field, padded so that the doubles are aligned."""
         count = _padding(offset, 4) + struct.pack("<I", n)
         return count + (_padding(offset + len(count), 8) if n else b"")
 
@@ -78,7 +78,7 @@ class JointStates:
         velocity: Sequence[float],
         effort: Sequence[float] = (),
     ) -> bytes:
-        """Return the message of an instant ``stamp`` [ns]."""
+        """Return the message for the time ``stamp`` [ns]."""
         return self._struct.pack(
             HEADER,
             *divmod(stamp, _NS),
@@ -105,7 +105,7 @@ class JointStates:
 
 @final
 class Transforms:
-    """tf2_msgs/TFMessage with the same frames."""
+    """tf2_msgs/TFMessage for a fixed list of frames."""
 
     def __init__(self, frames: Sequence[tuple[str, str]]) -> None:
         """``frames`` are pairs of parent and child."""
@@ -130,7 +130,7 @@ class Transforms:
             at += 56
 
     def encode(self, stamp: int, poses: Sequence[Sequence[float]]) -> bytes:
-        """Return the message: ``poses`` are x, y, z [m], qx, qy, qz, qw."""
+        """Return the message; each of ``poses`` is x, y, z [m], qx, qy, qz, qw."""
         time = divmod(stamp, _NS)
         values: list[Any] = []
         for block, pose in zip(self._blocks, poses, strict=True):
@@ -140,14 +140,14 @@ class Transforms:
         return self._struct.pack(HEADER, self._head, *values)
 
     def arrays(self, messages: Sequence[bytes]) -> list[NDArray[np.float64]]:
-        """Return the poses of each frame, shape (n, 7), as they are encoded."""
+        """Return the poses of each frame, shape (n, 7), in the order of the message."""
         size = self._struct.size
         return [_columns(messages, size, start, 7) for start in self._starts]
 
 
 @final
 class Wrenches:
-    """geometry_msgs/WrenchStamped in one frame."""
+    """geometry_msgs/WrenchStamped in a fixed frame."""
 
     def __init__(self, frame: str) -> None:
         block = _string(frame, 8)
@@ -155,7 +155,7 @@ class Wrenches:
         self._struct = struct.Struct(f"<4siI{len(self._block)}s6d")
 
     def encode(self, stamp: int, wrench: Sequence[float]) -> bytes:
-        """Return the message: force [N] and torque [N·m]."""
+        """Return the message with force [N] and torque [N·m]."""
         return self._struct.pack(HEADER, *divmod(stamp, _NS), self._block, *wrench)
 
     def arrays(self, messages: Sequence[bytes]) -> NDArray[np.float64]:
@@ -176,12 +176,12 @@ def decode_text(message: bytes) -> bytes:
 
 @final
 class Points:
-    """sensor_msgs/PointCloud2: doubles, then 32 bit integers, for each point."""
+    """sensor_msgs/PointCloud2 whose points are doubles, then 32-bit integers."""
 
     def __init__(
         self, frame: str, doubles: Sequence[str], integers: Sequence[str]
     ) -> None:
-        """The first doubles are ``x``, ``y`` and ``z``."""
+        """Define the fields; the first doubles must be ``x``, ``y`` and ``z``."""
         self._n_doubles, self._n_integers = len(doubles), len(integers)
         self._point = struct.Struct(f"<{len(doubles)}d{len(integers)}I")
         self._names = _string(frame, 8)
@@ -202,7 +202,7 @@ class Points:
         self._head = struct.Struct(f"<4siI{len(self._names)}sII{len(self._fields)}sII")
 
     def encode(self, stamp: int, points: Sequence[Sequence[float]]) -> bytes:
-        """Return the message; a point is its doubles, then its integers."""
+        """Return the message; each point is given as its doubles, then its integers."""
         data = b"".join(self._point.pack(*point) for point in points)
         n, size = len(points), len(data)
         head = self._head.pack(
@@ -211,5 +211,5 @@ class Points:
         return head + data + b"\x01"  # is_dense
 
     def decode(self, message: bytes) -> list[tuple[Any, ...]]:
-        """Return the points, as they are encoded."""
+        """Return the points as tuples of doubles, then integers."""
         return list(self._point.iter_unpack(message[self._head.size : -1]))

@@ -1,4 +1,4 @@
-"""The arrays of a recording as columns with names."""
+"""The arrays of a recording as named columns."""
 
 from __future__ import annotations
 

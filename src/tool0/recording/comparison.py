@@ -1,4 +1,4 @@
-"""Comparing a repeated simulation with the frames of its recording, bit by bit."""
+"""Bit-by-bit comparison of a repeated simulation with the frames of its recording."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ _POSE: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Divergence:
-    """First place at which the repetition differs from the recording."""
+    """First difference between the repetition and the recording."""
 
     time: float
     """Simulated time [s]."""
     what: str
     """Name of the quantity, such as ``position of elbow_joint``."""
     recorded: float | str
-    """Recorded value [rad | m], [rad/s | m/s], [N·m | N], [m]; a text for outcomes of
-    requests."""
+    """Recorded value [rad | m], [rad/s | m/s], [N·m | N] or [m]; a text for the outcome
+    of a request."""
     found: float | str
 
     def __str__(self) -> str:
@@ -48,7 +48,7 @@ class DivergedError(Exception):
 
 @final
 class Frames:
-    """The recorded frames, and how many were found again."""
+    """The recorded frames, and the number of them that were reproduced."""
 
     def __init__(self, recording: RecordingFile) -> None:
         self.done = 0
@@ -66,18 +66,18 @@ class Frames:
 
     @property
     def next_step(self) -> int:
-        """The step of the next frame."""
+        """Step of the next frame to compare."""
         return self._steps[self.done]
 
     def match(self, snapshot: Snapshot) -> None:
-        """Count the next frames as found, as far as they are this state."""
+        """Count the next frames as reproduced if they equal this state."""
         while not self.is_done and self.next_step == snapshot.step:
             if next(self._differences(snapshot), None) is not None:
                 return
             self.done += 1
 
     def require_matched(self, snapshot: Snapshot) -> None:
-        """Raise the difference if a frame of this step was not found."""
+        """Raise DivergedError if a frame of this step was not reproduced."""
         if not self.is_done and self.next_step <= snapshot.step:
             raise DivergedError(next(self._differences(snapshot)))
 

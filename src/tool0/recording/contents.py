@@ -24,15 +24,15 @@ if TYPE_CHECKING:
     from tool0.simulation.simulation import Simulation
 
 FORMAT: Final = 1
-"""Incremented when an older reader would misread the file."""
+"""Version of the format, incremented when older readers would misread the file."""
 METADATA: Final = "tool0"
 MESHES: Final = "tool0.meshes"
-"""Metadata: a mesh's URI → the name of its attachment."""
+"""Name of the metadata that maps a mesh's URI to the name of its attachment."""
 ROBOT: Final = "robot.urdf"
 DESCRIPTION: Final = "description.json"
 SIMULATION: Final = "simulation.json"
 BRINGUP: Final = "bringup.json"
-"""All that brings the same robot up again."""
+"""Attachment with everything needed to bring up the same robot again."""
 CONTROLLERS: Final = "controllers.yaml"
 _JSON: Final = "application/json"
 
@@ -47,20 +47,20 @@ class RecordingInfo(Struct, frozen=True, kw_only=True):
     engine: str
     """Physics engine: mujoco or gazebo."""
     wall_start: float
-    """Wall time at which the recording began [s since 1970, UTC]."""
+    """Wall time at which the recording began [s since 1970 UTC]."""
     part: int = 1
-    """Number of this file; recordings rotate."""
+    """Number of this file within the recording, which may be split into several."""
     first_file: str = ""
     """Name of the first file of the recording; empty for that file itself."""
     control_period: float
     """Simulated time of a tick [s]."""
     root: str
-    """Link in whose frame objects are: the robot's root."""
+    """Link whose frame the objects' poses are in: the robot's root."""
     joint_names: tuple[str, ...]
-    """Order of the arrays' columns."""
+    """Names of the joints, in the order of the arrays' columns."""
 
     def metadata(self) -> dict[str, str]:
-        """Return it as metadata of MCAP: texts, by name."""
+        """Return the content as MCAP metadata: texts by name."""
         plain = msgspec.to_builtins(self)
         return {
             key: value
@@ -71,7 +71,7 @@ class RecordingInfo(Struct, frozen=True, kw_only=True):
 
 
 def info_from(metadata: Mapping[str, str]) -> RecordingInfo:
-    """Return the values that ``metadata`` wrote; msgspec.ValidationError for others."""
+    """Return the values that ``metadata`` wrote, or raise msgspec.ValidationError."""
     texts = {
         name
         for name, kind in RecordingInfo.__annotations__.items()
@@ -87,7 +87,7 @@ def info_from(metadata: Mapping[str, str]) -> RecordingInfo:
 
 @final
 class Contents:
-    """Head of each file of one recording: collected once, when it starts."""
+    """Static content at the start of each file, collected once per recording."""
 
     def __init__(self, simulation: Simulation) -> None:
         from importlib.metadata import version
@@ -116,7 +116,7 @@ class Contents:
         return self._info.joint_names
 
     def write(self, file: McapFile, part: int, first: Path) -> None:
-        """Write them into a new file, the ``part``-th of the recording."""
+        """Write the static content into a new file, the recording's ``part``-th."""
         info = msgspec.structs.replace(
             self._info, part=part, first_file="" if part == 1 else first.name
         )
@@ -130,7 +130,7 @@ class Contents:
 
 
 def attach_meshes(file: McapFile, meshes: Mapping[str, Path], first: int = 0) -> None:
-    """Attach the files of meshes, by their URIs, and number them from ``first`` on."""
+    """Attach mesh files, given by URI, and number them from ``first`` on."""
     names = {
         uri: f"meshes/{number}-{path.name}"
         for number, (uri, path) in enumerate(meshes.items(), first)
@@ -142,7 +142,7 @@ def attach_meshes(file: McapFile, meshes: Mapping[str, Path], first: int = 0) ->
 
 
 def object_meshes(objects: Iterable[SceneObject]) -> dict[str, Path]:
-    """Return the mesh files of objects, as their shapes name them when sent."""
+    """Return the mesh files of objects by the URIs that their sent shapes contain."""
     parts = (part for item in objects for part, _ in placed_geometries(item.geometry))
     return {str(path): path for path in _meshes(parts).values()}
 

@@ -1,4 +1,4 @@
-"""One error for everything that a damaged recording can cause."""
+"""Conversion of all errors that a damaged recording can cause into one."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _CAUSES = (
     msgspec.MsgspecError,
     struct.error,
 )
-"""Raised by readers that expect what a recording writes."""
+"""Errors that readers raise if a recording is damaged."""
 
 
 @contextlib.contextmanager
@@ -48,7 +48,7 @@ def damage(file: Path, part: str) -> Iterator[None]:
 
 
 def reads(part: str) -> Callable[[Callable[[R], T]], Callable[[R], T]]:
-    """Return a decorator of methods that read ``part`` of a recording."""
+    """Return a decorator for methods that read ``part`` of a recording."""
 
     def decorate(read: Callable[[R], T]) -> Callable[[R], T]:
         @functools.wraps(read)

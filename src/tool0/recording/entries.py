@@ -1,4 +1,4 @@
-"""Events and requests in a recording: all that is not arrays."""
+"""Events and requests in a recording: everything that is not an array."""
 
 from __future__ import annotations
 
@@ -10,18 +10,19 @@ from typing import Any, final
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordedEvent:
-    """Something that happened: a goal that ended, a warning, a fault, a reset."""
+    """An event, such as the end of a goal, a warning, a fault or a reset."""
 
     time: float
     """Simulated time [s]."""
     kind: str
-    """A code such as ``goal_succeeded``, as the panel's notices have it."""
+    """Code of the event, such as ``goal_succeeded``; the same as in the panel's
+    notices."""
     severity: str
-    """``info``, ``warning`` or ``error``."""
+    """Severity: ``info``, ``warning`` or ``error``."""
     text: str
     """Description of the event."""
     data: Mapping[str, Any]
-    """Details, by name."""
+    """Details of the event by name."""
 
 
 @final
@@ -30,18 +31,18 @@ class RecordedRequest:
     """A request that changed the simulation, executed between two ticks."""
 
     step: int
-    """Ticks since the bring-up, before which it was executed."""
+    """Ticks from the bring-up to the tick before which the request was executed."""
     tick: int
-    """Ticks since the start or the last reset."""
+    """Ticks since the start or the last reset, counted in the same way."""
     number: int
-    """Place in the journal, from 0 on."""
+    """Index in the journal, starting at 0."""
     time: float
     """Simulated time [s]."""
     method: str
-    """Name of the request on a connection."""
+    """Name of the request's method on a connection."""
     params: Mapping[str, Any] | None
-    """None if they could not be written."""
+    """Parameters of the request; None if they could not be written."""
     error: str | None = None
-    """Why it was refused."""
+    """Reason why the request was refused; None if it succeeded."""
     unrepeatable: str | None = None
-    """Why its parameters could not be written."""
+    """Reason why the parameters could not be written; None if they were."""

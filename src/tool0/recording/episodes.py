@@ -1,7 +1,7 @@
 """Demonstrations: a folder of recordings, one for each episode, with an index.
 
-A person or a program drives the robot, starts an episode, and says how it ended: by a
-key in the terminal or in the panel, or by a request.  ``episodes.jsonl`` has a line for
+A person or a program drives the robot, starts an episode, and states how it ended: by a
+key in the terminal or the panel, or by a request.  ``episodes.jsonl`` has a line for
 each episode that was kept, in the order of their numbers.
 """
 
@@ -41,26 +41,26 @@ INDEX: Final = "episodes.jsonl"
 
 
 class EpisodeRow(Struct, frozen=True, kw_only=True):
-    """A line of the index."""
+    """Entry of an episode in the index."""
 
     episode: int
-    """Number of the episode, from 0 on."""
+    """Number of the episode, starting at 0."""
     file: str
-    """Name of the recording in the same folder."""
+    """File name of the recording in the same folder."""
     outcome: Outcome
     task: str
     """Description of the task."""
     duration: float
-    """Simulated time [s]."""
+    """Duration of the episode in simulated time [s]."""
     wall_start: float
-    """Wall time at which the episode began [s since 1970, UTC]."""
+    """Wall time at which the episode began [s since 1970 UTC]."""
 
 
 def read_index(folder: Path) -> list[EpisodeRow]:
-    """Return the episodes of a folder, of which the last line may be incomplete.
+    """Return the episodes in a folder's index, whose last line may be incomplete.
 
     Raises:
-        RecordingError: If it has no index, or a line of it is wrong.
+        RecordingError: If the folder has no index, or a line in it is invalid.
     """
     path = folder / INDEX
     try:
@@ -83,7 +83,7 @@ def read_index(folder: Path) -> list[EpisodeRow]:
 
 @final
 class Episodes:
-    """Records the episodes of one simulation: ``simulation.service(Episodes)``."""
+    """Recorder of a simulation's episodes: ``simulation.service(Episodes)``."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -93,7 +93,7 @@ class Episodes:
         self._resets = True
         self._rows: list[EpisodeRow] = []
         self._wall_start: float | None = None
-        """Wall time at which the episode being recorded began [s]; None without one."""
+        """Wall time at which the current episode began [s]; None if there is none."""
         self._error: str | None = None
 
     @property
@@ -113,10 +113,10 @@ class Episodes:
         )
 
     def open(self, folder: Path, task: str, *, resets: bool) -> EpisodesStatus:
-        """Use a folder: a new one, or one with episodes.
+        """Open a folder for episodes, either a new one or one that already has some.
 
         Raises:
-            RecordingError: If it has other files, or cannot be written.
+            RecordingError: If the folder has other files, or cannot be written.
             ControlError: If an episode is being recorded.
         """
         with self._lock:
@@ -139,11 +139,11 @@ class Episodes:
             return self._status()
 
     def start(self) -> EpisodesStatus:
-        """Start an episode, after a reset if the folder was opened so.
+        """Start an episode, with a reset first if the folder was opened that way.
 
         Raises:
             ControlError: If no folder is open, or something is being recorded.
-            RecordingError: If its file cannot be written.
+            RecordingError: If the episode's file cannot be written.
         """
         with self._lock:
             if self._recording is not None:
@@ -158,17 +158,17 @@ class Episodes:
             self._error = None
             if self._resets:
                 answer(self._simulation, Reset())
-            recordings.start(file, overwrite=True)  # one without a line is no episode
+            recordings.start(file, overwrite=True)  # not in the index: no episode
             self._wall_start = time.time()
             return self._status()
 
     def end(self, outcome: EpisodeEnd) -> EpisodesStatus:
-        """End the episode, and add it to the index unless it is discarded.
+        """End the episode and add it to the index, unless it is to be discarded.
 
         Raises:
-            ControlError: If there is none.
-            RecordingError: If its recording ended on its own, or a reset has
-                divided it: it is discarded then.
+            ControlError: If no episode is being recorded.
+            RecordingError: If the recording ended by itself or was divided by a reset;
+                the episode is then discarded.
         """
         with self._lock:
             wall_start, file = self._wall_start, self._file()
@@ -197,7 +197,7 @@ class Episodes:
             return self._status()
 
     def close(self) -> None:
-        """Leave the folder, and discard an episode that is being recorded."""
+        """Close the folder; an episode that is being recorded is discarded."""
         with self._lock:
             if self._folder is not None and self._wall_start is not None:
                 recording = self._simulation.service(Recordings).stop()
@@ -206,7 +206,7 @@ class Episodes:
 
     @property
     def _recording(self) -> RecordingStatus | None:
-        """The recording of the current episode."""
+        """Status of the current episode's recording; None without an episode."""
         if self._wall_start is None:
             return None
         return self._simulation.service(Recordings).status
@@ -217,7 +217,7 @@ class Episodes:
         return status
 
     def _file(self) -> Path:
-        """Return the file of the current or the next episode."""
+        """Return the path of the current or next episode's file."""
         if self._folder is None:
             raise ControlError(
                 "there is no folder for episodes; open one: "

@@ -1,4 +1,4 @@
-"""Events as text and as JSON: on ``/rosout`` and ``/tool0/events``."""
+"""Events as text on ``/rosout`` and as JSON on ``/tool0/events``."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ EVENTS: Final = "/tool0/events"
 ROSOUT: Final = "/rosout"
 _LEVELS: Final[dict[Severity, int]] = {"info": 20, "warning": 30, "error": 40}
 _APART: Final = 0.5
-"""Time without contact after which touching again is another event [s]."""
+"""Time without contact after which touching again counts as a new event [s]."""
 
 
 @final
 class EventQueue:
-    """Puts events between the snapshots that they belong to.
+    """Merger of events into the sequence of snapshots.
 
-    Both arrive in order, but separately, and the snapshots may be late.
+    Both arrive in order but separately, and snapshots may be late.
     """
 
     def __init__(self, subscription: Subscription) -> None:
@@ -39,11 +39,11 @@ class EventQueue:
         self._waiting: deque[Event] = deque()
 
     def before(self, snapshot: Snapshot, last: Snapshot | None) -> Iterator[Event]:
-        """Yield the events up to ``snapshot``, which follows ``last``."""
+        """Yield the events between the snapshots ``last`` and ``snapshot``."""
         waiting = self._waiting
         while self._arrived:
             waiting.append(self._arrived.popleft())
-        if last is not None and snapshot.time < last.time:  # time began again
+        if last is not None and snapshot.time < last.time:  # time was reset
             while waiting:
                 yield (event := waiting.popleft())
                 if isinstance(event, WasReset):
@@ -60,20 +60,20 @@ class EventQueue:
             yield waiting.popleft()
 
     def rest(self) -> Iterator[Event]:
-        """Yield the remaining events at the end."""
+        """Yield the events that remain at the end of the recording."""
         yield from self._waiting
         yield from self._arrived
 
 
 @final
 class EventWriter:
-    """Writes events, and changes between snapshots, to one file."""
+    """Writer of events, and of changes between snapshots, to one file."""
 
     def __init__(self, file: McapFile) -> None:
         self._file = file
 
     def write_event(self, event: Event, now: float) -> None:
-        """Add an event of the bus; ``now`` is for events without a time [s]."""
+        """Add an event from the bus; ``now`` [s] is the time of events without one."""
         data: dict[str, Any] = {}
         if isinstance(event, GoalFinished) and event.goal.result is not None:
             outcome = msgspec.to_builtins(outcome_of(event.goal.result))
@@ -81,12 +81,12 @@ class EventWriter:
         self._write(described(event, now), now, data)
 
     def write_changes(self, before: Snapshot, snapshot: Snapshot) -> None:
-        """Add the changes since the snapshot before."""
+        """Add the events that follow from the differences between two snapshots."""
         for item in changes(before, snapshot):
             self._write(item, snapshot.time, {})
 
     def write_contact(self, contact: Contact, now: float) -> None:
-        """Add that the robot touches something."""
+        """Add an event that the robot touches something."""
         force = math.hypot(*contact.force)
         text = f"'{contact.first}' touches '{contact.second}' with {force:.1f} N"
         found = Notification(severity="info", code="contact", text=text, time=now)
@@ -119,16 +119,16 @@ class EventWriter:
 
 @final
 class ContactWatch:
-    """Finds the instants at which the robot begins to touch something."""
+    """Detector of the instants at which the robot begins to touch something."""
 
     def __init__(self, model: RobotModel) -> None:
         self._links = frozenset(link.name for link in model.links)
         self._seen: dict[tuple[str, str], float] | None = None
-        """Simulated time at which each pair touched last [s]; None before the first
+        """Simulated time of each pair's last contact [s]; None before the first
         snapshot."""
 
     def begun(self, snapshot: Snapshot) -> list[Contact]:
-        """Return the contacts of robot and surroundings that are new."""
+        """Return the new contacts between the robot and its surroundings."""
         time, seen = snapshot.time, self._seen
         outer = [
             contact

@@ -29,7 +29,7 @@ STATE: Final = "/tool0/state"
 TF_PERIOD: Final = 0.032
 """Simulated time between two messages on ``/tf`` [s]."""
 _FIRST_OBJECT: Final = 1000
-"""Number of the first attached mesh of an object; those of the robot come before."""
+"""Number of the first mesh attached for an object; the robot's meshes come before."""
 _NAN: Final = math.nan
 _NO_SETPOINT: Final = JointSetpoint(_NAN, _NAN, _NAN)
 _ROUNDING: Final = 1e-6  # [s]
@@ -50,7 +50,7 @@ def stamp(time: float) -> int:
 
 @final
 class FrameWriter:
-    """Writes snapshots to one file, in order."""
+    """Writer of snapshots, in order, to one file."""
 
     def __init__(
         self, file: McapFile, model: RobotModel, joint_names: Sequence[str]
@@ -77,20 +77,21 @@ class FrameWriter:
         self._gripper_states = JointStates(list(find_grippers(model)))
         self._contacts = contact_points(self._root)
         self._bodies: dict[str, int] = {}
-        """Links and objects that touched something → their numbers in ``/contacts``."""
+        """Name of a link or object that touched something → its number in
+        ``/contacts``."""
         self._next_frames = -math.inf
         self._had_contacts = False
         self._before: Snapshot | None = None
         self._derived = Derived()
         self._scene: tuple[SceneObject, ...] = ()
         self._meshes: dict[str, Path] = {}
-        """Mesh files of the objects that are attached."""
+        """Mesh files of objects that were attached so far."""
         self._objects = Transforms([])
 
     def write_robot(
         self, urdf: str, cameras: Mapping[str, Camera], time: float
     ) -> None:
-        """Add the description, and the frames that do not move, at ``time`` [s]."""
+        """Add the description and the static frames at ``time`` [s]."""
         at = stamp(time)
         self._file.write(DESCRIPTION, TEXT, at, encode_text(urdf.encode()))
         joints = [_JointFrame(joint) for joint in self._model.joints]
@@ -108,7 +109,7 @@ class FrameWriter:
     def write(self, snapshot: Snapshot) -> None:
         """Add the messages of one snapshot: ``/joint_states`` is always the first.
 
-        Their sequence numbers are its step.
+        Their sequence numbers are the snapshot's step.
         """
         file, time, step = self._file, stamp(snapshot.time), snapshot.step
         data = self._states.encode(
@@ -218,7 +219,7 @@ def optical_frame(camera: str) -> str:
 def contact_points(root: str) -> Points:
     """Return the layout of ``/contacts``.
 
-    A point has a force [N], a torque [N·m] and the numbers of the two bodies.
+    Each point has a force [N], a torque [N·m] and the numbers of the two bodies.
     """
     parts = ("x", "y", "z", "fx", "fy", "fz", "tx", "ty", "tz")
     return Points(root, parts, ("first", "second"))
@@ -226,7 +227,7 @@ def contact_points(root: str) -> Points:
 
 @final
 class _JointFrame:
-    """The frame of a joint's child link, from the joint's position."""
+    """Frame of a joint's child link as a function of the joint's position."""
 
     def __init__(self, joint: Joint) -> None:
         self.name = joint.name

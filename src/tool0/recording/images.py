@@ -1,4 +1,4 @@
-"""Images of cameras as messages: rendered from the snapshots that are written."""
+"""Camera images as messages, rendered from the snapshots that are written."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ _ROUNDING: Final = 1e-6  # [s]
 
 
 def image_topic(camera: str) -> str:
-    """Return the topic of a camera's images."""
+    """Return the name of the topic of a camera's images."""
     return f"/camera/{camera}/image/compressed"
 
 
 @final
 class ImageWriter:
-    """Writes colour images of some cameras to one file, at a rate."""
+    """Writer of colour images of some cameras, at a constant rate, to one file."""
 
     def __init__(
         self, file: McapFile, cameras: Cameras, names: Sequence[str], period: float
     ) -> None:
-        """``period`` is the simulated time between images of a camera [s]."""
+        """Prepare to write an image of each camera every ``period`` [simulated s]."""
         self._file, self._cameras = file, cameras
         self._names, self._period = names, period
         self._next = -math.inf
 
     def write(self, snapshot: Snapshot) -> None:
-        """Add the images of a snapshot, if they are due."""
+        """Add the images of a snapshot if they are due."""
         if not self._names or snapshot.time < self._next:
             return
         self._next = snapshot.time + self._period - _ROUNDING

@@ -1,4 +1,4 @@
-"""The requests that changed the simulation, as messages in one file."""
+"""Journal of the requests that changed the simulation, as messages in one file."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ REQUESTS: Final = "/tool0/requests"
 
 @final
 class RequestWriter:
-    """Writes the journal of a simulation: from its start, so that it can be repeated.
+    """Writer of a simulation's journal, complete so that the run can be repeated.
 
-    A file that begins later has the requests before it, too.
+    A file that begins later also contains all requests before it.
     """
 
     def __init__(self, file: McapFile, journal: Journal) -> None:
@@ -41,7 +41,7 @@ class RequestWriter:
                 text = encode_text(msgspec.json.encode(_content(entry)))
                 self._file.write(REQUESTS, TEXT, stamp(entry.time), text, entry.step)
                 self._last = entry.number
-                time.sleep(0.0)  # others may want the interpreter
+                time.sleep(0.0)  # let other threads have the interpreter
 
 
 def _content(entry: Executed) -> dict[str, Any]:

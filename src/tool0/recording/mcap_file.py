@@ -1,4 +1,4 @@
-"""One MCAP file that is being written: channels, messages, chunks, attachments."""
+"""Writer of one MCAP file: channels, messages, chunks and attachments."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 LARGEST_CHUNK: Final = 256 * 1024
-"""A chunk ends here, or at a flush [bytes]: compressing it takes below a millisecond,
-without the interpreter's lock."""
+"""Size at which a chunk ends, unless it is flushed before [bytes].  Compressing it
+takes less than a millisecond, during which the interpreter's lock is released."""
 
 
 @final
 class _Output:
-    """A file without a buffer of its own: nothing is left in it when a write fails."""
+    """Unbuffered output file, in which nothing is pending when a write fails."""
 
     def __init__(self, path: Path, *, overwrite: bool) -> None:
         mode = os.O_WRONLY | os.O_CREAT | (os.O_TRUNC if overwrite else os.O_EXCL)
@@ -53,16 +53,16 @@ class _Output:
 
 @final
 class McapFile:
-    """Writes one file.  Every method may raise OSError; the file is to be closed then.
+    """Writer of one file.  If a method raises OSError, the caller must close the file.
 
-    What was flushed can be read, however the process ends.
+    Flushed data can be read however the process ends.
     """
 
     def __init__(self, path: Path, *, overwrite: bool = False) -> None:
         """Create the file.
 
         Raises:
-            RecordingError: If it cannot be written, or exists already.
+            RecordingError: If the file cannot be written or already exists.
         """
         from mcap.writer import CompressionType, Writer
 
@@ -76,8 +76,8 @@ class McapFile:
             ) from None
         except OSError as error:
             raise RecordingError(f"cannot write {path}: {error.strerror}") from error
-        output: Any = self._output  # what the writer uses of a stream
-        self._writer: Any = Writer(  # not all of it has types
+        output: Any = self._output  # has the stream methods that the writer uses
+        self._writer: Any = Writer(  # not fully typed
             output,
             chunk_size=LARGEST_CHUNK,
             compression=CompressionType.ZSTD,
@@ -95,26 +95,26 @@ class McapFile:
 
     @property
     def size(self) -> int:
-        """Bytes that were written so far."""
+        """Number of bytes written so far."""
         return self._output.tell()
 
     def write(
         self, topic: str, kind: str, time: int, data: bytes, sequence: int = 0
     ) -> None:
-        """Add a message of an instant [ns]; ``flush`` writes it."""
+        """Add a message with its time [ns]; ``flush`` writes it."""
         channel = self._channels.get(topic)
         if channel is None:
             channel = self._channels[topic] = self._channel(topic, kind)
         self._writer.add_message(channel, time, data, time, sequence)
 
     def attach(self, name: str, media_type: str, data: bytes, time: int = 0) -> None:
-        """Add a file within the file."""
-        self._writer.flush()  # in order: the attachment follows what was before it
+        """Add an attachment, a file within the file."""
+        self._writer.flush()  # keeps the order of messages and attachments
         self._writer.add_attachment(0, time, name, media_type, data)
         self._written = self.size
 
     def note(self, name: str, values: Mapping[str, str]) -> None:
-        """Add metadata."""
+        """Add named metadata."""
         self._writer.add_metadata(name, dict(values))
         self._written = self.size
 
@@ -124,12 +124,12 @@ class McapFile:
         self._written = self.size
 
     def finish(self) -> None:
-        """Write the index, and close."""
+        """Write the index and close the file."""
         self._writer.finish()
         self._output.close()
 
     def abandon(self) -> None:
-        """Close without an index, after an error: what was flushed can be read."""
+        """Close the file without an index after an error; flushed data can be read."""
         self._output.cut(self._written)
         self._output.close()
 

@@ -1,4 +1,4 @@
-"""The ROS 2 message types of a recording, by rosbags: definitions and serialization."""
+"""The ROS 2 message types of a recording: definitions and serialization by rosbags."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ TEXT: Final = "std_msgs/msg/String"
 
 @cache
 def typestore() -> Typestore:
-    """Return the message types of ROS 2."""
+    """Return the store of ROS 2 message types."""
     from rosbags.typesys import Stores, get_typestore
 
     return get_typestore(Stores.ROS2_HUMBLE)
 
 
 def definition(name: str) -> str:
-    """Return the definition of a message type, with those that it contains."""
+    """Return the definition of a message type, including the types it contains."""
     text, _ = typestore().generate_msgdef(name, ros_version=2)
     return text
 
 
 def message(kind: str, /, **fields: Any) -> bytes:
-    """Return a message in CDR; its fields are those of the definition."""
+    """Return a message in CDR; the arguments are the fields of its definition."""
     store = typestore()
     return bytes(store.serialize_cdr(store.types[kind](**fields), kind))
 
 
 def stamp_of(time: int) -> Any:
-    """Return builtin_interfaces/Time of an instant [ns]."""
+    """Return the builtin_interfaces/Time of a time [ns]."""
     sec, nanosec = divmod(time, 1_000_000_000)
     return typestore().types["builtin_interfaces/msg/Time"](sec=sec, nanosec=nanosec)

@@ -17,9 +17,9 @@ class Rotation(Struct, frozen=True, kw_only=True):
     max_size: int | None = None
     """Largest size of a file [bytes]."""
     max_duration: float | None = None
-    """Simulated time [s]."""
+    """Longest duration of a file in simulated time [s]."""
     max_files: int | None = None
-    """Files that are kept; the oldest are deleted."""
+    """Number of files that are kept; older ones are deleted."""
 
 
 @final
@@ -27,9 +27,9 @@ class Images(Struct, frozen=True, kw_only=True):
     """Selection of images to record."""
 
     cameras: tuple[str, ...] = ()
-    """Names of cameras."""
+    """Names of the cameras."""
     rate: float = 5.0
-    """Images of each per simulated second [Hz]."""
+    """Images per camera and simulated second [Hz]."""
 
 
 NO_ROTATION: Final = Rotation()
@@ -37,10 +37,10 @@ NO_IMAGES: Final = Images()
 
 
 def recordings_folder() -> Path:
-    """Return the folder of recordings without a given name; it may not exist yet."""
+    """Return the folder for recordings without a given path; it may not exist yet."""
     return data_folder() / "recordings"
 
 
 def episodes_folder() -> Path:
-    """Return the folder below which pages may open folders of episodes."""
+    """Return the folder within which web pages may open folders of episodes."""
     return data_folder() / "episodes"

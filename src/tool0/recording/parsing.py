@@ -1,4 +1,4 @@
-"""Records of an MCAP file, also of one that was cut off."""
+"""Parser of an MCAP file's records, even if the file was cut off."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _MAGIC: Final = b"\x89MCAP0\r\n"
 _RECORD: Final = struct.Struct("<BQ")
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _CHECKSUM: Final = struct.Struct("<I")
-"""CRC-32 of what precedes it; 0 if there is none."""
+"""CRC-32 checksum of the preceding bytes; 0 if not computed."""
 _LARGEST: Final = 1 << 30
-"""Largest size of a chunk that is unpacked [bytes]."""
+"""Largest unpacked size of a chunk that is accepted [bytes]."""
 
 
 @final
@@ -31,26 +31,27 @@ class Stream:
     kind: str
     """The message type, such as ``std_msgs/msg/String``."""
     frames: list[int] = field(default_factory=list)
-    """Number of the snapshot that each belongs to."""
+    """Number of the snapshot to which each message belongs."""
     times: list[int] = field(default_factory=list)
     """Log times of the messages [ns]."""
     sequence: list[int] = field(default_factory=list)
-    """The step of each: control periods since the bring-up."""
+    """Step of each message: control periods since the bring-up."""
     messages: list[bytes] = field(default_factory=list)
 
 
 @final
 @dataclass(slots=True)
 class Parsed:
-    """The contents of a file."""
+    """Contents of an MCAP file."""
 
     streams: dict[str, Stream] = field(default_factory=dict)
-    """Streams by topic."""
+    """Streams of messages by topic."""
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     """Metadata by name; later values replace earlier ones."""
     attachments: dict[str, bytes] = field(default_factory=dict)
     is_complete: bool = False
-    """Whether the file was finished; otherwise it ends with its last whole chunk."""
+    """Whether the file was finished; otherwise its contents end with the last whole
+    chunk."""
 
 
 def parse(path: Path, frame_topic: str) -> Parsed:
@@ -59,7 +60,7 @@ def parse(path: Path, frame_topic: str) -> Parsed:
     Each message on ``frame_topic`` begins another frame.
 
     Raises:
-        RecordingError: If it cannot be read, is no MCAP file, or is damaged.
+        RecordingError: If the file cannot be read, is not an MCAP file, or is damaged.
     """
     parser = _Parser(frame_topic)
     try:
@@ -72,7 +73,7 @@ def parse(path: Path, frame_topic: str) -> Parsed:
         raise RecordingError(f"cannot read {path}: {reason}") from error
     except RecordingError:
         raise
-    except Exception as error:  # of mcap, and of the libraries for compression
+    except Exception as error:  # from mcap and the compression libraries
         raise RecordingError(
             f"{path} is damaged at byte {parser.at}: "
             f"{str(error) or 'a record is incomplete'}"
@@ -81,7 +82,7 @@ def parse(path: Path, frame_topic: str) -> Parsed:
 
 
 def _check_kind(path: Path, begin: bytes) -> None:
-    """Raise RecordingError if a file does not begin as MCAP does."""
+    """Raise RecordingError if a file does not begin like an MCAP file."""
     if not begin:
         raise RecordingError(f"{path} is empty")
     if begin != _MAGIC:
@@ -90,12 +91,12 @@ def _check_kind(path: Path, begin: bytes) -> None:
 
 @final
 class _Parser:
-    """Takes the records of a file apart."""
+    """Decoder of a file's records."""
 
     def __init__(self, frame_topic: str) -> None:
         self.parsed = Parsed()
         self.at = 0
-        """Offset at which the record in question begins [bytes]."""
+        """Offset at which the current record begins [bytes]."""
         self._frame_topic = frame_topic
         self._frame = -1
         self._kinds: dict[int, str] = {0: ""}
@@ -127,7 +128,7 @@ class _Parser:
             raise ValueError("the record that ends the data is missing")
 
     def _records(self, data: mmap.mmap) -> Iterator[tuple[int, int, int]]:
-        """Yield opcode, start and end of each whole record."""
+        """Yield opcode, start and end of each complete record."""
         self.at = len(_MAGIC)
         while self.at + _RECORD.size <= len(data):
             opcode, length = _RECORD.unpack_from(data, self.at)
@@ -183,7 +184,7 @@ def _is_finished(data: mmap.mmap) -> bool:
 
 
 def _check(name: str, data: bytes | memoryview, checksum: bytes) -> None:
-    """Raise ValueError if ``data`` does not have its checksum."""
+    """Raise ValueError if ``data`` does not match its checksum."""
     (expected,) = _CHECKSUM.unpack(checksum)
     if expected not in (0, zlib.crc32(data)):
         raise ValueError(f"{name} does not have its checksum")

@@ -1,4 +1,4 @@
-"""One file of a recording, complete in itself: rotation begins another."""
+"""One self-contained file of a recording; rotation begins another."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @final
 class Part:
-    """Writes a file: the robot, the requests so far, and then every snapshot."""
+    """Writer of a file: the robot, the requests so far, and then every snapshot."""
 
     def __init__(
         self,
@@ -38,7 +38,7 @@ class Part:
         """Create the ``number``-th file of the recording that began with ``first``.
 
         Raises:
-            RecordingError: If it cannot be written.
+            RecordingError: If the file cannot be written.
         """
         model = simulation.description.model
         self._file = McapFile(path, overwrite=overwrite)
@@ -66,7 +66,7 @@ class Part:
 
     @property
     def size(self) -> int:
-        """Bytes that were written."""
+        """Number of bytes written so far."""
         return self._file.size
 
     @property
@@ -77,7 +77,7 @@ class Part:
         return self.last.time - self.start
 
     def write(self, snapshot: Snapshot) -> None:
-        """Add a snapshot."""
+        """Add a snapshot to the file."""
         if self.start is None:
             self.start = snapshot.time
             self._frames.write_robot(self._urdf, self._cameras, snapshot.time)
@@ -88,19 +88,19 @@ class Part:
         self.last = snapshot
 
     def write_event(self, event: Event, now: float) -> None:
-        """Add an event of the bus; ``now`` is for an event without a time [s]."""
+        """Add an event from the bus; ``now`` [s] is the time of events without one."""
         self._events.write_event(event, now)
 
     def write_changes(self, before: Snapshot, snapshot: Snapshot) -> None:
-        """Add the events between two snapshots."""
+        """Add the events that follow from the differences between two snapshots."""
         self._events.write_changes(before, snapshot)
 
     def write_requests(self) -> None:
-        """Add the requests since the last call, at first all since the bring-up."""
+        """Add the requests since the last call; at first, all since the bring-up."""
         self._requests.write_new()
 
     def flush(self) -> None:
-        """Write everything to the disk's cache: the end of a process loses nothing."""
+        """Hand all data to the operating system; a process that ends loses none."""
         self._file.flush()
 
     def finish(self) -> None:

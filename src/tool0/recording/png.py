@@ -11,16 +11,17 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _GREY, _COLORS = 0, 2
-"""Kinds of PNG."""
+"""Colour types in PNG's header."""
 
 
 def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16], level: int = 6) -> bytes:
     """Return a PNG of colours (height, width, 3) uint8 or grey (height, width) uint16.
 
-    The format is https://www.w3.org/TR/png-3/; ``level`` is that of zlib.
+    See https://www.w3.org/TR/png-3/ for the format; ``level`` is zlib's compression
+    level.
 
     Raises:
-        ValueError: If the image is neither.
+        ValueError: If the image has another shape or type.
     """
     kind = (image.ndim, image.shape[2:], str(image.dtype))
     if kind == (3, (3,), "uint8"):
@@ -40,12 +41,12 @@ def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16], level: int = 6) ->
 
 
 def encode_depth(depth: NDArray[np.float32]) -> bytes:
-    """Return a PNG of depth [m] in mm (REP-118); 0 where unknown or over 65.535 m."""
+    """Return a PNG in mm (REP-118) of depth [m]; 0 where unknown or over 65.535 m."""
     return encode_png(depth_in_mm(depth))
 
 
 def depth_in_mm(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """Return depth [m] in mm; 0 where unknown or over 65.535 m."""
+    """Return depth [m] converted to mm; 0 where unknown or over 65.535 m."""
     import numpy as np
 
     known = np.isfinite(depth) & (depth < 65.535)

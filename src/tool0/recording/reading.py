@@ -62,20 +62,21 @@ Array = NDArray[np.float64]
 def open_recording(path: Path | str) -> RecordingFile:
     """Read a recording that tool0 wrote.
 
-    One that was cut off, by a crash or a full disk, is read up to its last whole chunk.
+    A file that was cut off by a crash or a full disk is read up to its last whole
+    chunk.
 
     Args:
         path: An MCAP file.
 
     Raises:
-        RecordingError: If the file cannot be read, is damaged, or is no recording.
+        RecordingError: If the file cannot be read, is damaged, or is not a recording.
     """
     return RecordingFile(Path(path))
 
 
 @final
 class RecordingFile:
-    """A recording.  Arrays have a row for each snapshot, in the order of ``time``."""
+    """A recording.  Its arrays have a row for each snapshot, ordered by ``time``."""
 
     def __init__(self, path: Path) -> None:
         """Read the file, or raise RecordingError."""
@@ -105,7 +106,7 @@ class RecordingFile:
 
     @property
     def path(self) -> Path:
-        """The file."""
+        """Path of the file."""
         return self._path
 
     @property
@@ -120,12 +121,12 @@ class RecordingFile:
 
     @property
     def attachments(self) -> Mapping[str, bytes]:
-        """The files within the file, by name."""
+        """Attachments, the files within the file, by name."""
         return self._attachments
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints, in the order of the arrays' columns."""
+        """Names of the joints, in the order of the arrays' columns."""
         return self._names
 
     def __len__(self) -> int:
@@ -141,7 +142,7 @@ class RecordingFile:
 
     @cached_property
     def step(self) -> NDArray[np.int64]:
-        """Control periods since the bring-up, shape (n,); no reset sets them back."""
+        """Control periods since the bring-up, shape (n,), not affected by resets."""
         return np.array(self._stream(JOINT_STATES).sequence, dtype=np.int64)
 
     @cached_property
@@ -173,13 +174,13 @@ class RecordingFile:
     def desired_position(self) -> Array:
         """Desired positions [rad | m], shape (n, n_joints).
 
-        NaN where no controller moves the joint by position.
+        They are NaN where no controller moves the joint by position.
         """
         return self._commands[0]
 
     @property
     def desired_velocity(self) -> Array:
-        """Desired velocities [rad/s | m/s], shape (n, n_joints); NaN as above."""
+        """Desired velocities [rad/s | m/s], shape (n, n_joints); NaN likewise."""
         return self._commands[1]
 
     @cached_property
@@ -187,7 +188,7 @@ class RecordingFile:
     def objects(self) -> Mapping[str, Array]:
         """Object → x, y, z [m], qw, qx, qy, qz in the root, shape (n, 7).
 
-        NaN while there was no such object.
+        They are NaN while the object did not exist.
         """
         stream = self._stream(OBJECTS)
         found: dict[str, Array] = {}
@@ -211,7 +212,7 @@ class RecordingFile:
     def wrenches(self) -> Mapping[str, Array]:
         """Arm → force [N] and torque [N·m] at its flange, in its axes, shape (n, 6).
 
-        They are sampled less often than joints: each sample stays until the next.
+        Wrenches are sampled less often than joints; each sample is held until the next.
         """
         found = {}
         for arm, (topic, flange) in self.robot.wrench_topics.items():
@@ -239,7 +240,7 @@ class RecordingFile:
     def contacts(self) -> Sequence[tuple[Contact, ...]]:
         """Contacts of each snapshot with their forces, in the root's axes.
 
-        Each sample stays until the next, as for ``wrenches``.
+        Each sample is held until the next, as for ``wrenches``.
         """
         layout, stream = contact_points(self.info.root), self._stream(CONTACTS)
         found: list[tuple[Contact, ...]] = []
@@ -268,14 +269,14 @@ class RecordingFile:
 
     @cached_property
     def requests(self) -> Sequence[RecordedRequest]:
-        """The requests that changed the simulation, since the bring-up."""
+        """Requests since the bring-up that changed the simulation."""
         return self._texts(REQUESTS, RecordedRequest)
 
     @property
     def gripping(self) -> Iterator[tuple[int, tuple[str, ...]]]:
-        """Changes of the grippers that press on something from two sides.
+        """Changes in which grippers grip something, by pressing on it from two sides.
 
-        Yields the number of a snapshot, and the grippers that do from there on.
+        Yields the number of a snapshot and the grippers that grip from there on.
         """
         for frame, fields in self._changes.items():
             if "gripping" in fields:
@@ -285,7 +286,7 @@ class RecordingFile:
 
     @cached_property
     def robot(self) -> RecordedRobot:
-        """The robot's description and meshes, as they were."""
+        """The robot's description and meshes at the time of recording."""
         return RecordedRobot(
             self.path,
             self._meshes,
@@ -306,18 +307,18 @@ class RecordingFile:
 
     @cached_property
     def simulation(self) -> SimulationInfo:
-        """Properties that were constant while it was recorded."""
+        """Properties of the simulation that were constant during the recording."""
         return self._decoded(SIMULATION, SimulationInfo)
 
     @cached_property
     def bringup(self) -> Reproduction:
-        """All that brings the same robot up again."""
+        """Everything needed to bring up the same robot again."""
         return self._decoded(BRINGUP, Reproduction)
 
     # ---- snapshots ------------------------------------------------------------------
 
     def snapshots(self) -> Sequence[Snapshot]:
-        """Return every snapshot, each made when it is asked for."""
+        """Return all snapshots, each of which is created on access."""
         return self._snapshots
 
     # ---- tables ---------------------------------------------------------------------
@@ -338,7 +339,7 @@ class RecordingFile:
         return pd.DataFrame(self.table(), index=index)
 
     def table(self) -> dict[str, Array]:
-        """Return every column but the time by its name, such as ``elbow_joint.effort``.
+        """Return every column except time by its name, such as ``elbow_joint.effort``.
 
         Objects have ``NAME.x`` to ``NAME.qz``, wrenches ``ARM.fx`` to ``ARM.tz``, and
         grippers ``NAME.opening``, ``NAME.speed`` and ``NAME.force``.
@@ -375,14 +376,14 @@ class RecordingFile:
     @cached_property
     @reads(STATE)
     def _changes(self) -> Mapping[int, Mapping[str, Any]]:
-        """Frame → fields of the snapshot that changed then."""
+        """Frame → fields of the snapshot that changed at that frame."""
         stream = self._stream(STATE)
         pairs = zip(stream.frames, stream.messages, strict=True)
         return {frame: decode_change(decode_text(text)) for frame, text in pairs}
 
     @cached_property
     def _scene_names(self) -> Sequence[tuple[str, ...]]:
-        """The names of the objects at each frame."""
+        """Names of the objects that exist at each frame."""
         found: list[tuple[str, ...]] = []
         names: tuple[str, ...] = ()
         for frame in range(len(self)):
@@ -395,7 +396,7 @@ class RecordingFile:
         return found
 
     def _texts(self, topic: str, kind: type[T]) -> list[T]:
-        """Return the messages of a topic, each of which is JSON."""
+        """Return the decoded JSON messages of a topic."""
         with damage(self.path, topic):
             return [
                 msgspec.json.decode(decode_text(text), type=kind)
@@ -403,7 +404,7 @@ class RecordingFile:
             ]
 
     def _decoded(self, name: str, kind: type[T]) -> T:
-        """Return an attachment, which is JSON."""
+        """Return the decoded content of a JSON attachment."""
         with damage(self.path, name):
             return msgspec.json.decode(self._attached(name), type=kind)
 

@@ -1,4 +1,4 @@
-"""The thread that records: it takes snapshots from a subscription, and writes them."""
+"""Recording thread, which takes snapshots from a subscription and writes them."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 FLUSH_PERIOD: Final = 0.4
-"""Wall time between chunks [s]: what kill -9 can lose."""
+"""Wall time between chunks [s]; kill -9 loses at most this much."""
 FORCES_PERIOD: Final = 0.032
-"""Simulated time between two samples of contacts and wrenches [s]: the engine computes
-them only when asked."""
+"""Simulated time between two samples of contacts and wrenches [s]; the engine computes
+them only on request."""
 _POLL_PERIOD: Final = 0.04
-"""Wall time between looks for snapshots [s].  Each look is short, so that the tick does
+"""Wall time between polls for snapshots [s].  Each poll is short, so that the tick does
 not wait for the interpreter."""
 _MOST_WAITING: Final = 2500
-"""Snapshots that wait to be written: 20 s.  In real time, the oldest are dropped then;
-otherwise, time waits."""
+"""Largest number of snapshots that wait to be written (20 s).  Beyond it, the oldest
+are dropped in real time; otherwise, simulated time waits."""
 
 
 @final
 class Recorder:
-    """One recording, from its start until ``stop``, or an error of the disk."""
+    """One recording, from its start until ``stop`` or a disk error."""
 
     def __init__(
         self,
@@ -53,9 +53,9 @@ class Recorder:
 
         Raises:
             RecordingError: If the file cannot be written.
-            RenderError: If there is no such camera, or no image can be rendered.
+            RenderError: If a camera does not exist, or images cannot be rendered.
         """
-        for name in images.cameras:  # now, and not in the middle of the recording
+        for name in images.cameras:  # fail now, not during recording
             simulation.cameras.render(simulation.cameras[name])
         self._images = images
         self._simulation = simulation
@@ -82,15 +82,15 @@ class Recorder:
             most_kept=_MOST_WAITING if is_realtime else None,
             with_arms=True,
             with_contacts=True,
-            # What samples the arms marks the snapshots that have forces.
+            # The sampling of the arms marks the snapshots that have forces.
             forces_period=FORCES_PERIOD if simulation.arms else 0.0,
             when_published=None if is_realtime else self._hold_time,
         )
         backlog = self._subscription.backlog
-        assert backlog is not None  # it keeps all
+        assert backlog is not None  # this subscription keeps all snapshots
         self._backlog = backlog
         self._events = EventQueue(self._subscription)
-        # Published with this subscription: the first snapshot of the file.
+        # Causes the publication of the first snapshot of the file.
         simulation.loop.call(lambda: None)
         self._next_flush = 0.0
         self._thread = threading.Thread(
@@ -120,7 +120,7 @@ class Recorder:
     # ---- the thread of the tick ------------------------------------------------------
 
     def _hold_time(self) -> None:
-        """Wait until the backlog is shorter: without real time, nothing is dropped."""
+        """Wait until the backlog is shorter; only real-time recordings drop data."""
         backlog = self._backlog
         while len(backlog) >= _MOST_WAITING and not self._is_over.is_set():
             time.sleep(_POLL_PERIOD)
@@ -136,7 +136,7 @@ class Recorder:
                 for event in self._events.rest():
                     self._part.write_event(event, self._seen.time)
             self._part.finish()
-        except Exception as error:  # the simulation goes on
+        except Exception as error:  # the simulation must go on
             self._fail(error)
         finally:
             if not self._simulation.loop.is_closed:
@@ -144,10 +144,10 @@ class Recorder:
 
     def _take(self) -> None:
         snapshots = self._subscription.pending()
-        self._part.write_requests()  # before the snapshots that they lead to
+        self._part.write_requests()  # before the snapshots that result from them
         for snapshot in snapshots:
             self._take_one(snapshot)
-            time.sleep(0.0)  # others may want the interpreter
+            time.sleep(0.0)  # let other threads have the interpreter
         now = time.monotonic()
         if now >= self._next_flush:
             self._next_flush = now + FLUSH_PERIOD
@@ -182,9 +182,9 @@ class Recorder:
         )
 
     def _is_wanted(self, snapshot: Snapshot) -> bool:
-        """Return whether to write a snapshot: those at the default rate, and changes.
+        """Return whether to write a snapshot: if it is due, or has changes.
 
-        Others are published after requests, and for faster subscribers.
+        Other snapshots are published after requests and for faster subscribers.
         """
         last = self._part.last
         if last is None or snapshot.time < last.time:
@@ -198,7 +198,7 @@ class Recorder:
         return snapshot.tick % self._ticks == 0 or snapshot.is_paused
 
     def _rotate(self) -> None:
-        """Go on in another file."""
+        """Continue the recording in another file."""
         old, self._part = self._part, self._new_part()
         old.finish()
         self._size_before += old.size
@@ -225,7 +225,7 @@ class Recorder:
         return part
 
     def _fail(self, error: Exception) -> None:
-        """End the recording; the simulation goes on."""
+        """End the recording; the simulation continues."""
         if isinstance(error, OSError):
             reason = f"{self._part.path}: {error.strerror}"
         elif isinstance(error, Tool0Error):
@@ -241,5 +241,5 @@ class Recorder:
             self._simulation.bus.announce(
                 Reported(text, self._simulation.snapshot.time)
             )
-        finally:  # who sees that it is over finds the rest done
+        finally:  # set last: waiters rely on everything else being done
             self._is_over.set()

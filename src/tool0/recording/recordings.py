@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @final
 class Recordings:
-    """Starts and stops recordings: ``simulation.service(Recordings)``."""
+    """Service that starts and stops recordings: ``simulation.service(Recordings)``."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -41,7 +41,7 @@ class Recordings:
         """Start a recording.
 
         Raises:
-            ControlError: If there is one already.
+            ControlError: If a recording is already in progress.
             RecordingError: If the file cannot be written.
             RenderError: If a camera cannot take images.
         """
@@ -60,7 +60,7 @@ class Recordings:
         """End the recording, and return its last status.
 
         Raises:
-            ControlError: If there was none.
+            ControlError: If no recording is in progress.
         """
         with self._lock:
             if self._recorder is None:
@@ -68,7 +68,7 @@ class Recordings:
             return self._recorder.stop()
 
     def close(self) -> None:
-        """Complete the file."""
+        """End a recording that is in progress and complete its file."""
         with self._lock:
             if self._recorder is not None:
                 self._recorder.stop()

@@ -1,4 +1,4 @@
-"""The requests of a recording, carried out once more at their recorded steps."""
+"""Execution of a recording's requests at their recorded steps."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from tool0.simulation.simulation import Simulation
 _ABOUT_TIME: Final = (Pause, Resume, SetSpeed, Step)
 """Requests that only decide when ticks are executed."""
 _CHECKED: Final = (AddModel, AddObject, PlaceObject, Reset)
-"""Requests that earlier versions carried out without looking for penetration."""
+"""Requests that earlier versions executed without checking for penetration."""
 
 
 @final
 class Repetition:
-    """Carries out recorded requests in a simulation, which nobody else moves."""
+    """Repetition of recorded requests in a simulation that nobody else controls."""
 
     def __init__(self, simulation: Simulation, meshes: Mapping[str, Path]) -> None:
-        """``meshes`` has where the recorded meshes are now, by their URIs."""
+        """Prepare to repeat requests; ``meshes`` are the current mesh files by URI."""
         self._simulation = simulation
         self._meshes = meshes
         self.n_requests = 0
-        """Requests that were carried out again."""
+        """Number of requests that were executed again."""
         self.notes: list[str] = []
         """Descriptions of the requests that could not be repeated."""
 
     def advance(self, step: int) -> None:
-        """Advance to the tick of a step; after a fault not until a reset.
+        """Advance to the tick of a step, unless a fault stopped the simulation.
 
         Raises:
             Exception: Whatever the physics or a controller raised.
@@ -53,9 +53,10 @@ class Repetition:
                 raise
 
     def repeat(self, recorded: RecordedRequest) -> str | None:
-        """Carry out a request; return why it failed, or None.
+        """Execute a request; return the reason why it failed, or None.
 
-        One that cannot be repeated, or only concerns time, ends as it was recorded.
+        A request that cannot be repeated, or only concerns time, gets its recorded
+        outcome.
         """
         request = self._request(recorded)
         if request is None or isinstance(request, _ABOUT_TIME):
@@ -68,7 +69,7 @@ class Repetition:
         return None
 
     def _request(self, recorded: RecordedRequest) -> Request[Any] | None:
-        """Return a request; None, with a note, if it cannot be repeated."""
+        """Return a request, or note that it cannot be repeated and return None."""
         problem = recorded.unrepeatable
         if problem is None:
             try:
@@ -79,7 +80,7 @@ class Repetition:
                 problem = str(error)
             else:
                 return self._as_accepted(request, recorded)
-        if recorded.error is None:  # one that failed changed nothing
+        if recorded.error is None:  # a failed request changed nothing
             self.notes.append(
                 f"{recorded.method} at {recorded.time:.3f} s cannot be repeated: "
                 f"{problem}"
@@ -89,7 +90,7 @@ class Repetition:
     def _as_accepted(
         self, request: Request[Any], recorded: RecordedRequest
     ) -> Request[Any]:
-        """Return a request with the meshes of now; what was accepted is accepted."""
+        """Return a request with current mesh files; accepted ones may penetrate."""
         if isinstance(request, AddObject):
             shape = with_meshes(request.shape, self._meshes)
             request = msgspec.structs.replace(request, shape=shape)

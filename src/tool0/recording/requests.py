@@ -39,10 +39,10 @@ handles(ReadRecording)(lambda sim, _: sim.service(Recordings).status)
 
 
 def checked_file(file: Path | str | None) -> Path:
-    """Return where a recording is to be written.
+    """Return the path at which a recording is to be written.
 
     Raises:
-        RecordingError: If the name does not end in ``.mcap``, or cannot be one.
+        RecordingError: If the name does not end in ``.mcap`` or is not a valid path.
     """
     if file is None:
         folder = recordings_folder()
@@ -63,10 +63,10 @@ def checked_file(file: Path | str | None) -> Path:
 
 
 def given_path(path: Path | str) -> Path:
-    """Return the whole path of a file or folder, which may not exist.
+    """Return the absolute path of a file or folder, which need not exist.
 
     Raises:
-        RecordingError: If there can be none of that name.
+        RecordingError: If the name is not a valid path.
     """
     try:
         whole = expanded(path).absolute()

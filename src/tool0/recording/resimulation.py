@@ -1,7 +1,7 @@
-"""Repeating a recording: the same robot, the same requests at the same steps.
+"""Re-simulation of a recording: the same robot, the same requests, the same steps.
 
-A simulation is deterministic between requests, so that every frame must come out as it
-was recorded, bit by bit.  Where it does not, the reasons that can be found are named.
+A simulation is deterministic between requests, so every frame must be bit-identical to
+the recorded one.  If it is not, all reasons that can be found are named.
 """
 
 from __future__ import annotations
@@ -29,21 +29,21 @@ from tool0.simulation.simulation import Simulation
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Resimulation:
-    """The outcome of repeating a recording."""
+    """Outcome of repeating a recording."""
 
     frames: int
-    """Frames that came out bit-identically."""
+    """Number of frames that were bit-identical."""
     total_frames: int
-    """Frames of the recording."""
+    """Number of frames in the recording."""
     requests: int
-    """Requests that were carried out again."""
+    """Number of requests that were executed again."""
     divergence: Divergence | None
     reasons: tuple[str, ...]
-    """Reasons why it may differ, or does."""
+    """Reasons why the repetition may differ, or does."""
 
     @property
     def is_identical(self) -> bool:
-        """Whether every frame came out bit-identically."""
+        """Whether every frame was bit-identical."""
         return self.divergence is None and self.frames == self.total_frames
 
 
@@ -51,18 +51,20 @@ def resimulate(
     recording: RecordingFile | Path | str,
     when_compared: Callable[[int, int], None] = lambda done, total: None,
 ) -> Resimulation:
-    """Repeat a recording and compare every frame; stop at the first that differs.
+    """Repeat a recording, compare every frame, and stop at the first difference.
 
     Time, position, velocity and effort of every joint are compared, and the poses of
     the objects.
 
     Args:
         recording: Recording to repeat: one file, from its first frame to its last.
-        when_compared: Called now and then with the frames compared and their total.
+        when_compared: Called now and then with the number of frames compared and their
+            total.
 
     Raises:
-        RecordingError: If the file is no recording, or lacks what repeats it.
-        Tool0Error: If the robot cannot be brought up, as without its engine.
+        RecordingError: If the file is not a recording, or lacks data needed to repeat
+            it.
+        Tool0Error: If the robot cannot be brought up, for example without its engine.
     """
     if not isinstance(recording, RecordingFile):
         recording = open_recording(recording)
@@ -80,7 +82,7 @@ def resimulate(
 
 @final
 class _Comparison:
-    """One run: frames and requests in the order of their steps."""
+    """One repetition: frames and requests in the order of their steps."""
 
     def __init__(
         self,
@@ -153,7 +155,7 @@ class _Comparison:
 
 
 def _reasons(recording: RecordingFile) -> Iterator[str]:
-    """Yield why a repetition may differ."""
+    """Yield reasons why a repetition may differ."""
     start, requests = recording.bringup, recording.requests
     if not is_deterministic(start.engine):
         yield f"the engine {start.engine} is not deterministic"

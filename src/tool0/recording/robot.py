@@ -1,4 +1,4 @@
-"""The robot in a recording: its description, with the meshes that were attached."""
+"""The robot in a recording: its description with the attached meshes."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from tool0.recording.frames import wrench_topics
 
 @final
 class RecordedRobot:
-    """Description, meshes and objects.
+    """Description, meshes and objects of a recorded robot.
 
-    Meshes are unpacked into a temporary folder, which lives as long as this object:
-    the files that they came from may have changed.
+    Meshes are unpacked into a temporary folder, which exists as long as this object,
+    because the original files may have changed.
     """
 
     def __init__(
@@ -38,14 +38,14 @@ class RecordedRobot:
         info: DescriptionInfo,
         attachments: Mapping[str, bytes],
     ) -> None:
-        """``meshes`` has the name of the attachment of each mesh, by its URI."""
+        """Read the description; ``meshes`` maps mesh URIs to names of attachments."""
         self._source = source
         self._info = info
         self._meshes, self._attachments = dict(meshes), attachments
 
     @cached_property
     def folder(self) -> Path:
-        """The temporary folder with the meshes."""
+        """Temporary folder with the unpacked meshes."""
         folder = tempfile.TemporaryDirectory(prefix="tool0-recording-")
         weakref.finalize(self, folder.cleanup)
         return Path(folder.name)
@@ -62,7 +62,7 @@ class RecordedRobot:
 
     @cached_property
     def wrench_topics(self) -> Mapping[str, tuple[str, str]]:
-        """Arm → topic of its wrench, and link in whose axes it is."""
+        """Arm → topic of its wrench, and link whose axes the wrench is in."""
         model = self.description.model
         topics, flanges = wrench_topics(model), flange_names(model)
         return {arm: (topics[arm], flanges[arm]) for arm in flanges}
@@ -89,11 +89,11 @@ class RecordedRobot:
 
     @cached_property
     def mesh_files(self) -> Mapping[str, Path]:
-        """Paths of the meshes now, by their URIs."""
+        """Current paths of the meshes by URI."""
         return {uri: Path(self._file(uri)) for uri in self._meshes}
 
     def _file(self, uri: str) -> str:
-        """Return where a mesh is now; its URI if the file has no such mesh."""
+        """Return the current path of a mesh, or its URI if it is not in the file."""
         name = self._meshes.get(uri)
         data = None if name is None else self._attachments.get(name)
         if name is None or data is None:

@@ -1,4 +1,4 @@
-"""Signals of a recording as arrays, by the names that the panel's plots use."""
+"""Signals of a recording as arrays, named as in the panel's plots."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ _WRENCH: Final = ("fx", "fy", "fz", "tx", "ty", "tz")
 class Signals(Mapping[str, Array]):
     """Signal → its values [SI] at each snapshot, shape (n,); NaN where there is none.
 
-    The names are ``joint/NAME/position``, ``tool/ARM/x``, ``wrench/ARM/fz``,
-    ``gripper/NAME/opening``, ``object/NAME/yaw`` and the like.  Each is computed when
-    it is first read.
+    Names have forms such as ``joint/NAME/position``, ``tool/ARM/x``, ``wrench/ARM/fz``,
+    ``gripper/NAME/opening`` and ``object/NAME/yaw``.  Each signal is computed when
+    first read.
     """
 
     def __init__(
         self, recording: RecordingFile, beside: SimulatedRun | None = None
     ) -> None:
-        """``beside`` is a simulated run, whose signals are shown with the others."""
+        """Take a recording, and optionally a simulated run whose signals are added."""
         self._recording = recording
         self._beside = beside
         self._makers = dict(self._all())
@@ -117,10 +117,10 @@ def _column(table: Mapping[str, Array], name: str, i: int) -> Array:
 def thinned(
     time: Array, columns: Sequence[Array], points: int
 ) -> tuple[list[float], list[list[float | None]]]:
-    """Return at most about ``points`` samples of signals, without losing peaks.
+    """Return about ``points`` samples of signals at most, without losing peaks.
 
-    Of consecutive samples, the least and the greatest remain, in the order in which
-    they occurred; NaN becomes None.
+    In each group of consecutive samples, the least and the greatest are kept in their
+    order; NaN becomes None.
     """
     n = len(time)
     bucket = math.ceil(n / max(1, points // 2))

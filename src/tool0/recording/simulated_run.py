@@ -1,8 +1,8 @@
-"""A simulated run beside a recorded one: the same requests, with simulated physics.
+"""Simulation of a recorded run: the same requests, with simulated physics.
 
-The recording may be of a real robot or of another engine.  Requests are carried out at
-their recorded steps, and the speed slider is as it was; what else happened to a real
-robot, as a stop by its safety system or a hand, does not happen to the simulated one.
+The recording may come from a real robot or another engine.  Requests are executed at
+their recorded steps, with the recorded positions of the speed slider.  Other events,
+such as a stop by a real robot's safety system or a push by hand, are not reproduced.
 """
 
 from __future__ import annotations
@@ -35,15 +35,15 @@ if TYPE_CHECKING:
 
 ENGINE: Final = "mujoco"
 LONGEST_LAG: Final = 0.5
-"""Longest lag of a recorded robot behind the simulated one [s]."""
+"""Longest considered lag of the recorded robot behind the simulated one [s]."""
 _LAG_STEP: Final = 0.002
-"""Step of the search for that lag [s]."""
+"""Step size of the search for that lag [s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointDifference:
-    """Difference of a joint between recording and simulation, without the lag."""
+    """Difference between recording and simulation for one joint, lag compensated."""
 
     position_rms: float
     """Root mean square of the position difference [rad | m]."""
@@ -52,20 +52,20 @@ class JointDifference:
     effort_rms: float
     """Root mean square of the effort difference [N·m | N]."""
     recorded_effort: float
-    """Root mean square of the recorded effort, to compare with [N·m | N]."""
+    """Root mean square of the recorded effort, for comparison [N·m | N]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SimulatedRun:
-    """The simulated robot at the times of the recording's snapshots."""
+    """States of the simulated robot at the times of the recording's snapshots."""
 
     position: Array
     """Simulated positions [rad | m], shape (n, n_joints), as in the recording."""
     effort: Array
     """Simulated efforts [N·m | N], shape (n, n_joints)."""
     lag: float
-    """Time by which the recorded arms move later [s]: the one at which the positions
+    """Lag of the recorded arms behind the simulated ones [s], for which the positions
     differ least."""
     joints: Mapping[str, JointDifference]
     """Differences by driven joint, in the order of the recording."""
@@ -81,10 +81,11 @@ def simulate_beside(
 
     Args:
         recording: One file, from its first frame to its last.
-        when_done: Called now and then with the frames simulated and their total.
+        when_done: Called now and then with the number of frames simulated and their
+            total.
 
     Raises:
-        RecordingError: If the file is no recording, or has no frame.
+        RecordingError: If the file is not a recording, or has no frame.
         Tool0Error: If the robot cannot be brought up, or its simulation fails.
     """
     if not isinstance(recording, RecordingFile):
@@ -132,7 +133,7 @@ class _Run:
         return _compared(recording, position, effort, tuple(self._repetition.notes))
 
     def _carry_out(self, first: int, step: int) -> int:
-        """Carry out the requests before a step that succeeded; return the next one."""
+        """Execute the requests before a step that had succeeded; return the next."""
         requests, repetition = self._requests, self._repetition
         while first < len(requests) and requests[first].step < step:
             recorded = requests[first]
@@ -161,9 +162,9 @@ class _Run:
 
 
 def _from_here(recorded: RecordedRequest) -> RecordedRequest:
-    """Return a request whose path begins where the simulated arm is.
+    """Return a request whose path begins at the simulated arm's position.
 
-    A real arm was elsewhere by a fraction of a milliradian, and its path began there.
+    The real arm was a fraction of a milliradian away, and its path began there.
     """
     params = recorded.params or {}
     times = params.get("times")
@@ -205,7 +206,7 @@ def _compared(
 
 
 def _lag(time: Array, recorded: Array, simulated: Array) -> float:
-    """Return how much later the recorded motion is [s]; 0 if nothing moved."""
+    """Return the lag of the recorded motion [s]; 0 if nothing moved."""
     if not recorded.size or not np.ptp(simulated, axis=0).any():
         return 0.0
 

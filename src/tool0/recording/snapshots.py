@@ -1,4 +1,4 @@
-"""The snapshots of a recording, each made when it is asked for."""
+"""The snapshots of a recording, each created on access."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ _DEFAULTS: Final[Mapping[str, Any]] = {
     "real_time_factor": 0.0,
     "overruns": 0,
 }
-"""Values for a file that was cut off before its first state."""
+"""Values of the state before its first record, such as in a file that was cut off."""
 
 
 class Arrays(Protocol):
-    """Arrays that a recording has of every snapshot, as in ``RecordingFile``."""
+    """Arrays with a row for every snapshot, as in ``RecordingFile``."""
 
     def __len__(self) -> int: ...
     @property
@@ -69,7 +69,7 @@ class Arrays(Protocol):
 @final
 @dataclass(frozen=True, slots=True)
 class _State:
-    """Values that rarely change, from one snapshot on."""
+    """Rarely changing values that hold from one snapshot on."""
 
     fields: Mapping[str, Any]
     scene: tuple[SceneObject, ...]
@@ -79,12 +79,12 @@ class _State:
 
 @final
 class Snapshots(Sequence[Snapshot]):
-    """Every snapshot of a recording, with what the file has of it."""
+    """Sequence of a recording's snapshots, with the data that the file contains."""
 
     def __init__(
         self, recording: Arrays, changes: Mapping[int, Mapping[str, Any]]
     ) -> None:
-        """``changes`` has the fields that changed at a snapshot, by its number."""
+        """Take ``changes``, the fields that changed at a snapshot, by its number."""
         self._recording = recording
         state = _State(_DEFAULTS, (), {}, {})
         self._starts = [0]
@@ -103,7 +103,7 @@ class Snapshots(Sequence[Snapshot]):
     @overload
     def __getitem__(self, index: slice) -> list[Snapshot]: ...
     def __getitem__(self, index: int | slice) -> Snapshot | list[Snapshot]:
-        """Return one snapshot, or several."""
+        """Return one snapshot, or several for a slice."""
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
         i = range(len(self))[index]
@@ -179,7 +179,7 @@ def _arm_sample(
 
 
 def held(values: Array, frames: Sequence[int], n_frames: int) -> Array:
-    """Return samples at some ``frames`` for all, each until the next; NaN before."""
+    """Return values for all frames, each sample held until the next; NaN before."""
     array = np.full((n_frames, values.shape[1]), math.nan)
     array[frames] = values
     row = np.zeros(n_frames, dtype=np.intp)

@@ -1,4 +1,4 @@
-"""The part of a snapshot that rarely changes: written when it changes, as JSON."""
+"""The rarely changing part of a snapshot, written as JSON when it changes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _WRITTEN: Final = tuple(
 
 @final
 class Derived(Struct, frozen=True, kw_only=True):
-    """Values that follow from a snapshot, not its fields; as in ``StateChange``."""
+    """Values derived from a snapshot, not among its fields; see ``StateChange``."""
 
     targets: Mapping[str, float] = {}
     modes: Mapping[str, MotionMode] = {}
@@ -31,9 +31,9 @@ class StateChange(RareChanges, frozen=True, kw_only=True):
     """The fields of a snapshot that changed since the last one in the file."""
 
     targets: Mapping[str, float] | UnsetType = UNSET
-    """Joint → end of its motion [rad | m], of joints that are moved by position."""
+    """Joint → end of its motion [rad | m], for joints that are moved by position."""
     modes: Mapping[str, MotionMode] | UnsetType = UNSET
-    """Arm → what moves it."""
+    """Arm → mode of its motion."""
     bodies: tuple[str, ...] | UnsetType = UNSET
     """Links and objects that touched something, in the order of their numbers."""
 
@@ -50,7 +50,7 @@ def encode_change(
 ) -> bytes | None:
     """Return the changes since ``before``; None if there are none.
 
-    How well the simulation keeps pace is no change of its own.
+    The simulation's real-time performance alone does not count as a change.
     """
     found = changes(snapshot, before, _WRITTEN)
     for name in Derived.__struct_fields__:
@@ -64,7 +64,7 @@ def encode_change(
 
 
 def decode_change(text: bytes) -> dict[str, Any]:
-    """Return the changed fields; ``scene`` is a tuple of ObjectInfo."""
+    """Return the changed fields by name; ``scene`` is a tuple of ObjectInfo."""
     change = _decoder.decode(text)
     fields = ((name, getattr(change, name)) for name in StateChange.__struct_fields__)
     return {name: value for name, value in fields if value is not UNSET}

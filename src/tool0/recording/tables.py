@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 _ORDER: Final = ("info", "warning", "error")
 _LONGEST: Final = 120
-"""Characters of a request's parameters in a line."""
+"""Largest number of characters of a request's parameters in a line."""
 
 
 def write_csv(recording: RecordingFile, path: Path) -> None:
-    """Write a line for each snapshot; missing values are empty fields.
+    """Write a CSV file with a line per snapshot; missing values are empty fields.
 
     Raises:
         RecordingError: If the file cannot be written.
@@ -40,7 +40,7 @@ def write_csv(recording: RecordingFile, path: Path) -> None:
 
 
 def write_parquet(recording: RecordingFile, path: Path) -> None:
-    """Write the same columns as Parquet.
+    """Write a Parquet file with the same columns as in CSV.
 
     Raises:
         RecordingError: If the file cannot be written, or pyarrow is not installed.
@@ -62,12 +62,12 @@ def write_parquet(recording: RecordingFile, path: Path) -> None:
 def log_entries(
     recording: RecordingFile, *, severity: Severity = "info", requests: bool = True
 ) -> list[RecordedEvent | RecordedRequest]:
-    """Return the events and requests in the order of time.
+    """Return the events and requests in chronological order.
 
     Args:
         recording: The recording.
-        severity: Least severity of the events.
-        requests: Whether to yield the requests within the recording.
+        severity: Lowest severity of the events.
+        requests: Whether to include the requests within the recording.
     """
     least = _ORDER.index(severity)
     found: list[RecordedEvent | RecordedRequest] = [
@@ -94,7 +94,7 @@ def _shortened(params: object) -> str:
 
 
 def _quoted(name: str) -> str:
-    """Return a column's name for CSV: objects may have any name."""
+    """Return a column's name escaped for CSV, since objects may have any name."""
     if any(character in name for character in ',"\n'):
         return '"' + name.replace('"', '""') + '"'
     return name

@@ -27,7 +27,7 @@ def cameras_of(
 
     Args:
         recording: The recording.
-        newest: Returns the snapshot to show where none is given; by default the last.
+        newest: Returns the snapshot to show if none is given; by default, the last one.
     """
     return Cameras(
         recording.description.model,
@@ -52,8 +52,8 @@ def write_video(
 ) -> int:
     """Write a recording as an MP4 file, and return the number of images.
 
-    Each image is rendered from the last snapshot up to its time, so a video needs no
-    recorded images.
+    Each image is rendered from the latest snapshot at its time, so the recording need
+    not contain images.
 
     Args:
         recording: The recording.
@@ -63,10 +63,10 @@ def write_video(
         height: Height of the video [pixels]; even.
         fps: Images per second of the video.
         speed: Seconds of the recording per second of the video.
-        start: Simulated time of the first image [s]; that of the first snapshot, if
-            left out.
-        end: Simulated time of the last image [s], as ``start``.
-        when_written: Called after each image with the share that is done, up to 1.
+        start: Simulated time of the first image [s]; the first snapshot's time if left
+            out.
+        end: Simulated time of the last image [s]; the last snapshot's time if left out.
+        when_written: Called after each image with the completed share, up to 1.
 
     Raises:
         ConfigError: If a value is out of range, or the file cannot be written.

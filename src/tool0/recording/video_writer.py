@@ -1,4 +1,4 @@
-"""MP4 files with H.264, which every browser plays; by PyAV."""
+"""Writer of MP4 files with H.264, which every browser plays; uses PyAV."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ENCODERS: Final = ("libx264", "libopenh264")
-"""H.264 encoders, the better one first; PyAV's wheels have both."""
+"""H.264 encoders, the better one first; PyAV's wheels include both."""
 _OPTIONS: Final = {"libx264": {"crf": "20", "preset": "fast"}}
 _BITS_PER_PIXEL: Final = 0.15
 """Bits per pixel for the encoder without a quality option; ample for smooth
@@ -31,7 +31,7 @@ def require_encoder(path: Path | str) -> None:
 
 @final
 class VideoWriter:
-    """Writes images as one video.  A context manager.
+    """Context manager that writes images as one video.
 
     After an error, the file is a valid video of the images written before.
     """
@@ -39,7 +39,7 @@ class VideoWriter:
     def __init__(
         self, path: Path | str, width: int, height: int, fps: float = 30.0
     ) -> None:
-        """Begin the file; an existing one is replaced.
+        """Begin the file; an existing file is replaced.
 
         Args:
             path: The file: an MP4, whatever its name.
@@ -65,7 +65,7 @@ class VideoWriter:
         require_writable(self._path)
         import av
 
-        self._av: Any = av  # its parts are typed loosely
+        self._av: Any = av  # loosely typed
         self._container = av.open(
             str(self._path), "w", format="mp4", options={"movflags": "+faststart"}
         )
@@ -82,8 +82,8 @@ class VideoWriter:
         """Add an image, shape (height, width, 3), 0 … 255.
 
         Raises:
-            ConfigError: If it has another shape or type.
-            RenderError: If it cannot be encoded, or the disk is full.
+            ConfigError: If the image has another shape or type.
+            RenderError: If the image cannot be encoded, or the disk is full.
         """
         if rgb.shape != self._shape or rgb.dtype != "uint8":
             raise ConfigError(
@@ -96,7 +96,7 @@ class VideoWriter:
         """Finish the file; closing twice is allowed.
 
         Raises:
-            RenderError: If its end cannot be encoded, or the disk is full.
+            RenderError: If the end cannot be encoded, or the disk is full.
         """
         if self._stream is None:
             return
@@ -122,7 +122,7 @@ class VideoWriter:
 
     @contextlib.contextmanager
     def _translated_errors(self) -> Iterator[None]:
-        """Raise RenderError for the errors of FFmpeg."""
+        """Raise RenderError in place of FFmpeg's errors."""
         try:
             yield
         except (self._av.error.FFmpegError, OSError) as error:
