@@ -72,7 +72,7 @@ def collect(
 
     Args:
         task: ``Reach``, ``Lift``, …, or the id of a Gymnasium environment.  If a module
-            or a file registers the environment, ``module:id`` or ``file.py:id``.
+            or a file registers the environment, write ``module:id`` or ``file.py:id``.
         episodes: Number of episodes that the folder should contain.
         folder: A new or empty folder, or one that already contains some of these
             episodes.

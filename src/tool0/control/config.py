@@ -108,7 +108,7 @@ class ControllerConfig:
         return {name: e.plain() for name, e in self.tree.root.children.items()}
 
     def yaml(self) -> str:
-        """Return the whole content of the files as one text, without comments."""
+        """Return the whole content of the files as one YAML text, without comments."""
         import yaml
 
         text: str = yaml.safe_dump(

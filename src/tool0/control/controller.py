@@ -22,7 +22,7 @@ class Controller(Protocol):
 
     @property
     def pid(self) -> Pid | None:
-        """The PID that turns errors into commands; None if commands are passed on."""
+        """The PID from errors to commands; None if commands are passed on."""
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return one command per claimed joint, in the order of the spec's joints.

@@ -1,4 +1,4 @@
-"""Controllers that take one number per joint: forwarded, or followed by a PID."""
+"""Controllers that take one number per joint and forward it, or follow it by PID."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class ForwardCommandController:
         self._command = self._within_limits(start)
         self._is_commanded = False
         self._holds: tuple[JointSpline, ...] = ()
-        """The commanded positions as splines; empty until they are read."""
+        """The commanded positions as splines; empty until the setpoint is read."""
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
         """Return the commands, or the outputs of the PIDs that follow them."""

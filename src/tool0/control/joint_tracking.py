@@ -59,7 +59,7 @@ class JointTracking:
         self.feed_forward = velocity_ff if any(velocity_ff) else ()
 
     def follow(self, splines: Sequence[JointSpline], time: float) -> None:
-        """Follow other splines, sampled at ``time`` [s] first."""
+        """Follow other splines; they are first sampled at ``time`` [s]."""
         self.sampler = TrajectorySampler(splines, time)
 
     def merged(self, splines: Mapping[int, JointSpline]) -> list[JointSpline]:

@@ -131,7 +131,7 @@ class GripperLaw(NamedTuple):
     stall_range: float
     """Largest movement of the joint that still counts as a stall [rad | m]."""
     stall_timeout: float
-    """Time after which a stalled goal ends [s]."""
+    """Time after which a goal ends if the joint has stalled [s]."""
     has_goal: bool
     """Whether there is a goal, which ends at the target or by a stall."""
     pid: Pid | None

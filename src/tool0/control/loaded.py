@@ -113,7 +113,7 @@ class LoadedController:
 
     @property
     def configured(self) -> ControllerSpec:
-        """The checked parameters, or raise ControlError."""
+        """The checked parameters; ControlError if it is not configured."""
         if self.spec is None:
             raise ControlError(
                 f"controller '{self.name}' is {self.state}; configure it with "

@@ -43,7 +43,7 @@ class SavedController(NamedTuple):
 
     spec: ControllerSpec
     controller: Controller
-    """A copy that never runs."""
+    """A copy of the controller, which never runs itself."""
     is_waiting: bool
     """Whether the brakes hold its joints until its first command."""
 

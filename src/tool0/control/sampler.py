@@ -202,7 +202,7 @@ class GoalMonitor:
         return self._arrived
 
     def note_arrived(self, joints: Iterable[int]) -> None:
-        """Count further joints as arrived."""
+        """Count further joints, given by index, as arrived."""
         self._arrived.update(joints)
         self._at_goal = [item for item in self._at_goal if item[0] not in self._arrived]
 

@@ -206,7 +206,7 @@ class Setpoint(Struct, frozen=True):
     select: JointSelector
     """Function that extracts the joints from the lists in ``measured``."""
     measured: JointState
-    """The measured state at that instant."""
+    """The measured state at the instant of the setpoint."""
     lag: float = 0.0
     """Delay of the motion behind simulated time because of speed scaling [s]."""
     speed_scaling: float = 1.0
@@ -214,7 +214,7 @@ class Setpoint(Struct, frozen=True):
 
     @property
     def time(self) -> float:
-        """Time of the splines at that instant [s]."""
+        """Time along the splines at the instant of the setpoint [s]."""
         return self.measured.time - self.lag
 
     @property
