@@ -1,4 +1,4 @@
-"""The schedule of a collection: chunks to workers, episodes to the data set."""
+"""Schedule of a collection: it hands out chunks and stores the finished episodes."""
 
 from __future__ import annotations
 
@@ -29,13 +29,14 @@ N_COPIES: Final = 8
 _ROUNDS: Final = 2
 """Largest number of episodes in a chunk per copy."""
 _WINDOW: Final = 4
-"""Chunks per worker between the first that is missing and the last that is given."""
+"""Number of chunks per worker by which work may run ahead of the first missing
+chunk."""
 _SHARES: Final = 8
-"""Number of chunks per worker, if that gives each copy at least one episode."""
+"""Number of chunks per worker, if each copy then still gets at least one episode."""
 _ATTEMPTS: Final = 3
-"""Workers that may end over the same chunk."""
+"""Number of workers that may die on the same chunk before the collection fails."""
 _POLL: Final = 0.5
-"""Interval between two reports of progress [wall s]."""
+"""Interval between progress reports [wall s]."""
 
 
 @final
@@ -47,7 +48,7 @@ class Progress:
     n_requested: int
     n_succeeded: int
     rate: float
-    """Episodes per second of this run [1 / wall s]."""
+    """Episodes per second in this run [1 / wall s]."""
 
 
 def collect(
@@ -65,31 +66,35 @@ def collect(
     copies: int = N_COPIES,
     progress: Callable[[Progress], None] | None = None,
 ) -> Manifest:
-    """Collect episodes of a task into a folder, or continue to.
+    """Collect episodes of a task into a folder, or continue an earlier collection.
 
-    Episode i follows from the task, the policy, ``seed`` and i alone.
+    Episode i depends only on the task, the policy, ``seed`` and i.
 
     Args:
-        task: ``Reach``, ``Lift``, …, or the id of a Gymnasium environment; with the
-            module or the file that registers it, ``module:id`` or ``file.py:id``.
+        task: ``Reach``, ``Lift``, …, or the id of a Gymnasium environment.  If a module
+            or a file registers the environment, write ``module:id`` or ``file.py:id``.
         episodes: Number of episodes that the folder should contain.
-        folder: A new or empty folder, or one with a part of the same episodes.
-        options: Keywords of the environment, such as ``{"arm": "ur5e"}``.
+        folder: A new or empty folder, or one that already contains some of these
+            episodes.
+        options: Keyword arguments of the environment, such as ``{"arm": "ur5e"}``.
         workers: Number of processes; one per processor if left out.
         ray: Address of a Ray cluster, ``host:port``, or ``local`` for a Ray that ends
-            with this call; processes of this machine without Ray if left out.
-        policy: Called with the seed of an episode, returns a function from observation
-            to action: a function or class at the top level of a module, or its place as
-            ``module:name`` or ``file.py:name``.  The task's expert if left out.
-        seed: Base of the seeds of the episodes.
-        format: Columns and further files: ``parquet`` or ``lerobot``.
-        instruction: Description of the task for LeRobot's format; the task's own
-            sentence if left out.
-        copies: Simulations of a worker that take turns.
-        progress: Called about twice a second.
+            with this call.  If left out, the workers are processes on this machine,
+            without Ray.
+        policy: Callable that takes the seed of an episode and returns a function from
+            observation to action.  It is a function or class at the top level of a
+            module, or its name as ``module:name`` or ``file.py:name``.  If left out,
+            the task's expert is used.
+        seed: Base from which the episodes' seeds are derived.
+        format: Format of the data set: ``parquet`` or ``lerobot``.
+        instruction: Description of the task for LeRobot's format; if left out, the
+            task's own description.
+        copies: Number of simulations that each worker steps in turn.
+        progress: Callback for progress, called about twice a second.
 
     Raises:
-        ConfigError: If a parameter is wrong, or differs from those of the folder.
+        ConfigError: If a parameter is wrong, or differs from the one with which the
+            folder was collected.
         CollectError: If a worker or the policy fails, or the disk is full.
         TransportError: If the Ray cluster cannot be reached.
     """
@@ -161,7 +166,7 @@ def _executor(
 
 @final
 class _Schedule:
-    """Gives chunks to workers, and adds what comes back in order."""
+    """Gives chunks to workers, and adds the results to the data set in order."""
 
     def __init__(
         self,
@@ -189,7 +194,7 @@ class _Schedule:
         self._failures: Counter[Chunk] = Counter()
 
     def run(self) -> None:
-        """Return when the data set is complete."""
+        """Run until the data set is complete."""
         start = reported = time.monotonic()
         while not self._dataset.manifest.is_complete:
             self._give()
@@ -198,7 +203,7 @@ class _Schedule:
                 if item.message is not None:
                     self._messages[item.chunk.first] = item.message
             lost = [item for item in finished if item.message is None]
-            for item in reversed(lost):  # the first comes first again
+            for item in reversed(lost):  # keeps the original order
                 self._return(item)
             self._add()
             now = time.monotonic()
@@ -226,7 +231,7 @@ class _Schedule:
             )
 
     def _add(self) -> None:
-        """Add the chunks that follow, together: the disk is waited for once."""
+        """Add all chunks that are next in order, with a single wait for the disk."""
         index = self._dataset.manifest.n_episodes
         episodes: list[tuple[dict[str, Any], bytes]] = []
         problem = None

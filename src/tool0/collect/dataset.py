@@ -1,8 +1,9 @@
-"""The folder of a data set: one file per episode, and rows about each.
+"""The folder of a data set: one file and one index row per episode.
 
-Episodes are added in order, so that a data set is always the episodes 0 … n-1.  A file
-gets its name when it is on the disk, and its rows are appended after that.  Whatever
-an interruption leaves beyond the rows is removed when the folder is opened again.
+Episodes are added in order, so a data set always consists of the episodes 0 … n-1.  A
+file gets its final name once it is on the disk, and only then is its row appended.
+Files that an interruption leaves without a row are removed when the folder is opened
+again.
 """
 
 from __future__ import annotations
@@ -26,10 +27,10 @@ MANIFEST: Final = "manifest.json"
 EPISODES: Final = "episodes.jsonl"
 _DATA_PATH: Final = "data/chunk-{:03d}/episode_{:06d}.parquet"
 _COUNTS: Final = {"length", "success", "bytes"}
-"""Columns for which the index is read."""
+"""Keys that every row of the index must have."""
 _PART: Final = ".part"
 _WRITERS: Final = 8
-"""Files that are written at a time."""
+"""Number of files that are written at the same time."""
 
 
 @final
@@ -39,24 +40,24 @@ class Manifest:
 
     folder: Path
     n_episodes: int
-    """Episodes in it."""
+    """Number of episodes in the folder."""
     n_requested: int
-    """Episodes that it should contain."""
+    """Number of episodes that the folder should contain."""
     n_succeeded: int
     n_frames: int
-    """Actions of all episodes."""
+    """Total number of actions in all episodes."""
     n_bytes: int
-    """Size of the episodes' files."""
+    """Total size of the episodes' files [bytes]."""
 
     @property
     def is_complete(self) -> bool:
-        """Whether it has all episodes that were asked for."""
+        """Whether the folder contains all requested episodes."""
         return self.n_episodes >= self.n_requested
 
 
 @final
 class Dataset:
-    """A folder that this process alone adds episodes to."""
+    """A folder to which only this process adds episodes."""
 
     def __init__(self, folder: Path, settings: Settings, n_requested: int) -> None:
         """See ``opened``."""
@@ -67,10 +68,11 @@ class Dataset:
         self.recover()
 
     def recover(self) -> None:
-        """Keep the whole episodes, and remove what an interruption left beyond them.
+        """Keep the complete episodes, and remove leftovers of an interruption.
 
         Raises:
-            CollectError: If a file is missing that was whole.
+            CollectError: If the file of a complete episode is missing or has another
+                size.
         """
         rows = self._recovered()
         self._lengths = [row["length"] for row in rows]
@@ -94,7 +96,8 @@ class Dataset:
         """Append the next episodes.
 
         Raises:
-            OSError: If the disk is full, for example: ``recover`` removes the rest.
+            OSError: If the disk is full, for example; ``recover`` removes incomplete
+                files.
         """
         rows, files, first_frame = [], {}, self._n_frames
         for row, sent in episodes:
@@ -118,7 +121,7 @@ class Dataset:
     def _write(
         self, rows: Sequence[Mapping[str, Any]], files: Mapping[Path, bytes]
     ) -> None:
-        """Write files first and rows last, each step when the one before is on disk."""
+        """Write the files, then the rows; each step waits for the disk."""
         parts = [_part(path) for path in files]
         with ThreadPoolExecutor(_WRITERS) as pool:  # a disk flushes them together
             writes = [
@@ -131,7 +134,7 @@ class Dataset:
             _part(path).replace(path)
         for folder in {path.parent for path in files}:
             _flush_folder(folder)
-            _flush_folder(folder.parent)  # which has a new folder in it now and then
+            _flush_folder(folder.parent)  # it may contain a new folder
         lines = "".join(f"{json.dumps(row)}\n" for row in rows)
         with (self._folder / EPISODES).open("ab") as stream:
             stream.write(lines.encode())
@@ -139,7 +142,7 @@ class Dataset:
             os.fsync(stream.fileno())
 
     def describe(self) -> None:
-        """Write the manifest, and for LeRobot the description of its columns."""
+        """Write the manifest and, for the LeRobot format, the files in ``meta``."""
         found = self.manifest
         manifest = {
             **self._settings.recorded(),
@@ -185,10 +188,11 @@ class Dataset:
 
 @contextlib.contextmanager
 def opened(folder: Path, settings: Settings, n_requested: int) -> Iterator[Dataset]:
-    """Make a folder for a data set, or open it again; at the end, describe it.
+    """Create or reopen the folder of a data set, and write its manifest at the end.
 
     Raises:
-        ConfigError: If it has other episodes, or other files, or is in use.
+        ConfigError: If the folder contains other episodes or unrelated files, or is in
+            use.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -250,12 +254,12 @@ def _check(folder: Path, settings: Settings) -> None:
 
 
 def _part(path: Path) -> Path:
-    """Return the name of a file while it is written."""
+    """Return the temporary name of a file that is being written."""
     return path.with_name(path.name + _PART)
 
 
 def _row(log: Path, index: int, line: bytes) -> dict[str, Any]:
-    """Return a row of the index, or raise CollectError."""
+    """Return the row on a line of the index, or raise CollectError."""
     with contextlib.suppress(ValueError):
         row = json.loads(line)
         if isinstance(row, dict) and row.keys() >= _COUNTS:
@@ -266,7 +270,7 @@ def _row(log: Path, index: int, line: bytes) -> dict[str, Any]:
 
 
 def _lines(path: Path) -> list[bytes]:
-    """Return the whole lines of a log."""
+    """Return the complete lines of a log; the last one may have been cut off."""
     text = path.read_bytes() if path.exists() else b""
     return text.split(b"\n")[:-1]
 
@@ -284,7 +288,7 @@ def _write(path: Path, content: bytes) -> None:
 
 
 def _replace(path: Path, content: bytes) -> None:
-    """Write a file so that there is either the old or the new one."""
+    """Replace a file atomically: either the old or the new version exists."""
     _write(_part(path), content)
     _part(path).replace(path)
     _flush_folder(path.parent)

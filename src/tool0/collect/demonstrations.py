@@ -1,9 +1,10 @@
-"""Demonstrations as a data set: recordings of episodes, in LeRobot's format.
+"""Conversion of demonstrations, recorded as episodes, to a LeRobot data set.
 
-The state is the position of each driven joint, then its velocity.  The action is the
-position that is commanded at the next frame; joints of a stream have no recorded
-setpoint, and theirs is where they are then.  Objects are the environment's state.
-Images are rendered from the snapshots.
+The state consists of the positions of the driven joints, followed by their velocities.
+The action is the position that is commanded at the next frame.  For joints that follow
+a stream no setpoint is recorded, so their action is the measured position at that
+frame.  The poses of objects are the environment state.  Images are rendered from the
+snapshots.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from tool0.recording.reading import RecordingFile, open_recording
 from tool0.recording.video import cameras_of
 
 OBJECT: Final = "object."
-"""Prefix of the name of an object, in the name of its observation."""
+"""Prefix of an object's name in the name of its observation."""
 _POSE: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
@@ -45,27 +46,27 @@ def export_lerobot(
     height: int | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Manifest:
-    """Write the episodes of a folder as a LeRobot data set of version 3.0.
+    """Write the episodes of a folder as a LeRobot data set in version 3.0.
 
     Args:
         folder: Folder written by ``tool0 record --episodes``.
         target: A new folder.
-        rate: Frames per simulated second [Hz]: a whole number, at most the recordings'
-            own rate.
-        only_successes: Leave out the episodes that failed.
-        instruction: Description of the task; that with which the episodes were recorded
-            with, if left out.
-        cameras: Cameras of the robot or its scene whose images each frame has.
-        width: Width of these [pixels]; the camera's own, if left out.
-        height: Likewise.
-        progress: Called with the episodes done and their total.
+        rate: Frames per simulated second [Hz]: a whole number that does not exceed the
+            recordings' rate.
+        only_successes: Whether to leave out episodes that failed.
+        instruction: Description of the task; if left out, the one that was given when
+            the episodes were recorded.
+        cameras: Cameras of the robot or its scene whose images are added to each frame.
+        width: Width of the images [pixels]; the camera's own width if left out.
+        height: Height of the images [pixels]; the camera's own height if left out.
+        progress: Called with the number of finished episodes and their total number.
 
     Raises:
         RecordingError: If the folder has no index, or a file is damaged.
-        ConfigError: If the target has other files, the rate is out of range, or the
-            extra ``collect`` is not installed.
+        ConfigError: If the target contains other files, the rate is out of range, or
+            the extra ``collect`` is not installed.
         CollectError: If there are no episodes, or they have different tasks or joints.
-        RenderError: If there is no OpenGL, or no such camera.
+        RenderError: If there is no OpenGL or no such camera.
     """
     require_extra()
     whole_rate(rate)
@@ -125,7 +126,7 @@ def export_lerobot(
 
 
 def driven_joints(model: RobotModel, names: Sequence[str]) -> tuple[str, ...]:
-    """Return those of the joints ``names`` that have a motor, in their order."""
+    """Return the joints among ``names`` that have a motor, in the same order."""
     driven = {item.joint for item in model.transmissions}
     return tuple(name for name in names if name in driven)
 
@@ -133,10 +134,10 @@ def driven_joints(model: RobotModel, names: Sequence[str]) -> tuple[str, ...]:
 def number_names(
     joints: Sequence[str], objects: Sequence[str]
 ) -> dict[str, tuple[str, ...]]:
-    """Return the names of the numbers of a robot's observations and of its action.
+    """Return the component names of a robot's observations and of its action.
 
-    ``position``, ``velocity`` and ``action`` have one for each driven joint, and
-    ``object.NAME`` has position and quaternion.
+    ``position``, ``velocity`` and ``action`` have one component per driven joint;
+    ``object.NAME`` consists of position and quaternion.
     """
     positions = tuple(f"{name}.position" for name in joints)
     return {
@@ -151,14 +152,14 @@ def number_names(
 
 
 def surroundings_of(names: Mapping[str, Sequence[str]]) -> frozenset[str]:
-    """Return the names of the numbers that are of objects."""
+    """Return the names of the components that describe objects."""
     return frozenset(
         each for key, named in names.items() if key.startswith(OBJECT) for each in named
     )
 
 
 def _common_objects(folder: Path, rows: Sequence[EpisodeRow]) -> tuple[str, ...]:
-    """Return the objects that are there in every snapshot of every episode."""
+    """Return the objects that exist in every snapshot of every episode."""
     common: dict[str, None] | None = None
     for row in rows:
         poses = open_recording(folder / row.file).objects
@@ -179,11 +180,11 @@ def episode_of(
 ) -> Episode:
     """Return one episode with ``rate`` frames per simulated second [Hz].
 
-    Numbers between two snapshots are interpolated; an image is that of the nearest.
+    Numbers are interpolated between two snapshots; images show the nearest snapshot.
 
     Raises:
         ConfigError: If the recording has fewer snapshots per second.
-        CollectError: If it is too short.
+        CollectError: If the episode is too short.
         RenderError: If there is no OpenGL, or no such camera.
     """
     frames = Resampled(recording.tick, recording.info.control_period, rate, row.file)

@@ -12,12 +12,12 @@ from tool0.collect.settings import Format
 
 
 def encoded(episode: Episode, index: int, form: Format) -> tuple[dict[str, Any], bytes]:
-    """Return an episode's row of the index, and its file.
+    """Return an episode's row in the index, and the content of its file.
 
-    A file of a LeRobot data set counts its frames from 0, see ``lerobot.placed``.
+    In LeRobot's format the file numbers its frames from 0; see ``lerobot.placed``.
 
     Raises:
-        ConfigError: If the format does not have episodes of this rate.
+        ConfigError: If the format does not support this rate.
     """
     row: dict[str, Any] = {
         "episode_index": index,

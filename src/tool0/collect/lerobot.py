@@ -1,9 +1,9 @@
-"""LeRobot's data sets, version 3.0: files of episodes, and the descriptions of all.
+"""LeRobot data sets, version 3.0: files of episodes, and descriptions in ``meta``.
 
-As lerobot 0.6.1 reads and writes them (lerobot/datasets/utils.py, feature_utils.py and
-dataset_metadata.py, https://github.com/huggingface/lerobot).  Each episode has a file
-of its own, which also holds its features and statistics: the descriptions in ``meta``
-are made of the files alone.
+The format is that of lerobot 0.6.1 (lerobot/datasets/utils.py, feature_utils.py and
+dataset_metadata.py, https://github.com/huggingface/lerobot).  Each episode has its own
+file, which also contains its features and statistics, so that the descriptions in
+``meta`` can be generated from these files alone.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from tool0.errors import CollectError, ConfigError
 
 VERSION: Final = "v3.0"
 CHUNK: Final = 1000
-"""Files per folder, and episodes per file of ``meta/episodes``."""
+"""Number of files per folder, and of episodes per file in ``meta/episodes``."""
 DATA_PATH: Final = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 _EPISODES_PATH: Final = (
     "meta/episodes/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
@@ -35,7 +35,7 @@ _SURROUNDINGS: Final = "observation.environment_state"
 
 
 def data_path(index: int) -> str:
-    """Return the place of an episode's file in the folder."""
+    """Return the path of an episode's file, relative to the folder."""
     return _numbered(DATA_PATH, index)
 
 
@@ -44,7 +44,7 @@ def _numbered(pattern: str, number: int) -> str:
 
 
 def whole_rate(rate: float) -> int:
-    """Return frames per second as the format has them, or raise ConfigError."""
+    """Return the frame rate as a whole number [Hz], or raise ConfigError."""
     if not (float(rate).is_integer() and rate > 0.0):
         raise ConfigError(
             f"rate {rate:g} Hz: a LeRobot data set has a whole number of frames per "
@@ -57,10 +57,10 @@ def whole_rate(rate: float) -> int:
 
 
 def encoded(episode: Episode, index: int) -> bytes:
-    """Return an episode's file, with frames from 0 on.
+    """Return the content of an episode's file; its frames are numbered from 0.
 
     Raises:
-        ConfigError: If its rate is no whole number.
+        ConfigError: If the episode's rate is not a whole number.
     """
     columns, names = _columns(episode)
     n = episode.n_frames
@@ -86,7 +86,7 @@ def encoded(episode: Episode, index: int) -> bytes:
 
 
 def placed(file: bytes, first_frame: int) -> bytes:
-    """Return the file of an episode after ``first_frame`` frames of others."""
+    """Return an episode's file with its frames renumbered from ``first_frame`` on."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -104,15 +104,16 @@ def observation_columns(
     names: Mapping[str, Sequence[str]],
     surroundings: frozenset[str],
 ) -> tuple[dict[str, Array], dict[str, list[str]]]:
-    """Return the columns of observations, and the names of their numbers.
+    """Return the columns of observations, and the names of their components.
 
     Args:
         observations: Name → values of n frames, shape (n, …).
-        names: Name of an observation → names of its numbers, where they have any.
-        surroundings: Names of those numbers that a robot does not measure on itself.
+        names: Name of an observation → names of its components, if they have names.
+        surroundings: Names of the components that describe the robot's surroundings
+            instead of the robot.
 
     Raises:
-        CollectError: If LeRobot's format has no column for one of them.
+        CollectError: If LeRobot's format has no column for an observation.
     """
     images: dict[str, Array] = {}
     vectors: dict[str, list[tuple[str, Array]]] = {_STATE: [], _SURROUNDINGS: []}
@@ -140,7 +141,7 @@ def observation_columns(
 
 
 def _columns(episode: Episode) -> tuple[dict[str, Array], dict[str, list[str]]]:
-    """Return the columns of an episode, and the names of their numbers."""
+    """Return the columns of an episode, and the names of their components."""
     seen, names = observation_columns(
         episode.observations, episode.names, episode.surroundings
     )
@@ -160,7 +161,7 @@ def _columns(episode: Episode) -> tuple[dict[str, Array], dict[str, list[str]]]:
 
 
 def _names(names: Mapping[str, Sequence[str]], key: str, values: Array) -> list[str]:
-    """Return the names of the numbers of an observation, or of the action."""
+    """Return the names of the components of an observation or of the action."""
     if key in names:
         return list(names[key])
     name, n = key or "observation", values.shape[1]
@@ -168,13 +169,13 @@ def _names(names: Mapping[str, Sequence[str]], key: str, values: Array) -> list[
 
 
 def _narrow(values: Array) -> Array:
-    """Return 32-bit numbers; a column of single ones is no column of lists."""
+    """Return values in single precision; one of width 1 becomes one-dimensional."""
     values = values.astype(np.float32)
     return values[:, 0] if values.shape[1] == 1 else values
 
 
 def _feature(values: Array, names: list[str] | None) -> dict[str, Any]:
-    """Return the description of a column as ``meta/info.json`` has it."""
+    """Return the description of a column for ``meta/info.json``."""
     if is_image(values):
         names = ["height", "width", "channels"]
         return {"dtype": "image", "shape": list(values.shape[1:]), "names": names}
@@ -183,7 +184,7 @@ def _feature(values: Array, names: list[str] | None) -> dict[str, Any]:
 
 
 def _hub_feature(feature: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the same as the library ``datasets`` reads it."""
+    """Return the description of a column in the form of the library ``datasets``."""
     if feature["dtype"] == "image":
         return {"_type": "Image"}
     value = {"dtype": feature["dtype"], "_type": "Value"}
@@ -199,12 +200,12 @@ def _hub_feature(feature: Mapping[str, Any]) -> dict[str, Any]:
 def descriptions(
     folder: Path, lengths: Sequence[int], instruction: str
 ) -> Iterator[tuple[str, bytes]]:
-    """Yield the place and the content of each file in ``meta`` that is to be written.
+    """Yield the path and the content of each file in ``meta`` that has to be written.
 
     Args:
         folder: A data set with at least one episode.
-        lengths: The frames of each episode.
-        instruction: Description of the task of all of them.
+        lengths: Number of frames of each episode.
+        instruction: Description of the task, which all episodes share.
     """
     import pyarrow.parquet as pq
 
@@ -249,7 +250,7 @@ def descriptions(
 
 
 def _described(path: Path) -> dict[str, Any]:
-    """Return what an episode's file says about it."""
+    """Return the description that is stored in an episode's file."""
     try:
         found: dict[str, Any] = json.loads(parquet.note_in(path))
     except (OSError, ValueError, LookupError, zlib.error) as error:
@@ -264,7 +265,7 @@ def _episodes(
     ends: Array,
     instruction: str,
 ) -> Table:
-    """Return the rows about some successive episodes."""
+    """Return the rows of ``meta/episodes`` for consecutive episodes."""
     import pyarrow as pa
 
     numbers = np.array(indices)
@@ -292,7 +293,7 @@ def _episodes(
 def _combined_rows(
     rows: Table, example: Mapping[str, Mapping[str, Any]]
 ) -> dict[str, dict[str, Array]]:
-    """Return the statistics of all episodes of some rows together."""
+    """Return the combined statistics of all episodes in ``rows``."""
     return {
         name: combined(
             {
@@ -305,7 +306,7 @@ def _combined_rows(
 
 
 def _tasks(instruction: str) -> bytes:
-    """Return the table of tasks, whose index pandas takes from the column ``task``."""
+    """Return the table of tasks; pandas uses its column ``task`` as the index."""
     import pyarrow as pa
 
     columns = [

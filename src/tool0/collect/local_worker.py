@@ -1,4 +1,4 @@
-"""The program of a worker's process: it answers its driver on a Unix socket."""
+"""Program of a worker process: it answers its driver on a Unix socket."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _RECEIVED: Final = 1 << 16
 
 
 def main() -> None:
-    """Answer on the socket that the first argument names, until it closes."""
+    """Answer requests on the socket that the first argument names, until it closes."""
     path, number, values = sys.argv[1:]
     worker = Worker(**json.loads(values))
     with socket.socket(socket.AF_UNIX) as connection:

@@ -1,4 +1,4 @@
-"""Workers that are processes of this machine, each with one thread."""
+"""Workers that are single-threaded processes on this machine."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _ONE_THREAD: Final = dict.fromkeys(
 
 @final
 class _Process:
-    """A worker's process, its connection once it has one, and its chunks."""
+    """A worker's process, its connection (once established) and its chunks."""
 
     def __init__(self, child: ChildProcess) -> None:
         self.child = child
@@ -46,10 +46,10 @@ class _Process:
 
 @final
 class LocalWorkers:
-    """Processes that end with this one, however it ends."""
+    """Worker processes, which end when this process ends, for whatever reason."""
 
     def __init__(self, n_workers: int, settings: Settings, n_copies: int) -> None:
-        """Start them, without waiting."""
+        """Start the processes without waiting for them."""
         self._arguments = json.dumps(arguments(settings, n_copies))
         self._folder = tempfile.TemporaryDirectory(prefix="tool0-")
         self._path = str(Path(self._folder.name, "workers"))
@@ -73,17 +73,17 @@ class LocalWorkers:
         return sum(QUEUED - len(process.chunks) for process in ready)
 
     def submit(self, chunk: Chunk) -> None:
-        """Give a chunk to the worker with the least to do."""
+        """Give a chunk to the worker with the fewest chunks."""
         ready = [process for process in self._processes if process.is_ready]
         process = min(ready, key=lambda item: len(item.chunks))
         process.chunks.append(chunk)
         assert process.connection is not None
         message = framed(json.dumps([chunk.first, chunk.end]).encode())
-        with contextlib.suppress(OSError):  # it has ended, which `finished` sees
+        with contextlib.suppress(OSError):  # it has ended, as `finished` will notice
             process.connection.sendall(message)
 
     def finished(self, timeout: float) -> Sequence[Finished]:
-        """Wait for chunks that come back."""
+        """Wait for finished chunks; see ``Executor.finished``."""
         found: list[Finished] = []
         for key, _ in self._selector.select(timeout):
             if key.fileobj is self._listener:
@@ -113,7 +113,7 @@ class LocalWorkers:
         )
 
     def _accept(self) -> None:
-        """Take the connection of a worker, which says first who it is."""
+        """Accept the connection of a worker, which first identifies itself."""
         connection, _ = self._listener.accept()
         connection.setblocking(True)
         with connection.makefile("rb", buffering=0) as stream:

@@ -1,6 +1,6 @@
-"""Messages between driver and workers: a header in JSON, and blocks of bytes.
+"""Messages between driver and workers: a JSON header and blocks of bytes.
 
-Ray and a socket carry the same messages.  Nothing in them is code or pickled.
+Ray and sockets carry the same messages, which contain neither code nor pickles.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def packed(header: dict[str, Any], blocks: Sequence[bytes] = ()) -> bytes:
 
 
 def unpacked(message: bytes) -> tuple[dict[str, Any], list[bytes]]:
-    """Return header and blocks of a message."""
+    """Return the header and the blocks of a message."""
     start = _LENGTH.size + _LENGTH.unpack_from(message)[0]
     header = json.loads(message[_LENGTH.size : start])
     blocks = []
@@ -32,12 +32,12 @@ def unpacked(message: bytes) -> tuple[dict[str, Any], list[bytes]]:
 
 
 def framed(message: bytes) -> bytes:
-    """Return the message with its length before it, for a stream."""
+    """Return the message preceded by its length, for a stream."""
     return _LENGTH.pack(len(message)) + message
 
 
 def take_frame(buffer: bytearray) -> bytes | None:
-    """Remove the first whole message of a stream from ``buffer`` and return it."""
+    """Remove the first complete message from ``buffer`` and return it, or None."""
     if len(buffer) < _LENGTH.size:
         return None
     end = _LENGTH.size + _LENGTH.unpack_from(buffer)[0]

@@ -14,20 +14,20 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 Table = Any
-"""A ``pyarrow.Table``; pyarrow has no types."""
+"""A ``pyarrow.Table``; pyarrow has no type annotations."""
 _NOTE: Final = b"tool0"
 """Key of a note in a file's metadata."""
 
 
 def is_image(values: Array) -> bool:
-    """Whether values are colours, shape (n_frames, height, width, 3), uint8."""
+    """Return whether values are images, shape (n_frames, height, width, 3), uint8."""
     return values.dtype == np.uint8 and values.ndim == 4 and values.shape[-1] == 3
 
 
 def table(
     columns: Mapping[str, Array], metadata: Mapping[bytes, bytes] | None = None
 ) -> Table:
-    """Return a table of columns, shape (n_rows, …); images become PNG."""
+    """Return a table of columns of shape (n_rows, …); images become PNG."""
     import pyarrow as pa
 
     arrays = {name: _array(values) for name, values in columns.items()}
@@ -51,14 +51,14 @@ def file_of(content: Table, note: bytes | None = None) -> bytes:
 
 
 def note_in(file: Path | io.BytesIO) -> bytes:
-    """Return the note of a file that ``file_of`` made, without reading its table."""
+    """Return the note in a file that ``file_of`` made, without reading the table."""
     import pyarrow.parquet as pq
 
     return zlib.decompress(base64.b64decode(pq.read_metadata(file).metadata[_NOTE]))
 
 
 def nested(values: Array) -> Any:
-    """Return rows of shape (n_rows, …) as lists of any length, not of a fixed one."""
+    """Return rows of shape (n_rows, …) as lists of variable length."""
     import pyarrow as pa
 
     array = pa.array(values.reshape(-1))
@@ -70,7 +70,7 @@ def nested(values: Array) -> Any:
 
 
 def numbers(column: Any, shape: Sequence[int]) -> Array:
-    """Return a column of a table that ``nested`` made, shape (n_rows, *shape)."""
+    """Return a column that ``nested`` made as an array of shape (n_rows, *shape)."""
     array = column.combine_chunks()
     while hasattr(array, "flatten") and hasattr(array.type, "value_type"):
         array = array.flatten()

@@ -1,7 +1,8 @@
-"""Policies by name: a function or class of a module or of a file.
+"""Policies by name: functions or classes in modules or files.
 
 A policy is called with an episode's seed and returns a function from an observation to
-an action.  It therefore keeps what it likes during an episode, and nothing beyond.
+an action.  A policy can thus keep state during an episode, but not from one episode to
+the next.
 """
 
 from __future__ import annotations
@@ -17,16 +18,17 @@ from tool0.errors import ConfigError, did_you_mean
 Act = Callable[[Any], Any]
 """Maps the observation of one environment to an action."""
 Policy = Callable[[int], Act]
-"""Maps the seed of an episode to the function that acts in it."""
+"""Maps the seed of an episode to the function that chooses its actions."""
 
 
 def located(policy: str | Policy) -> tuple[str, str | None]:
-    """Return where a policy is, and the SHA-256 of its file if it is in one.
+    """Return the full name of a policy, and the SHA-256 of its file if it is in a file.
 
-    Workers load the policy from these; neither code nor pickles are sent.
+    Workers load the policy by this name; neither code nor pickles are sent.
 
     Raises:
-        ConfigError: If there is none, or if a callable has no name of its own.
+        ConfigError: If there is no such policy, or if a callable cannot be found by its
+            name.
     """
     name = policy if isinstance(policy, str) else _name_of(policy)
     place, colon, attribute = name.rpartition(":")
@@ -43,10 +45,10 @@ def located(policy: str | Policy) -> tuple[str, str | None]:
 
 
 def loaded(name: str, digest: str | None) -> Policy:
-    """Return the policy that ``located`` found.
+    """Load the policy that ``located`` found.
 
     Raises:
-        ConfigError: If there is none, or if its file has another digest.
+        ConfigError: If there is no such policy, or if its file has another digest.
     """
     place, _, attribute = name.rpartition(":")
     try:
@@ -56,7 +58,7 @@ def loaded(name: str, digest: str | None) -> Policy:
             values = run_file(name, digest, "policy")
     except ConfigError:
         raise
-    except Exception as error:  # of the person's own program
+    except Exception as error:  # raised by the user's own code
         raise cannot_load(name, "policy", error) from error
     if not callable(policy := values.get(attribute)):
         names = [key for key, value in values.items() if callable(value)]

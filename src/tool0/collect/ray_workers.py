@@ -1,7 +1,7 @@
-"""Workers that are actors of Ray, on this machine or on many.
+"""Workers that are Ray actors, on one machine or many.
 
-Ray carries bytes, numbers and strings between them; it wraps these in pickles of its
-own, so whoever reaches a cluster can run programs on it.  A cluster is trusted.
+Ray transfers bytes, numbers and strings, but wraps them in its own pickles.  Anyone who
+can reach a cluster can therefore run programs on it: the cluster must be trusted.
 """
 
 from __future__ import annotations
@@ -33,14 +33,15 @@ LOCAL: Final = "local"
 _CONNECT_TIMEOUT: Final = 5.0
 """Longest wait for a connection to the cluster [wall s]."""
 _ANSWER_TIMEOUT: Final = 30.0
-"""Longest wait for the cluster's answer [wall s]; it starts a Python."""
+"""Longest wait for the cluster's answer [wall s]; it has to start a Python process."""
 _START_TIMEOUT: Final = 120.0
-"""Longest time until a Ray of this machine has started, and without any worker
-[wall s]: twelve Ray processes are slow on a busy machine."""
+"""Longest time that a local Ray may take to start, and longest time without any ready
+worker [wall s].  On a busy machine, Ray's twelve processes start slowly."""
 _POLL_PERIOD: Final = 0.05
-"""Interval between two looks at a Ray that starts [wall s]."""
+"""Interval between checks of a Ray that is starting [wall s]."""
 _LOOPBACK: Final = "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"
-"""Ray reads it when it is imported: with 0 it uses no address but 127.0.0.1."""
+"""Environment variable that Ray reads on import; if it is 0, Ray only uses
+127.0.0.1."""
 
 
 @final
@@ -56,15 +57,15 @@ class _Actor:
 
 @final
 class RayWorkers:
-    """Actors with one processor each; they end with this process."""
+    """Ray actors with one processor each, which end with this process."""
 
     def __init__(
         self, address: str, n_workers: int | None, settings: Settings, n_copies: int
     ) -> None:
-        """Connect to ``host:port``, or start a Ray of this machine for ``local``.
+        """Connect to ``host:port``, or start Ray on this machine for ``local``.
 
         Raises:
-            ConfigError: If Ray is not installed, or ``address`` is no address.
+            ConfigError: If Ray is not installed, or ``address`` is not an address.
             TransportError: If no cluster answers.
         """
         self._exits = contextlib.ExitStack()
@@ -89,13 +90,13 @@ class RayWorkers:
         return sum(QUEUED - len(actor.chunks) for actor in self._ready())
 
     def submit(self, chunk: Chunk) -> None:
-        """Give a chunk to the worker with the least to do."""
+        """Give a chunk to the worker with the fewest chunks."""
         actor = min(self._ready(), key=lambda item: len(item.chunks))
         reference = actor.handle.collect.remote(chunk.first, chunk.end)
         actor.chunks.append((reference, chunk))
 
     def finished(self, timeout: float) -> Sequence[Finished]:
-        """Wait for chunks that come back."""
+        """Wait for finished chunks; see ``Executor.finished``."""
         waiting = {
             actor.chunks[0][0] if actor.is_ready else actor.hello: actor
             for actor in self._actors
@@ -111,7 +112,7 @@ class RayWorkers:
         return found
 
     def close(self) -> None:
-        """End all workers, and the connection."""
+        """End all workers, and close the connection."""
         for actor in self._actors:
             self._ray.kill(actor.handle)
         self._exits.close()
@@ -165,7 +166,7 @@ class RayWorkers:
 
 @contextlib.contextmanager
 def _connected(address: str, n_workers: int | None) -> Iterator[Any]:
-    """Connect to a cluster, or to a new one; return the module ``ray``."""
+    """Connect to a cluster, or start one, and yield the module ``ray``."""
     with contextlib.ExitStack() as exits:
         if address == LOCAL:
             n_processors = n_workers or len(os.sched_getaffinity(0))
@@ -193,10 +194,10 @@ def _connected(address: str, n_workers: int | None) -> Iterator[Any]:
 
 @contextlib.contextmanager
 def own_cluster(n_processors: int) -> Iterator[str]:
-    """Start a Ray that listens to this machine alone and ends with this process.
+    """Start a Ray that listens only on this machine and ends with this process.
 
-    Its processes have a common group, which a supervisor ends.  Other users do not
-    know its token.
+    Its processes form a process group, which a supervisor ends.  Other users cannot
+    connect, since they do not know its token.
 
     Raises:
         ConfigError: If Ray was imported for clusters of several machines.
@@ -232,7 +233,7 @@ def own_cluster(n_processors: int) -> Iterator[str]:
 
 @cache
 def _token() -> str:
-    """Return what other users of this machine do not know; Ray reads it only once."""
+    """Return a token that keeps other users out; Ray reads it only once."""
     return secrets.token_hex(32)
 
 
@@ -246,14 +247,14 @@ def _imported() -> Any:
 def _require_ray() -> None:
     """Raise ConfigError if Ray is not installed, without importing it.
 
-    A process that has imported it cannot start ``own_cluster`` any more.
+    A process that has already imported Ray can no longer start ``own_cluster``.
     """
     if importlib.util.find_spec("ray") is None:
         raise ConfigError("Ray is not installed; run pip install '.[ray]'")
 
 
 def _reach(address: str) -> None:
-    """Raise an error if no cluster answers: Ray itself would try for minutes."""
+    """Raise an error if no cluster answers; Ray itself would try for minutes."""
     host, colon, port = address.rpartition(":")
     if not (host and colon and port.isdecimal()) or "/" in address:
         raise ConfigError(
@@ -284,7 +285,7 @@ def _reach(address: str) -> None:
 
 @contextlib.contextmanager
 def _signals_kept() -> Iterator[None]:
-    """Restore the handler of SIGTERM, which Ray replaces."""
+    """Restore the SIGTERM handler, which Ray replaces."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -1,4 +1,4 @@
-"""Frames at any rate, from the snapshots of a recording."""
+"""Resampling of a recording's snapshots to frames at any rate."""
 
 from __future__ import annotations
 
@@ -14,25 +14,27 @@ Numbers = NDArray[np.float64]
 
 @final
 class Resampled:
-    """Times at a constant interval within the snapshots of a recording."""
+    """Times at a constant interval, and the values of a recording at these times."""
 
     def __init__(
         self, tick: NDArray[np.int64], period: float, rate: float, name: str
     ) -> None:
         """Choose the times, up to the first gap in the snapshots.
 
-        They begin with the first snapshot of those at a regular rate, so that each
-        time is that of a snapshot if the interval is a multiple of the snapshots'.
+        The first time is that of the first regular snapshot.  If the interval is a
+        multiple of the snapshots' interval, each time is therefore the time of a
+        snapshot.
 
         Args:
-            tick: Ticks of each snapshot [control periods], shape (n,).
+            tick: Tick of each snapshot [control periods], shape (n,).
             period: Period of the control loop [s].
             rate: Times per simulated second [Hz].
             name: Name of the recording, for errors.
 
         Raises:
-            ConfigError: If ``rate`` is above that of the snapshots, or no number > 0.
-            CollectError: If there are no two times.
+            ConfigError: If ``rate`` is higher than the snapshots' rate, or is not a
+                number > 0.
+            CollectError: If the recording is too short for two times.
         """
         if not (np.isfinite(rate) and rate > 0.0):
             raise ConfigError(f"rate must be above 0 Hz, got {rate:g}")
@@ -63,22 +65,22 @@ class Resampled:
 
     @property
     def nearest(self) -> NDArray[np.intp]:
-        """The snapshot nearest to each time, shape (n_times,)."""
+        """Index of the snapshot nearest to each time, shape (n_times,)."""
         after = np.searchsorted(self._ticks, self._at).clip(1, len(self._ticks) - 1)
         is_before = self._at - self._ticks[after - 1] <= self._ticks[after] - self._at
         return np.asarray(self._rows[after - is_before.astype(np.intp)])
 
     def between(self, values: Numbers) -> Numbers:
-        """Return values at each time, linear between two snapshots.
+        """Return values at each time, interpolated linearly between snapshots.
 
         Args:
-            values: Values of each snapshot, shape (n, m); between NaN and a number is
-                NaN.
+            values: Values of each snapshot, shape (n, m); between NaN and a number, the
+                result is NaN.
         """
         return self._interpolated(values[self._rows])
 
     def poses_between(self, poses: Numbers) -> Numbers:
-        """Return x, y, z, qw, qx, qy, qz at each time, from shape (n, 7)."""
+        """Return x, y, z, qw, qx, qy, qz at each time, from poses of shape (n, 7)."""
         rows = poses[self._rows]
         turns = rows[:, 3:]
         is_flipped = (turns[1:] * turns[:-1]).sum(axis=1) < 0.0  # q and -q are the same

@@ -1,4 +1,4 @@
-"""Episodes of a task: copies of its environment that run side by side."""
+"""Episodes of a task, from copies of its environment that run side by side."""
 
 from __future__ import annotations
 
@@ -24,21 +24,23 @@ class Episode:
 
     seed: int
     observations: Mapping[str, Array]
-    """Name → shape (n_frames, …): before each action; ``""`` if there is only one."""
+    """Name → observations before each action, shape (n_frames, …); ``""`` if there is
+    only one."""
     actions: Array
-    """Shape (n_frames, n)."""
+    """Actions, shape (n_frames, n)."""
     rewards: Array
-    """Shape (n_frames,)."""
+    """Rewards, shape (n_frames,)."""
     terminated: bool
-    """Whether its end is one of the task; otherwise the time was over."""
+    """Whether the task ended the episode; otherwise its time ran out."""
     success: bool
     rate: float
     """Actions per simulated second [Hz]."""
     names: Mapping[str, Sequence[str]] = field(default_factory=dict)
-    """Name of an observation, or ``action`` → names of its numbers, where they have
-    any."""
+    """Name of an observation, or ``action`` → names of its components, if they have
+    names."""
     surroundings: frozenset[str] = frozenset()
-    """Names of those numbers that the robot does not measure on itself."""
+    """Names of the components that describe the robot's surroundings instead of the
+    robot."""
 
     @property
     def n_frames(self) -> int:
@@ -58,9 +60,9 @@ class Rollout(AbstractContextManager["Rollout"]):
         *,
         digest: str | None = None,
     ) -> None:
-        """Make the environments; None for ``policy`` means the task's expert.
+        """Create the environments; if ``policy`` is None, the task's expert acts.
 
-        ``digest`` is that of the file of the task, if it is in one.
+        ``digest`` is the SHA-256 of the file that defines the task, if there is one.
 
         Raises:
             ConfigError: If there is no such task, or no expert for it.
@@ -90,7 +92,7 @@ class Rollout(AbstractContextManager["Rollout"]):
         self._envs.close()
 
     def episodes(self, seeds: Iterable[int]) -> Iterator[Episode]:
-        """Yield the episode of each seed, those that end first before others.
+        """Yield the episode of each seed, in the order in which they end.
 
         A copy whose episode has ended takes the next seed.
         """
@@ -107,7 +109,7 @@ class Rollout(AbstractContextManager["Rollout"]):
                     running[copy] = Recorder(seed, act)
             if not running:
                 return
-            if ended.any():  # without a seed, a copy repeats its last episode
+            if ended.any():  # a copy without a new seed repeats its last episode
                 observations, _ = self._envs.reset(
                     seed=list(seed_of), options={"reset_mask": ended}
                 )
@@ -128,7 +130,7 @@ class Rollout(AbstractContextManager["Rollout"]):
                     yield self._named(episode)
 
     def _named(self, episode: Episode) -> Episode:
-        """Return an episode with the names that the environment has for numbers."""
+        """Return an episode with the environment's names for components."""
         if self._names is None:
             return episode
         return replace(
@@ -170,7 +172,7 @@ def _of(observations: Any, copy: int) -> Any:
 
 
 def flat(observation: Any, name: str = "") -> Iterator[tuple[str, Array]]:
-    """Yield the arrays of an observation; names of inner ones are joined by a dot."""
+    """Yield the arrays of an observation with their names; a dot joins nested names."""
     if not isinstance(observation, dict):
         yield name, observation
         return

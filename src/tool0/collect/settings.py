@@ -1,4 +1,4 @@
-"""The inputs that decide an episode's bytes: task, seed, policy, format, programs."""
+"""Inputs that determine an episode's bytes: task, seed, policy, format, programs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import numpy as np
 from tool0.errors import ConfigError
 
 Format = Literal["parquet", "lerobot"]
-"""Columns and further files of a data set."""
+"""Format of a data set, which determines its columns and further files."""
 
 _LIBRARIES: Final = ("gymnasium", "pyarrow")
 
@@ -23,23 +23,23 @@ _LIBRARIES: Final = ("gymnasium", "pyarrow")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """The parameters of a data set.  Together with an index they define an episode."""
+    """The parameters of a data set, which together with an index define an episode."""
 
     task: str
-    """Name of the task, or id of a Gymnasium environment, with its module or file."""
+    """Name of the task, or id of a Gymnasium environment with its module or file."""
     task_digest: str | None
-    """SHA-256 of the task's file."""
+    """SHA-256 of the file that defines the task; None if there is no such file."""
     options: Mapping[str, Any]
-    """Keywords of the environment, as JSON holds them."""
+    """Keyword arguments of the environment, as JSON values."""
     seed: int
-    """Base of the episodes' seeds."""
+    """Base from which the episodes' seeds are derived."""
     policy: str | None
     """Policy as ``module:name`` or ``file.py:name``; None for the expert."""
     digest: str | None
-    """SHA-256 of the policy's file."""
+    """SHA-256 of the file that defines the policy; None if there is no such file."""
     format: Format
     instruction: str
-    """Description of the task of each episode; only LeRobot's format has it."""
+    """Description of the task; only LeRobot's format contains it."""
 
     def to_json(self) -> dict[str, Any]:
         """Return the settings as JSON values; ``from_json`` is the inverse."""
@@ -47,11 +47,11 @@ class Settings:
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Settings:
-        """Return the settings that ``to_json`` wrote."""
+        """Return the settings from the values that ``to_json`` returned."""
         return cls(**values)
 
     def recorded(self) -> dict[str, Any]:
-        """Return the manifest's values.  The files may move, but not change."""
+        """Return the manifest's values, with digests of user files instead of paths."""
         policy, task = self.policy, self.task
         if self.digest is not None and policy is not None:
             policy = f"{policy.rpartition(':')[2]}@sha256:{self.digest}"
@@ -70,7 +70,7 @@ class Settings:
 
 
 def episode_seed(base: int, index: int) -> int:
-    """Return the seed of an episode, below 2**63, from these two numbers alone."""
+    """Return the seed of an episode, below 2**63; it depends on nothing else."""
     state = np.random.SeedSequence([base, index]).generate_state(1, np.uint64)
     return int(state[0]) >> 1
 
@@ -87,9 +87,9 @@ def require_extra() -> None:
 
 @cache
 def programs() -> dict[str, str]:
-    """Return the versions and the arithmetic that episodes of this machine depend on.
+    """Return the versions and the arithmetic that determine this machine's episodes.
 
-    The same seeds give the same bytes where these are equal.
+    If they are equal on two machines, the same seeds give the same bytes on both.
     """
     from importlib.metadata import version
 
@@ -101,7 +101,7 @@ def programs() -> dict[str, str]:
 
 
 def _arithmetic() -> str:
-    """Return a digest of elementary functions, whose last bit differs by processor.
+    """Return a digest of elementary functions, whose last bit depends on the processor.
 
     The C library and NumPy choose between implementations when they are loaded.
     """
@@ -120,7 +120,7 @@ def _arithmetic() -> str:
 
 
 def differences(ours: Mapping[str, Any], theirs: Mapping[str, Any]) -> list[str]:
-    """Return ``name: theirs, not ours`` for what differs."""
+    """Return a text ``name theirs instead of ours`` for each value that differs."""
     return [
         f"{name} {json.dumps(theirs.get(name))} instead of {json.dumps(ours.get(name))}"
         for name in sorted({*ours, *theirs})

@@ -1,7 +1,7 @@
-"""LeRobot's statistics for normalisation: of an episode, and of a whole data set.
+"""LeRobot's statistics for normalisation, per episode and for a whole data set.
 
-Names and meaning are those of lerobot 0.6.1 (lerobot/datasets/compute_stats.py), with
-exact quantiles instead of its histograms' for an episode.
+Names and meanings are those of lerobot 0.6.1 (lerobot/datasets/compute_stats.py), but
+an episode's quantiles are exact, whereas lerobot estimates them from histograms.
 """
 
 from __future__ import annotations
@@ -16,14 +16,15 @@ from tool0.collect.parquet import Array, is_image
 
 Numbers = NDArray[np.float64]
 Statistics = dict[str, Array]
-"""Name → of each number, or of each colour in 0 … 1; ``count`` in frames."""
+"""Name of a statistic → its value for each component, or for each colour, scaled to 0 …
+1.  ``count`` is the number of frames."""
 
 _QUANTILES: Final = {"q01": 0.01, "q10": 0.1, "q50": 0.5, "q90": 0.9, "q99": 0.99}
 NAMES: Final = ("min", "max", "mean", "std", "count", *_QUANTILES)
 
 
 def shape_of(values: Array) -> tuple[int, ...]:
-    """Return the shape of the statistics of a column of frames, but for ``count``."""
+    """Return the shape of a column's statistics, except for ``count``."""
     if is_image(values):
         return (3, 1, 1)
     return values.shape[1:] or (1,)
@@ -38,13 +39,13 @@ def statistics(values: Array) -> Statistics:
 
 
 def combined(parts: Mapping[str, Array]) -> Statistics:
-    """Return the statistics of several parts together.
+    """Return the combined statistics of several parts.
 
-    A quantile of all is the mean of the parts', weighted by their frames, as LeRobot
-    has it.
+    As in LeRobot, a combined quantile is the mean of the parts' quantiles, weighted by
+    their numbers of frames.
 
     Args:
-        parts: Name → its values of k parts, shape (k, …).
+        parts: Name of a statistic → its values for k parts, shape (k, …).
     """
     count = parts["count"].sum(axis=0)
     weights = parts["count"].reshape(-1, *(1 for _ in parts["mean"].shape[1:]))
@@ -77,7 +78,7 @@ def _of_numbers(values: Array) -> dict[str, Numbers]:
 
 
 def _of_colours(images: Array) -> dict[str, Numbers]:
-    """Return them of each colour, from how often each of its 256 values occurs."""
+    """Return the statistics of each colour, from a histogram of its 256 values."""
     levels = np.arange(256) / 255.0
     counts = np.zeros((3, 256), np.int64)
     for image in images:
@@ -89,7 +90,7 @@ def _of_colours(images: Array) -> dict[str, Numbers]:
     until = np.cumsum(counts, axis=1)
 
     def level(share: float) -> Numbers:
-        """Return the least level that this share of the pixels does not exceed."""
+        """Return the smallest level that this share of the pixels does not exceed."""
         needed = max(share * total, 1.0)
         return np.asarray(levels[np.argmax(until >= needed, axis=1)])
 

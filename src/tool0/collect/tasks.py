@@ -1,4 +1,4 @@
-"""Tasks by name: one of tool0's, or an environment that a module or a file registers.
+"""Tasks by name: tool0's own, or environments that a module or a file registers.
 
 Workers find an environment by these names; neither code nor pickles are sent.
 """
@@ -21,10 +21,10 @@ _VERSION: Final = re.compile(r"-v\d+$")
 
 
 def located_task(task: str) -> tuple[str, str | None]:
-    """Return where a task is, and the SHA-256 of its file if it is in one.
+    """Return the full name of a task, and the SHA-256 of its file if it is in a file.
 
     Raises:
-        ConfigError: If there is none.
+        ConfigError: If there is no such task.
     """
     digest = None
     if is_file(task):
@@ -37,12 +37,12 @@ def environment_spec(task: str, digest: str | None) -> EnvSpec:
     """Return Gymnasium's specification of a task.
 
     Args:
-        task: One of tool0's, the id of an environment, ``module:id``, or
-            ``file.py:id`` as ``located_task`` returns it.
-        digest: That of the file.
+        task: One of tool0's tasks, the id of an environment, ``module:id``, or
+            ``file.py:id`` in the form that ``located_task`` returns.
+        digest: SHA-256 of the file; None without a file.
 
     Raises:
-        ConfigError: If there is none.
+        ConfigError: If there is no such task.
     """
     import gymnasium
 
@@ -65,20 +65,20 @@ def environment_spec(task: str, digest: str | None) -> EnvSpec:
 
 @cache
 def _run_file(task: str, digest: str) -> None:
-    """Run the file that registers a task, once."""
+    """Run the file that registers a task, but only once."""
     try:
         with warnings.catch_warnings():
-            # the program that calls this may have registered it, too
+            # the calling program may already have registered the environment
             warnings.filterwarnings("ignore", ".*Overriding environment")
             run_file(task, digest, "task")
     except ConfigError:
         raise
-    except Exception as error:  # of the person's own program
+    except Exception as error:  # raised by the user's own code
         raise cannot_load(task, "task", error) from error
 
 
 def default_instruction(task: str, digest: str | None) -> str:
-    """Return the instruction of a task; its id, if it has none."""
+    """Return the instruction of a task, or its id if it has no instruction."""
     from tool0.gym.registration import task_of
 
     found = task_of(environment_spec(task, digest))

@@ -1,6 +1,6 @@
-"""Files of users, which define policies and tasks: ``file.py:name``.
+"""User files that define policies and tasks: ``file.py:name``.
 
-Workers run the file by its place; its SHA-256 tells whether it is the same one.
+Workers run the file at its path; the SHA-256 shows whether it is the same file.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from tool0.errors import ConfigError
 
 
 def is_file(name: str) -> bool:
-    """Return whether a name is that of something in a file."""
+    """Return whether a name refers to something in a file."""
     return name.rpartition(":")[0].endswith(".py")
 
 
 def located_file(name: str, what: str) -> tuple[str, str]:
-    """Return the name with the whole path, and the SHA-256 of the file.
+    """Return the name with the absolute path, and the SHA-256 of the file.
 
-    ``what`` it is, for messages: a ``policy`` or a ``task``.
+    ``what`` is the word for it in messages: ``policy`` or ``task``.
 
     Raises:
         ConfigError: If the file cannot be read.
@@ -35,7 +35,7 @@ def run_file(name: str, digest: str, what: str) -> dict[str, Any]:
     """Run a file, and return the names that it defines.
 
     Raises:
-        ConfigError: If it cannot be read, or has another digest.
+        ConfigError: If the file cannot be read, or has another digest.
         Exception: Whatever the file raises.
     """
     text, place = _text(name, what), name.rpartition(":")[0]
@@ -49,7 +49,7 @@ def run_file(name: str, digest: str, what: str) -> dict[str, Any]:
 
 
 def cannot_load(name: str, what: str, error: Exception) -> ConfigError:
-    """Return the error for what a person's own program raises."""
+    """Return the error for an exception that a user's own code raised."""
     reason = f"{type(error).__name__}: {error}"
     return ConfigError(f"{what} '{name}' cannot be loaded: {reason}")
 

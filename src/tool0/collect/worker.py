@@ -1,4 +1,4 @@
-"""A worker: computes the episodes of a chunk, and returns them as a message."""
+"""A worker, which simulates the episodes of a chunk and returns them as a message."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from tool0.errors import Tool0Error
 @final
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """Successive episodes, the unit of work."""
+    """A range of consecutive episodes, the unit of work."""
 
     first: int
     end: int
-    """Index after the last."""
+    """Index after the last episode."""
 
     def __len__(self) -> int:
         """Return the number of episodes."""
@@ -32,24 +32,24 @@ class Chunk:
 
 
 def arguments(settings: Settings, n_copies: int) -> dict[str, Any]:
-    """Return the arguments of a ``Worker``, as JSON holds them."""
+    """Return the arguments of a ``Worker`` as JSON values."""
     paths = [str(Path(path).absolute()) for path in sys.path]
     return {"settings": settings.to_json(), "n_copies": n_copies, "paths": paths}
 
 
 @final
 class Worker:
-    """Collects chunks with environments that it makes once."""
+    """Collects chunks, all with the same environments."""
 
     def __init__(
         self, settings: Mapping[str, Any], n_copies: int, paths: Sequence[str]
     ) -> None:
-        """Do not simulate yet: the driver compares the programs first.
+        """Take the settings; the driver compares the programs before anything runs.
 
         Args:
-            settings: ``Settings.to_json``.
-            n_copies: Simulations that take turns.
-            paths: Folders in which the driver looks for modules.
+            settings: Values that ``Settings.to_json`` returned.
+            n_copies: Number of simulations that are stepped in turn.
+            paths: Folders in which the driver finds modules.
         """
         sys.path += [path for path in paths if path not in sys.path]
         self._settings = Settings.from_json(settings)
@@ -57,16 +57,16 @@ class Worker:
         self._rollout: Rollout | None = None
 
     def hello(self) -> bytes:
-        """Return the programs of this machine."""
+        """Return a message with the versions of this machine's programs."""
         return packed({"programs": programs()})
 
     def collect(self, first: int, end: int) -> bytes:
-        """Return the episodes in order, or why there are none."""
+        """Return a message with the episodes in order, or with the error."""
         try:
             rows, files = self._episodes(Chunk(first, end))
         except Tool0Error as error:
             return packed({"error": str(error)})
-        except Exception as error:  # of the policy, or a bug
+        except Exception as error:  # raised by the policy, or a bug
             frames = traceback.extract_tb(error.__traceback__)
             where = f"{frames[-1].filename}:{frames[-1].lineno}"
             return packed({"error": f"{where}: {type(error).__name__}: {error}"})

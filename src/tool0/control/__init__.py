@@ -1,1 +1,1 @@
-"""The semantics of ros_control; knows no engine and no ROS."""
+"""The semantics of ros_control, independent of any engine and of ROS itself."""

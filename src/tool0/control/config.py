@@ -1,4 +1,4 @@
-"""The controllers that YAML files describe, of ROS 1 or ROS 2."""
+"""The controllers of ROS 1 or ROS 2 that YAML files describe."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ class ControllerParameters(NamedTuple):
 
 @final
 class ControllerConfig:
-    """The controllers that YAML files describe; each is checked when it is loaded.
+    """The controllers that YAML files describe; each one is checked when it is loaded.
 
-    The layout determines the version: with ``ros__parameters`` it is ROS 2.
+    The layout determines the version: ``ros__parameters`` means ROS 2.
     """
 
     def __init__(self, tree: Tree, dialect: Dialect | None = None) -> None:
-        """Take the content of files; without ``dialect``, its layout decides."""
+        """Take the content of files; without ``dialect``, the layout determines it."""
         self.tree = tree
         self.dialect = dialect or (ROS2 if is_ros2(tree.root) else ROS1)
         self._declared = self.dialect.declared(tree.root)
@@ -47,7 +47,7 @@ class ControllerConfig:
     def from_files(
         files: Path | Iterable[Path], arguments: Mapping[str, str] | None = None
     ) -> ControllerConfig:
-        """Return the controllers of one file or several; later ones override.
+        """Return the controllers of one or several files; later files take precedence.
 
         ``arguments`` are the values of ``$(var NAME)`` in files for ROS 2.
 
@@ -67,13 +67,13 @@ class ControllerConfig:
     def from_text(
         text: str, location: SourceLocation | None = None
     ) -> ControllerConfig:
-        """Return the controllers of a YAML text, which begins at ``location``."""
+        """Return the controllers of a YAML text that begins at ``location``."""
         tree = Tree()
         tree.load(text, location or SourceLocation(None, 1))
         return ControllerConfig(tree)
 
     def with_type(self, name: str, type_name: str) -> ControllerConfig:
-        """Return a copy with another type for a controller, which need not exist."""
+        """Return a copy with another type for a controller, which may be new."""
         config = ControllerConfig(self.tree, self.dialect)
         here = SourceLocation(None)
         empty = YamlEntry(name, here, {})
@@ -86,20 +86,20 @@ class ControllerConfig:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The controllers: the namespaces with a ``type``."""
+        """The names of the controllers, which are the namespaces with a ``type``."""
         return tuple(self._declared)
 
     @property
     def types(self) -> Mapping[str, str]:
-        """The type of each controller, as written, which need not exist."""
+        """The type of each controller as written in the files; it need not exist."""
         return {name: str(item.type.scalar) for name, item in self._declared.items()}
 
     @property
     def control_period(self) -> float | None:
-        """The time between updates that it asks for [s]; None if it does not.
+        """The time between updates that the files ask for [s]; None if unspecified.
 
         Raises:
-            ConfigError: If it is impossible.
+            ConfigError: If the specified rate is invalid.
         """
         return self.dialect.control_period(self.tree.root)
 
@@ -108,7 +108,7 @@ class ControllerConfig:
         return {name: e.plain() for name, e in self.tree.root.children.items()}
 
     def yaml(self) -> str:
-        """Return the whole content of the files as one text, without comments."""
+        """Return the whole content of the files as one YAML text, without comments."""
         import yaml
 
         text: str = yaml.safe_dump(
@@ -117,7 +117,7 @@ class ControllerConfig:
         return text
 
     def type_of(self, name: str) -> str:
-        """Return the type of a controller, which exists.
+        """Return the type of a controller, which is checked to exist.
 
         Raises:
             ConfigError: If the controller or its type is missing or unknown.
@@ -153,7 +153,7 @@ class ControllerConfig:
         """Return the checked parameters of a controller.
 
         Raises:
-            ConfigError: If it is missing, or its parameters are wrong.
+            ConfigError: If the controller is missing, or its parameters are wrong.
         """
         return self._parse(name, robot, Namespace(self._find(name).parameters))
 
@@ -167,7 +167,7 @@ class ControllerConfig:
     def parameters_of(self, name: str, robot: RobotJoints) -> ControllerParameters:
         """Return the values of a controller's parameters, defaults included.
 
-        If a parameter is wrong, those are missing that are read after it.
+        If a parameter is wrong, parameters that are read after it are missing.
 
         Raises:
             ConfigError: If there is no such controller.
@@ -193,7 +193,7 @@ class ControllerConfig:
     def with_parameters(
         self, name: str, changes: Mapping[str, Value]
     ) -> ControllerConfig:
-        """Return a copy with other parameters of a controller, by dotted name."""
+        """Return a copy with changes to a controller's parameters, by dotted name."""
         found = self._find(name)
         overlay = YamlEntry(name, found.parameters.location, {})
         for path, value in changes.items():
@@ -220,7 +220,7 @@ class ControllerConfig:
         return self.dialect.lint(self.tree, joints)
 
     def joint_limits(self) -> Mapping[str, Mapping[str, float]]:
-        """Return the limits in ``joint_limits`` that replace the URDF's, by joint.
+        """Return the limits in ``joint_limits``, which override the URDF's, by joint.
 
         The keys are fields of ``JointLimits``.
         """
@@ -236,7 +236,7 @@ def _dotted(path: str) -> str:
 
 
 def _value(entry: YamlEntry) -> Value | None:
-    """Return a parameter as a plain value; None if it has none, or one of no type."""
+    """Return a parameter as a plain value; None if it is empty or of mixed types."""
     if not entry.is_list:
         return entry.scalar
     items = [item.scalar for item in entry.items]

@@ -1,4 +1,4 @@
-"""Protocols of controllers of ROS 1 and ROS 2, for the tick and for requests."""
+"""Protocols of the controllers of ROS 1 and ROS 2, for the tick and for requests."""
 
 from __future__ import annotations
 
@@ -18,35 +18,35 @@ from tool0.protocol.trajectories import JointsMotion
 
 
 class Controller(Protocol):
-    """A running controller: if it exists, it is ready; stopping drops it."""
+    """A running controller, which is ready once it exists; stopping drops it."""
 
     @property
     def pid(self) -> Pid | None:
-        """The PID that turns errors into commands; None if commands are passed on."""
+        """The PID from errors to commands; None if commands are passed on."""
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return a command per claimed joint, in the order of the spec's joints.
+        """Return one command per claimed joint, in the order of the spec's joints.
 
         Args:
-            state: Every joint, in the engine's order.
+            state: State of all joints, in the engine's order.
             period: Time since the last update [s].
         """
 
     def law(self) -> Law | None:
-        """Return the law of ``update`` until an event; None if there is none."""
+        """Return the law that replaces ``update`` until an event, if there is one."""
 
     def observe(self, state: JointState) -> None:
-        """Note the state of the last tick, which was executed by its law."""
+        """Store the state of the last tick, which the law executed."""
 
     def setpoint(self) -> Setpoint | None:
-        """Return the setpoints of the joints; None if positions are not commanded.
+        """Return the joints' setpoints; None if positions are not commanded.
 
-        It is called between ticks, about a hundred times a second, so it only keeps
-        references to immutable values.
+        This is called between ticks, about a hundred times a second, so the result only
+        holds references to immutable values.
         """
 
     def stop(self) -> None:
-        """End the motion in progress, and its goal: the controller is deactivated."""
+        """End the current motion and its goal, since the controller is deactivated."""
 
 
 class ControllerSpec(Protocol):
@@ -57,38 +57,38 @@ class ControllerSpec(Protocol):
 
     @property
     def type(self) -> str:
-        """The type in YAML: ``effort_controllers/JointTrajectoryController``."""
+        """The type in YAML, e.g. ``effort_controllers/JointTrajectoryController``."""
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The joints it claims, in the order of its commands."""
+        """The joints that it claims, in the order of its commands."""
 
     @property
     def interface(self) -> Interface | None:
-        """The command interface it claims of each joint; None if it only reads."""
+        """The command interface of each joint that it claims; None if it only reads."""
 
     @property
     def further_interfaces(self) -> tuple[str, ...]:
-        """Command interfaces that it claims besides, such as ``gpio/io_async``."""
+        """Additional command interfaces that it claims, such as ``gpio/io_async``."""
 
     @property
     def state_interfaces(self) -> tuple[str, ...]:
-        """The state interfaces that it requires: ``elbow_joint/position``."""
+        """The state interfaces that it requires, such as ``elbow_joint/position``."""
 
     @property
     def gains(self) -> tuple[Gains, ...]:
-        """The gains of each joint; none without a PID."""
+        """The gains of each joint; empty without a PID."""
 
     @property
     def waits_for_command(self) -> bool:
-        """Whether the brakes stay on from its start to its first command."""
+        """Whether the brakes stay on between its start and its first command."""
 
     def start(self, indices: Sequence[int], state: JointState) -> Controller:
         """Return a running controller that holds the measured ``state``.
 
         Args:
             indices: Indices of its joints in the state's lists.
-            state: The state at the instant of the start.
+            state: Measured state at the time of the start.
         """
 
 
@@ -101,14 +101,15 @@ class TrajectorySpec(ControllerSpec, Protocol):
 
     @property
     def allow_partial_joints_goal(self) -> bool:
-        """Whether a goal may name some of its joints only."""
+        """Whether a goal may name only some of its joints."""
 
 
 @runtime_checkable
 class TrajectoryFollower(Controller, Protocol):
     """A running controller that follows trajectories.
 
-    Requests come between ticks, with ``now`` the simulated time of the coming one [s].
+    Requests are handled between ticks; their ``now`` is the simulated time of the next
+    tick [s].
     """
 
     @property
@@ -117,20 +118,20 @@ class TrajectoryFollower(Controller, Protocol):
     def follow(self, goal: TrajectoryGoal | MotionPlan, now: float) -> Goal:
         """Replace the motion by ``goal`` and return its handle, or reject it.
 
-        A plan starts with the desired motion ``now``.
+        A plan starts with the desired motion at ``now``.
 
         Raises:
             GoalRejectedError: The previous motion then continues.
         """
 
     def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
-        """Replace the motion as ROS's topic does, or reject it; it has no result."""
+        """Replace the motion without a result, like ROS's topic, or reject it."""
 
     def cancel(self, goal: Goal, now: float) -> None:
-        """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
+        """Stop if ``goal`` is the active one, which then ends PREEMPTED."""
 
     def query_state(self, time: float) -> JointsMotion:
-        """Return the desired motion at ``time`` [s]; ControlError if it is unknown."""
+        """Return the desired motion at ``time`` [s]; ControlError if unknown."""
 
     def setpoint(self) -> Setpoint:
         """Return the setpoints of the joints."""
@@ -143,10 +144,11 @@ class TrajectoryFollower(Controller, Protocol):
         is_first: bool,
         has_points: bool,
     ) -> None:
-        """Continue with the motions of joints, by number, that the kernel started.
+        """Continue with the motions of joints, by index, that the kernel started.
 
-        ``is_first`` says whether the coming tick is their first one, ``has_points``
-        whether they have several points, where the controller distinguishes that.
+        ``is_first`` says whether the next tick is the first one of these motions, and
+        ``has_points`` whether they have several points, in case the controller
+        distinguishes this.
         """
 
 
@@ -155,12 +157,12 @@ class SpeedScalable(Controller, Protocol):
     """A running controller whose trajectories can be slowed down."""
 
     def scale_speed(self, factor: float) -> None:
-        """Set the trajectory time per simulated time, or raise ControlError."""
+        """Set the ratio of trajectory time to simulated time, or raise ControlError."""
 
 
 @runtime_checkable
 class GripperDriver(Controller, Protocol):
-    """A running controller that moves one joint and squeezes what stops it."""
+    """A running controller that moves one joint and squeezes whatever stops it."""
 
     @property
     def joint(self) -> Joint: ...
@@ -174,8 +176,8 @@ class GripperDriver(Controller, Protocol):
     ) -> Goal:
         """Replace the goal and return the new one's handle, or reject it.
 
-        ``max_effort`` [N·m | N] is the controller's own if None or 0; ``drive_limits``
-        hold meanwhile.
+        If ``max_effort`` [N·m | N] is None or 0, the controller's own value applies.
+        ``drive_limits`` apply during the goal.
 
         Raises:
             GoalRejectedError: The previous command then continues.
@@ -184,9 +186,10 @@ class GripperDriver(Controller, Protocol):
     def limits(
         self, max_effort: float | None, max_velocity: float | None
     ) -> DriveLimits | None:
-        """Return the limits of the drive with these settings of a goal.
+        """Return the drive's limits with these settings of a goal.
 
-        None means its all; settings left out are the controller's own.
+        The result is None if the drive is not limited.  Settings that are None default
+        to the controller's own.
         """
 
     def resume_from_kernel(
@@ -198,23 +201,23 @@ class GripperDriver(Controller, Protocol):
         *,
         has_goal: bool,
     ) -> None:
-        """Continue with a goal that the kernel started ``now`` [s], or that ended."""
+        """Continue with a goal that the kernel started at ``now`` [s] or has ended."""
 
     def cancel(self, goal: Goal, now: float) -> None:
-        """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
+        """Stop if ``goal`` is the active one, which then ends PREEMPTED."""
 
 
 @runtime_checkable
 class CommandTaker(Controller, Protocol):
-    """A running controller that takes a number for each joint."""
+    """A running controller that takes one number per joint as its command."""
 
     def command_joints(self, values: Sequence[float] | float) -> None:
-        """Set one command per joint, in the order of its joints; or ControlError."""
+        """Set one command per joint, in the spec's order, or raise ControlError."""
 
 
 @runtime_checkable
 class Adjustable(Controller, Protocol):
-    """A running controller that takes other parameters."""
+    """A running controller whose parameters can change."""
 
     def adjust(self, spec: Any) -> None:
         """Continue with ``spec``, of the same class."""  # so Any; gains are the pid's

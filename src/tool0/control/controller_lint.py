@@ -1,4 +1,4 @@
-"""Unused parameters of controllers, which ROS ignores silently: for both versions."""
+"""Linting of controllers' parameters: unused ones, which both ROS versions ignore."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import is_typo, nearest_name
 
 JOINT_MAPPINGS = ("gains", "constraints", "velocity_ff")
-"""Parameters whose keys are joints."""
+"""Parameters that map joints to values."""
 
 
 def or_remove(near: str | None) -> str:
-    """Return the remedy for an unknown name."""
+    """Return the suggested remedy for an unknown name."""
     return f"did you mean '{near}'?" if near else "remove it"
 
 
 def severity_of(written: str, near: str | None) -> Severity:
-    """Return an unknown name's severity: if no typo, another program may read it."""
+    """Return the severity of an unknown name; unless a typo, others may read it."""
     return "error" if is_typo(written, near) else "warning"
 
 
 def unknown_joints(
     names: YamlEntry, known: Collection[str] | None
 ) -> Iterator[Finding]:
-    """Yield the keys of a mapping that are no joints of the robot."""
+    """Yield the keys of a mapping that are not joints of the robot."""
     for name, entry in names.children.items():
         if known is not None and name not in known:
             unused = [joint for joint in known if joint not in names.children]
@@ -44,7 +44,7 @@ def unknown_joints(
 def limit_findings(
     limits: YamlEntry, known: Collection[str] | None
 ) -> Iterator[Finding]:
-    """Yield faults of limits that replace the URDF's."""
+    """Yield errors in the limits that override the URDF's."""
     yield from unknown_joints(limits, known)
     valid = joint_limit_parameters()
     for joint in limits.children.values():
@@ -75,7 +75,7 @@ class ControllerLint:
     entry: YamlEntry
     type: str
     known_joints: Collection[str] | None
-    """The robot's movable joints, if they are known."""
+    """The robot's movable joints; None if they are unknown."""
 
     @property
     def kind(self) -> str:
@@ -83,11 +83,11 @@ class ControllerLint:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The joints that it names."""
+        """The joints that the controller names."""
         return tuple(str(item.scalar) for item in joint_entries(self.entry))
 
     def findings(self) -> Iterator[Finding]:
-        """Yield parameters that the controller does not read or that have no effect."""
+        """Yield findings about parameters that the controller does not read."""
         read = self.dialect.parameters_of(self.type)
         reported: list[str] = []
         for leaf in self.entry.leaves():
@@ -100,14 +100,14 @@ class ControllerLint:
                 yield self._unread(unread)
 
     def _is_read(self, path: str, read: frozenset[str]) -> bool:
-        """Return whether a parameter is read, or one that contains it."""
+        """Return whether a parameter, or one that contains it, is read."""
         first, pattern = path.partition("/")[0], self._pattern(path)
         return first in self.dialect.common or any(
             pattern == known or pattern.startswith(f"{known}/") for known in read
         )
 
     def pattern_of(self, entry: YamlEntry) -> str:
-        """Return the parameter at ``entry``, with ``*`` for the controller's joints."""
+        """Return the path of ``entry``, with ``*`` for the controller's joints."""
         return self._pattern(self._path(entry))
 
     def _path(self, entry: YamlEntry) -> str:

@@ -1,4 +1,4 @@
-"""Parts of the built-in controllers: files of the catalogue, and names in them."""
+"""Parts of the built-in controllers: the catalogue's files, and the names in them."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from tool0.control.gains import DerivedGains
 
 CATALOGUE_JOINTS: Final = tuple(arm_files.JOINTS.values())
-"""The joints that the shared files of arms name."""
+"""Names of the joints in the files that arms share."""
 LIMITS: Final = "joint_limits"
-"""Key of limits in a YAML that replace the URDF's."""
+"""Key, in a YAML file, of limits that override the URDF's."""
 
 
 @final
@@ -39,7 +39,7 @@ class Row:
 
 
 def limits_row(description: RobotDescription, joint: str, derived: DerivedGains) -> Row:
-    """Return the acceleration and jerk that planned motions of a joint keep to."""
+    """Return the row with the acceleration and jerk limits for planned motions."""
     values = (
         f"has_acceleration_limits: true, "
         f"max_acceleration: {number_text(derived.acceleration)}, "
@@ -61,14 +61,14 @@ def lines_of(rows: Sequence[Row], indent: str) -> str:
 
 
 def controller_prefix(robot: CatalogueRobot) -> str:
-    """Return the prefix of the controllers of a robot: ``left_`` for ``left``."""
+    """Return the prefix of a robot's controllers, such as ``left_`` for ``left``."""
     return f"{robot.name}_" if robot.name else ""
 
 
 def renamed(
     description: RobotDescription, robot: CatalogueRobot | None, text: str
 ) -> str:
-    """Return YAML ``text`` with prefixes before joints and controllers."""
+    """Return YAML ``text`` with the robot's prefixes before joints and controllers."""
     if robot is None or not (robot.prefix or robot.name):
         return text
     import yaml
@@ -92,20 +92,20 @@ def renamed(
 @final
 @dataclass(frozen=True, slots=True)
 class OwnArm:
-    """An arm of your own robot file."""
+    """An arm in the user's own robot file."""
 
     prefix: str
-    """Prefix of its controllers: empty for the only arm."""
+    """Prefix of its controllers; empty if the robot has only one arm."""
     names: str
-    """Prefix of its links, and of what its hardware offers."""
+    """Prefix of its links and of its hardware's interfaces."""
     joints: tuple[str, ...]
     """Joints of the arm, from base to flange."""
 
     def written(self, text: str) -> str:
-        """Return YAML ``text`` for its joints, instead of those of the catalogue.
+        """Return YAML ``text`` for this arm's joints instead of the catalogue's.
 
-        A line that names the first joint of the catalogue is repeated for each joint;
-        ``$prefix`` becomes that of its links.
+        A line that names the catalogue's first joint is repeated for each joint;
+        ``$prefix`` becomes the prefix of the arm's links.
         """
         first, *others = CATALOGUE_JOINTS
         lines = []
@@ -119,9 +119,9 @@ class OwnArm:
 
 
 def own_arms(model: RobotModel) -> tuple[OwnArm, ...]:
-    """Return the arms of a robot that is not of the catalogue.
+    """Return the arms of a robot that is not from the catalogue.
 
-    They end at a link ``…tool0``, or have the joints of a catalogue arm.
+    An arm ends at a link ``…tool0``, or has the joints of a catalogue arm.
     """
     arms = find_arms(model)
     if not arms and set(CATALOGUE_JOINTS) <= model.joint_by_name.keys():
@@ -139,7 +139,7 @@ def own_arms(model: RobotModel) -> tuple[OwnArm, ...]:
 def common_interface(
     model: RobotModel, joints: Iterable[str], preferred: Sequence[Interface]
 ) -> Interface | None:
-    """Return the first ``preferred`` interface that all joints have, or None."""
+    """Return the first interface of ``preferred`` that all joints have, or None."""
     drives = [model.transmission_by_joint.get(joint) for joint in joints]
     return next(
         (
@@ -152,7 +152,7 @@ def common_interface(
 
 
 def read_part(path: Path) -> str:
-    """Return the text of a file of controllers."""
+    """Return the text of a controllers file."""
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -162,12 +162,12 @@ def read_part(path: Path) -> str:
 
 
 def part_file(kind: PartKind, part: CataloguePart | None, name: str) -> Path:
-    """Return a file of a part's folder, or the one that all of its kind share."""
+    """Return a file from a part's folder, or the one that all of its kind share."""
     return shared_folder(kind) / name if part is None else part.file(name)
 
 
 def joints_beyond(model: RobotModel, joint: str) -> list[str]:
-    """Return the driven joints beyond an arm's last ``joint``."""
+    """Return the driven joints beyond ``joint``, the last one of an arm."""
     links = set(model.links_from(model.joint(joint).child))
     return [
         item.name
@@ -177,7 +177,7 @@ def joints_beyond(model: RobotModel, joint: str) -> list[str]:
 
 
 def rating(part: CataloguePart, name: str) -> float | None:
-    """Return a rating of a part, such as its payload [kg]; None if it has none."""
+    """Return a rating of a part, such as its payload [kg]; None if not specified."""
     path = part.file("specifications.yaml")
     if not path.is_file():
         return None
@@ -188,7 +188,7 @@ def rating(part: CataloguePart, name: str) -> float | None:
 
 
 def number_text(value: float) -> str:
-    """Return a number without exponent, which YAML 1.1 could take for a text."""
+    """Return a number without an exponent, which YAML 1.1 could read as a string."""
     if not math.isfinite(value):
         return f"{'-' if value < 0 else ''}.inf" if math.isinf(value) else ".nan"
     whole = int(value)

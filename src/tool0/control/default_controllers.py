@@ -1,8 +1,9 @@
-"""The built-in controllers of a robot: one part per arm and one per gripper.
+"""The built-in controllers of a robot: one part per arm, and one per gripper.
 
-The parts are ros_control's YAML in ``tool0_description/config``: one that all arms
-share, one that all grippers share.  A folder may have its own.  ``$gains`` in them are
-those of the folder's ``gains.yaml``, or else follow from the model.
+The parts are ros_control YAML files in ``tool0_description/config``: one that all arms
+share, and one that all grippers share.  The folder of an arm or a gripper may contain
+its own.  ``$gains`` in these files stands for the gains in the folder's ``gains.yaml``
+or, without one, for gains derived from the model.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
     from tool0.control.gains import DerivedGains
 
 PERIOD: Final = 0.001
-"""Time between updates of the controllers for which the gains are [s]."""
+"""Time between controller updates for which the gains are derived [s]."""
 _FILE: Final = "controllers.yaml"
 _ACTION_FILE: Final = "controllers_gripper_action.yaml"
 _BY_PREFERENCE: Final = (Interface.EFFORT, Interface.POSITION)
@@ -55,14 +56,15 @@ _FILES: Final = {
     Interface.EFFORT: _FILE,
     Interface.POSITION: "controllers_position.yaml",
 }
-"""The files of the controllers, by the interface of the joints."""
+"""The controllers files, by the interface of the joints."""
 _GAINS: Final = "$gains"
 _STATE_CONTROLLER: Final = "joint_state_controller"
-"""There is one for all robots, or one for each robot with a namespace."""
+"""Name of the controller that publishes joint states: there is one for all robots, or
+one for each robot with a namespace."""
 _ROTARY: Final = {"$tolerance": "0.002", "$standstill": "0.001"}
-"""Settings of a gripper whose driven joint turns [rad, rad/s]."""
+"""Settings of a gripper with a revolute driven joint [rad, rad/s]."""
 _LINEAR: Final = {"$tolerance": "0.0001", "$standstill": "0.0001"}
-"""Settings of one whose driven joint slides [m, m/s]: 0.2 mm of opening."""
+"""Settings of a gripper with a prismatic driven joint [m, m/s]: 0.2 mm of opening."""
 
 
 def controllers_yaml(
@@ -71,16 +73,16 @@ def controllers_yaml(
     gripper_action: bool = False,
     period: float = PERIOD,
 ) -> str:
-    """Return the built-in controllers as YAML, with where each gain comes from.
+    """Return the built-in controllers as YAML, with the origin of each gain.
 
     Args:
-        description: The robot, or several.
+        description: The robot or robots.
         gripper_action: Whether grippers have a GripperActionController instead of a
             JointTrajectoryController.
         period: Time between updates of the controllers [s].
 
     Raises:
-        DescriptionError: If there are none that fit, as for your own robot file.
+        DescriptionError: If none fit, which can happen with the user's own robot file.
         ConfigError: If a part's file is wrong.
     """
     nothing_fits = DescriptionError(
@@ -114,7 +116,7 @@ def default_controllers(
 ) -> ControllerConfig:
     """Return the built-in controllers with locations in their files.
 
-    There are none if none fit your own robot file.
+    The result is empty if no built-in controllers fit the user's own robot file.
 
     Raises:
         ConfigError: If a part's file is wrong.
@@ -130,10 +132,10 @@ def default_controllers(
 def has_ros2_controllers(
     description: RobotDescription, *, gripper_action: bool = False
 ) -> bool:
-    """Return whether the robot gets ROS 2's controllers: by its ``<ros2_control>``.
+    """Return whether the robot has ``<ros2_control>`` tags, and so ROS 2 controllers.
 
     Raises:
-        ConfigError: If it does, and ``gripper_action`` asks for one of ROS 1's.
+        ConfigError: If it does, but ``gripper_action`` asks for a controller of ROS 1.
     """
     has = bool(description.model.hardware)
     if has and gripper_action:
@@ -145,7 +147,7 @@ def has_ros2_controllers(
 
 
 def controller_prefixes(description: RobotDescription) -> tuple[str, ...]:
-    """Return the prefix of the controllers of each robot: ``left_`` for ``left``."""
+    """Return each robot's prefix of controllers, such as ``left_`` for ``left``."""
     if description.robots:
         return tuple(map(controller_prefix, description.robots))
     return tuple(arm.prefix for arm in own_arms(description.model)) or ("",)
@@ -154,7 +156,7 @@ def controller_prefixes(description: RobotDescription) -> tuple[str, ...]:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Piece:
-    """The text of a part, for one robot, with the inserted rows."""
+    """The text of a part for one robot, with the rows to insert."""
 
     text: str
     location: SourceLocation
@@ -162,7 +164,7 @@ class _Piece:
     limits: Sequence[Row] = ()
 
     def yaml(self) -> str:
-        """Return the text with its gains."""
+        """Return the text with its gains inserted."""
         lines = self.text.splitlines(keepends=True)
         return "".join(
             lines_of(self.gains, line[: line.index(_GAINS)])
@@ -183,7 +185,7 @@ class _Piece:
 
 
 def _load_rows(tree: Tree, start: str, rows: Sequence[Row], end: str) -> None:
-    """Add the rows as one text for each file, in which they keep their lines."""
+    """Add the rows as one text for each file, in which they keep their line numbers."""
     for file in dict.fromkeys(row.location.file for row in rows):
         text, line = start, 1
         for row in rows:
@@ -197,7 +199,7 @@ def _load_rows(tree: Tree, start: str, rows: Sequence[Row], end: str) -> None:
 def _pieces(
     description: RobotDescription, gripper_action: bool, period: float
 ) -> list[_Piece]:
-    """Return the parts of all robots; none if your own file fits none."""
+    """Return the parts of all robots; empty if none fit the user's own file."""
     parts = [
         piece
         for robot in description.robots
@@ -229,12 +231,12 @@ class _Composer:
 
     description: RobotDescription
     robot: CatalogueRobot | None
-    """None for your own file, whose names are those of a robot without prefix."""
+    """None for the user's own file, whose names have no prefix."""
     gripper_action: bool
     period: float
 
     def pieces(self) -> Iterator[_Piece]:
-        """Yield the parts of an arm and a gripper of the catalogue."""
+        """Yield the parts of a catalogue arm and its gripper."""
         model, robot = self.description.model, self.robot
         assert robot is not None
         own = self._own_file()
@@ -256,9 +258,9 @@ class _Composer:
             yield self._gripper(hand, kind)
 
     def own_pieces(self, arm: OwnArm) -> Iterator[_Piece]:
-        """Yield the parts of an arm of your own file, and of a gripper on it.
+        """Yield the parts of an arm in the user's own file, and of its gripper.
 
-        There is none if its joints have no interface in common, but for velocity.
+        There are none if the joints have no interface in common other than velocity.
         """
         model = self.description.model
         kind = common_interface(model, arm.joints, _BY_PREFERENCE)
@@ -276,17 +278,17 @@ class _Composer:
             yield replace(piece, text=arm.written(piece.text))
 
     def lone_gripper(self) -> Iterator[_Piece]:
-        """Yield the part of the only gripper of a file without an arm."""
+        """Yield the part of the gripper in a file that has no arm."""
         yield from self._own_gripper([g.joint for g in self.description.model.grippers])
 
     def _own_gripper(self, joints: Sequence[str]) -> Iterator[_Piece]:
-        """Yield the part of a gripper of your own file with one driven joint."""
+        """Yield the part of a gripper in the user's file, if one joint drives it."""
         kind = common_interface(self.description.model, joints, _BY_PREFERENCE)
         if len(joints) == 1 and kind is not None:
             yield self._gripper(joints, kind)
 
     def joint_states(self, text: str) -> str:
-        """Return the YAML of a joint_state_controller for the joints of one robot."""
+        """Return the YAML of a joint_state_controller for one robot's joints."""
         assert self.robot is not None
         model = self.description.model
         driven = model.transmission_by_joint
@@ -295,7 +297,7 @@ class _Composer:
         return f"{text}  joints: [{', '.join(sorted(joints))}]\n"
 
     def _own_file(self) -> Path | None:
-        """Return the controllers that the cell's file gives this robot."""
+        """Return the controllers file that the cell's file specifies for this robot."""
         cell, robot = self.description.cell, self.robot
         for item in cell.robots if cell and robot else ():
             if robot and item.name == robot.name and item.controllers_file:
@@ -303,7 +305,7 @@ class _Composer:
         return None
 
     def _own_piece(self, path: Path) -> _Piece:
-        """Return a file of controllers without those that a cell has once."""
+        """Return a controllers file without the entries that a cell has only once."""
         text = read_part(path)
         tree = Tree()
         tree.load(text, SourceLocation(path, 1))
@@ -327,7 +329,7 @@ class _Composer:
         )
 
     def _arm_rows(self, joints: Sequence[str]) -> tuple[list[Row], list[Row]]:
-        """Return the gains of an arm, and its limits where gains are derived."""
+        """Return an arm's gains, and its limits for joints whose gains are derived."""
         stated = self._stated(self.robot.arm if self.robot else None, joints)
         if all(joint in stated for joint in joints):
             return [stated[joint] for joint in joints], []
@@ -396,7 +398,7 @@ class _Composer:
     def _stated(
         self, part: CataloguePart | None, joints: Sequence[str]
     ) -> dict[str, Row]:
-        """Return the gains that the folder of a part states, by joint."""
+        """Return the gains that a part's folder specifies, by joint."""
         path = None if part is None else part.file("gains.yaml")
         if self.robot is None or path is None or not path.is_file():
             return {}
@@ -424,7 +426,7 @@ def _children(tree: Tree, key: str) -> Mapping[str, YamlEntry]:
 
 
 def _without(text: str, tree: Tree, key: str) -> str:
-    """Return the YAML text with empty lines instead of a ``key`` at its top."""
+    """Return the YAML text with empty lines in place of a top-level ``key``."""
     starts = [entry.location.line or 1 for entry in tree.root.children.values()]
     entry = tree.root.children.get(key)
     if entry is None:
@@ -437,7 +439,7 @@ def _without(text: str, tree: Tree, key: str) -> str:
 
 
 def _flow(entry: YamlEntry) -> str:
-    """Return the value of an entry as YAML in one line."""
+    """Return the value of an entry as one line of YAML."""
     if entry.is_mapping:
         items = (f"{name}: {_flow(value)}" for name, value in entry.children.items())
         return f"{{{', '.join(items)}}}"

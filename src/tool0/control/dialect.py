@@ -1,4 +1,4 @@
-"""The two versions of ros_control: each has its own controllers, YAML and words."""
+"""The two versions of ros_control, each with its own controllers, YAML and terms."""
 
 from __future__ import annotations
 
@@ -17,30 +17,31 @@ from tool0.errors import ConfigError, SourceLocation, did_you_mean
 from tool0.protocol.controllers import Role
 
 Parser = Callable[[str, str, Namespace, RobotJoints], ControllerSpec]
-"""Reads a controller's name, type and parameters."""
+"""Parser of a controller's parameters, given its name, type, YAML and the robot's
+joints."""
 
 
 class ControllerType(NamedTuple):
-    """A type of controllers."""
+    """A type of controller."""
 
     role: Role
     module: str
-    """The module that has ``parse(name, type_name, parameters, robot)``."""
+    """The module that defines ``parse(name, type_name, parameters, robot)``."""
 
 
 class Declared(NamedTuple):
-    """A controller in a YAML."""
+    """A controller that is declared in YAML."""
 
     type: YamlEntry
     parameters: YamlEntry
 
 
 class Stages(NamedTuple):
-    """The names of the stages of a controller's life."""
+    """The names of the stages in a controller's life cycle."""
 
     unconfigured: str
     configured: str
-    """Ready, and not running so far."""
+    """Name for ready, but never started."""
     running: str
     stopped: str
 
@@ -48,34 +49,35 @@ class Stages(NamedTuple):
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Dialect:
-    """A version of controllers: ROS 1's ros_control, or ros2_control."""
+    """A version of ros_control: ROS 1's ros_control, or ros2_control."""
 
     name: Literal["ros1", "ros2"]
     title: str
-    """Name in messages: ``ROS 1``."""
+    """Name in messages, such as ``ROS 1``."""
     types: Mapping[str, ControllerType]
     declared: Callable[[YamlEntry], Mapping[str, Declared]]
-    """Returns the controllers of a YAML by name; their types need not exist."""
+    """Function that returns the controllers in a YAML by name; their types need not
+    exist."""
     parameters: Callable[[YamlEntry, str], YamlEntry | None]
-    """Returns the parameters that a YAML has for a name, also without a type."""
+    """Function that returns a YAML's parameters for a name, even without a type."""
     joint_limits: Callable[[YamlEntry], Namespace | None]
-    """Returns the limits by joint that replace the URDF's."""
+    """Function that returns the limits that override the URDF's, by joint."""
     control_period: Callable[[YamlEntry], float | None]
-    """Returns the time between updates that a YAML asks for [s]."""
+    """Function that returns the time between updates that a YAML asks for [s]."""
     stages: Stages
     common: frozenset[str]
-    """The parameters that every controller has."""
+    """Parameters that every controller has."""
     sample: str
-    """YAML of a controller of the joint ``*`` with every parameter that any type
-    requires, without its type."""
+    """YAML of a controller for the joint ``*``, without a type, but with every
+    parameter that any type requires."""
     linter: str
-    """The module that has ``lint(tree, joints)``."""
+    """The module that defines ``lint(tree, joints)``."""
     is_configured_when_loaded: bool
     restarts_by_switch: bool
-    """Whether one switch may stop a controller and start it again."""
+    """Whether one switch may stop and restart the same controller."""
     needs_known_controller: bool
-    """Whether a switch of unknown controllers only is an error also if it is not
-    strict."""
+    """Whether a switch that names only unknown controllers is an error even if it is
+    not strict."""
     bases: Mapping[Role, str]
     """The base class that ``list_controller_types`` reports, by role."""
 
@@ -85,7 +87,7 @@ class Dialect:
         return findings
 
     def role(self, type_name: str) -> Role:
-        """Return the role of a type; a reader if there is no such type."""
+        """Return the role of a type; ``Role.READER`` if there is no such type."""
         known = self.types.get(type_name)
         return Role.READER if known is None else known.role
 
@@ -107,10 +109,10 @@ class Dialect:
         return parse
 
     def parameters_of(self, type_name: str) -> frozenset[str]:
-        """Return the parameters that a type reads; ``*`` is a joint.
+        """Return the parameters that a type reads; ``*`` stands for a joint.
 
         They are recorded while the type's parser reads a sample, so that a new
-        parameter is added in the parser alone.
+        parameter only has to be added to the parser.
 
         Raises:
             ConfigError: If there is no such type.
@@ -118,9 +120,9 @@ class Dialect:
         return _sample_of(self, type_name).read_keys()
 
     def values_of(self, type_name: str) -> Mapping[str, Value]:
-        """Return the defaults of a type's parameters, or values of the sample.
+        """Return the defaults of a type's parameters, or else the sample's values.
 
-        ``*`` is a joint.  They tell the type of each parameter.
+        ``*`` stands for a joint.  The values show the type of each parameter.
 
         Raises:
             ConfigError: If there is no such type.
@@ -128,7 +130,7 @@ class Dialect:
         return _sample_of(self, type_name).read_values()
 
     def readers_of(self, parameter: str) -> tuple[str, ...]:
-        """Return the kinds of controllers that read a parameter, without packages."""
+        """Return the types that read a parameter, without their packages."""
         types = sorted(self.types)
         readers = {name for name in types if parameter in self.parameters_of(name)}
         return tuple(sorted({name.partition("/")[2] for name in readers}))
@@ -145,7 +147,7 @@ def _sample_of(dialect: Dialect, type_name: str) -> Namespace:
 
 
 def siblings(parameter: str, known: Iterable[str]) -> set[str]:
-    """Return the names of the known parameters beside ``parameter``."""
+    """Return the names of known parameters at the same level as ``parameter``."""
     prefix = parameter[: parameter.rfind("/") + 1]
     return {
         name.removeprefix(prefix).partition("/")[0]

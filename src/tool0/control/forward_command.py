@@ -1,4 +1,4 @@
-"""Controllers that take one number per joint: forwarded, or followed by a PID."""
+"""Controllers that take one number per joint and forward it, or follow it by PID."""
 
 from __future__ import annotations
 
@@ -18,12 +18,14 @@ from tool0.protocol.controllers import Gains
 
 
 class CommandWording(NamedTuple):
-    """A dialect's messages for commands that are refused, as format strings."""
+    """A dialect's messages for rejected commands, as format strings."""
 
     wrong_size: str
-    """Message for a wrong count: ``size``, ``n_joints``, ``joints``, ``controller``."""
+    """Message for a wrong count, with ``size``, ``n_joints``, ``joints``,
+    ``controller``."""
     not_finite: str
-    """Message for a number that is not finite: ``value``, ``joint``, ``controller``."""
+    """Message for a number that is not finite, with ``value``, ``joint``,
+    ``controller``."""
 
 
 @final
@@ -36,9 +38,9 @@ class ForwardCommandSpec:
     joint_models: tuple[Joint, ...]
     interface: Interface
     quantity: Interface
-    """The interface that takes its commands unchanged."""
+    """The quantity that is commanded; a PID follows it unless it is ``interface``."""
     gains: tuple[Gains, ...] = ()
-    """Gains of each joint if the quantity is not the interface's own."""
+    """Gains of each joint if ``quantity`` differs from ``interface``."""
     wording: CommandWording
 
     further_interfaces: ClassVar[tuple[str, ...]] = ()
@@ -50,7 +52,7 @@ class ForwardCommandSpec:
 
     @property
     def waits_for_command(self) -> bool:
-        """True for raw effort: without a command, effort 0 would drop the arm."""
+        """Whether efforts are passed on: an initial effort of 0 would drop the arm."""
         return self.interface is Interface.EFFORT and not self.gains
 
     def start(
@@ -64,12 +66,12 @@ class ForwardCommandController:
     """Pass the newest command on to the joints, or follow it with a PID per joint.
 
     ROS 1 starts effort controllers with a command of 0, which drops the arm.  Here the
-    brakes hold until the first command; from then on the effort is the command.
-    Positions start as measured, velocities at 0.
+    brakes hold until the first command; from then on the command is applied as effort.
+    Position commands start at the measured positions, velocity commands at 0.
 
-    A PID takes the rate from the last two errors.  The error of a continuous joint goes
-    the shortest way round.  That of a revolute joint is the plain difference: the
-    shortest way could leave its limits.
+    A PID computes the error's rate from the last two errors.  The error of a continuous
+    joint is wrapped to the shortest way round.  That of a revolute joint is the plain
+    difference, since the shortest way could leave its limits.
     """
 
     def __init__(
@@ -80,17 +82,17 @@ class ForwardCommandController:
         self._select = joint_selector(indices)
         self._state = state
         self.pid = Pid(spec.gains) if spec.gains else None
-        self._last_errors = [0.0] * len(indices)  # before the first, as in ROS
+        self._last_errors = [0.0] * len(indices)  # before the first update, as in ROS
         start = [0.0] * len(indices)
         if self._is_position:
             start = list(self._select(state.position))
         self._command = self._within_limits(start)
         self._is_commanded = False
         self._holds: tuple[JointSpline, ...] = ()
-        """The commanded positions as splines; empty until they are read."""
+        """The commanded positions as splines; empty until the setpoint is read."""
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return the commands, or the output of the PIDs that follow them."""
+        """Return the commands, or the outputs of the PIDs that follow them."""
         self._state = state
         if self.pid is None:
             return self._command
@@ -127,7 +129,7 @@ class ForwardCommandController:
         return desired - measured
 
     def _within_limits(self, command: list[float]) -> list[float]:
-        """Return the allowed positions nearest to ``command``, if a PID follows them.
+        """Return the allowed positions nearest to ``command`` if a PID follows them.
 
         Other commands are passed on as they are.
         """
@@ -143,7 +145,7 @@ class ForwardCommandController:
 
         Raises:
             ControlError: If the count is wrong or a number is not finite; the last
-                command stays.
+                command then stays in effect.
         """
         self._command = self._within_limits(self._checked(values))
         self._is_commanded, self._holds = True, ()
@@ -168,7 +170,7 @@ class ForwardCommandController:
         return [float(value) for value in given]
 
     def setpoint(self) -> Setpoint | None:
-        """Return the positions that were commanded, if positions were."""
+        """Return the commanded positions as setpoints; None if there are none."""
         if not (self._is_position and self._is_commanded):
             return None
         time = self._state.time
@@ -178,4 +180,4 @@ class ForwardCommandController:
         return Setpoint(joints, self._holds, self._select, self._state)
 
     def stop(self) -> None:
-        """Do nothing: there is no goal to end."""
+        """Do nothing, since there is no goal to end."""

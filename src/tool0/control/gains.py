@@ -1,10 +1,11 @@
 """PID gains and accelerations that follow from the model of an arm or a gripper.
 
 The rule and its reasons are in docs/adr/0013-derived-gains.md.  For each joint of an
-arm it needs two inertias over all postures: the smallest at which the joint reacts
-while the others are free, without payload, and the largest that it has to carry, with
-the rated payload.  The first limits the damping, since the controller samples the
-velocity; the damping and the second limit the stiffness.
+arm, the rule needs two inertias over all postures.  One is the smallest inertia with
+which the joint reacts while the others are free, without payload.  The other is the
+largest inertia that it has to move, with the rated payload.  The first limits the
+damping, since the controller samples the velocity; the damping and the second limit the
+stiffness.
 """
 
 from __future__ import annotations
@@ -37,33 +38,32 @@ from tool0.description.transform import Vector3
 from tool0.hardware.sampled_dynamics import SampledDynamics, sample_dynamics
 
 SAMPLING = 1.7
-"""Largest eigenvalue of M⁻¹ D · period in any posture.  From 2 on, damping by sampled
-velocities is unstable."""
+"""Largest eigenvalue of M⁻¹ D · period in any posture.  At 2 or more, damping by
+sampled velocities is unstable."""
 DAMPING_RATIO = 0.1
-"""Smallest damping ratio, at the largest inertia.  Low, because the inertia of a pan
-joint varies by a factor of 100: more would cost stiffness."""
+"""Smallest damping ratio, at the largest inertia.  It is low because the inertia of a
+pan joint varies by a factor of 100, so that more damping would cost stiffness."""
 BANDWIDTH = 60.0
 """Largest natural frequency at the largest inertia [rad/s]: a cycle is 100 periods of
 1 ms.  Damping beyond a ratio of 1 there would only slow the joint."""
 INTEGRAL_RATE = 5.0
-"""Largest i / p [1/s]: a load is compensated within half a second."""
+"""Largest i / p [1/s]: this compensates a load within half a second."""
 INTEGRAL_SHARE = 0.6
 """Largest i / p as a fraction of the smallest eigenvalue of D M⁻¹ in any posture, with
-payload; from 1 on, the arm may oscillate."""
+payload; at 1 or more, the arm may oscillate."""
 LOAD_MARGIN = 1.2
-"""The integral's clamp in relation to the largest static load."""
+"""The integral's clamp relative to the largest static load."""
 CLAMP_SHARE = 0.1
-"""The smallest clamp in relation to the joint's effort limit: for joints without load
-in the model."""
+"""The smallest clamp relative to the joint's effort limit, for joints that carry no
+load in the model."""
 DRIVE_SHARE = 0.9
-"""Fraction of the effort left beside the static load that accelerations may use."""
+"""Fraction of the effort remaining after the static load that accelerations may use."""
 LAG = 0.015
-"""Error of a joint whose acceleration is its largest [rad]; oscillation can double
-it."""
+"""Error of a joint at its largest acceleration [rad]; oscillation can double it."""
 ALUMINIUM = 2700.0
-"""Density of the payload, a cube around the flange [kg/m³]."""
+"""Density of the payload, which is modelled as a cube around the flange [kg/m³]."""
 FULL_EFFORT_ERROR = 0.05
-"""Error at which a gripper pushes with its full effort, as a fraction of its range."""
+"""Error at which a gripper pushes with full effort, as a fraction of its range."""
 
 _RIGHT_ANGLES = np.arange(4) * (math.pi / 2)
 _DIGITS = 3
@@ -72,18 +72,18 @@ _DIGITS = 3
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DerivedGains:
-    """Gains of one joint, with the numbers that they follow from."""
+    """Gains of one joint, and how they are derived."""
 
     p: float
     i: float
     d: float
     i_clamp: float
     derivation: str
-    """Derivation in one line."""
+    """Derivation of the gains, in one line."""
     acceleration: float = math.inf
-    """Acceleration of planned motions [rad/s² | m/s²]."""
+    """Largest acceleration of planned motions [rad/s² | m/s²]."""
     jerk: float = math.inf
-    """Jerk of planned motions [rad/s³ | m/s³]."""
+    """Largest jerk of planned motions [rad/s³ | m/s³]."""
     limits_derivation: str = ""
 
 
@@ -95,17 +95,17 @@ def derive_arm_gains(
     period: float,
     gravity: Vector3 = STANDARD_GRAVITY,
 ) -> tuple[DerivedGains, ...]:
-    """Return the gains of the ``joints`` of an arm, a chain from its base on.
+    """Return the gains of an arm's ``joints``, which form a chain from its base.
 
     Everything beyond the arm counts as fixed to it.
 
     Args:
         model: The robot.
         joints: The joints of the arm.
-        payload: The rated payload at the flange [kg], what is mounted there included;
-            None if it is not known.
-        period: Time between updates of the controllers [s].
-        gravity: In the axes of the model's root [m/s²].
+        payload: The rated payload at the flange [kg], including mounted tools; None if
+            unknown.
+        period: Time between controller updates [s].
+        gravity: Gravity in the axes of the model's root [m/s²].
     """
     base = model.joint(joints[0]).parent
     rotation = np.array(link_pose(model, {}, base).rotation)
@@ -137,7 +137,7 @@ def derive_arm_gains(
     usual = np.array([body.joint.max_acceleration for body in bodies])
     by_lag = np.minimum(LAG * stiffness / largest, usual)
     acceleration = _rounded(_within_drives(heavy, effort, by_lag))
-    # A ramp of one period leaves no oscillation behind, and the joints arrive together.
+    # A ramp of one period leaves no oscillation; all joints finish it together.
     ramp = 2.0 * math.pi / float(frequency.min())
     weight = "without payload (unknown)" if payload is None else f"with {payload:g} kg"
     ratio = damping / (2.0 * np.sqrt(stiffness * largest))
@@ -205,7 +205,7 @@ def derive_gripper_gains(
 
 
 def _part(model: RobotModel, root: str, movable: Sequence[str] = ()) -> RobotModel:
-    """Return the links from ``root`` on as a model of its own.
+    """Return the links from ``root`` on as a separate model.
 
     If ``movable`` names joints, all others are fixed at 0.
     """
@@ -230,8 +230,9 @@ def _part(model: RobotModel, root: str, movable: Sequence[str] = ()) -> RobotMod
 def _postures(limits: Sequence[JointLimits], *, is_upright: bool) -> Matrix:
     """Return postures with the extreme inertias and loads, shape (n, n_joints) [rad].
 
-    They are at right angles: stretched out, folded, with aligned or crossed axes.  The
-    first joint matters to gravity alone, if it is not upright, and the last one hardly.
+    All joints are at multiples of a right angle: the arm is stretched out or folded,
+    with aligned or crossed axes.  The first joint only matters for gravity, if the base
+    is not upright; the last one hardly matters.
     """
     first = _RIGHT_ANGLES[: 1 if is_upright else 2]
     between = [_RIGHT_ANGLES] * (len(limits) - 2)
@@ -244,7 +245,7 @@ def _postures(limits: Sequence[JointLimits], *, is_upright: bool) -> Matrix:
 def _loaded(
     model: RobotModel, bodies: Sequence[MovingBody], payload: float
 ) -> list[MovingBody]:
-    """Return the bodies with the payload at the flange, without the mounted tool."""
+    """Return the bodies with the payload, less the mounted mass, at the flange."""
     *inner, last = bodies
     flange = next(
         ((name, at) for name, at in last.links if name.endswith(FLANGE)), None
@@ -271,16 +272,16 @@ def _diagonals(matrices: Matrix) -> Matrix:
 
 
 def _largest_eigenvalue(matrices: Matrix, factors: Matrix) -> float:
-    """Return the largest one of any symmetric matrix times diag(``factors``)."""
+    """Return the largest eigenvalue of any symmetric matrix times diag(``factors``)."""
     root = np.sqrt(factors)
     return float(np.linalg.eigvalsh(root[:, None] * matrices * root).max())
 
 
 def _within_drives(heavy: SampledDynamics, effort: Matrix, wanted: Matrix) -> Matrix:
-    """Return accelerations, at most ``wanted``, that the drives can give everywhere.
+    """Return accelerations, at most ``wanted``, that the drives can produce everywhere.
 
-    All joints may have theirs at once; their efforts add up like random ones, since
-    joints that accelerate together need not do so against each other.
+    All joints may accelerate at once.  Their efforts are added like independent random
+    numbers, since joints that accelerate together need not work against each other.
     """
     left = np.maximum(DRIVE_SHARE * (effort - np.abs(heavy.loads)), 1e-3 * effort)
     masses = np.abs(heavy.masses)
@@ -299,6 +300,6 @@ def _within_drives(heavy: SampledDynamics, effort: Matrix, wanted: Matrix) -> Ma
 
 
 def _rounded(values: Matrix | float) -> Matrix:
-    """Return the values with _DIGITS significant digits."""
+    """Return the values rounded to _DIGITS significant digits."""
     rounded = np.vectorize(lambda value: float(f"{value:.{_DIGITS}g}"))(values)
     return np.asarray(rounded, dtype=np.float64)

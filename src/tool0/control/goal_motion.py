@@ -1,6 +1,6 @@
 """The motion of each joint through the points of a trajectory goal.
 
-What the controllers of ROS 1 and ROS 2 have in common: checks of the numbers, and the
+Contains the code that ROS 1 and ROS 2 controllers share: checks of the numbers, and
 splines along a plan.
 """
 
@@ -25,14 +25,14 @@ from tool0.protocol.goals import Goal
 from tool0.protocol.trajectories import TrajectoryPoint
 
 _COARSE = 1e-9
-"""Rounding of times [s] above which every segment is examined."""
+"""Rounding error of times above which every segment is examined [s]."""
 
 Splines = Sequence[JointSpline]
-"""A spline per joint of a controller."""
+"""One spline per joint of a controller."""
 
 
 def start_time(goal: TrajectoryGoal, now: float) -> float:
-    """Return when the goal starts [s]."""
+    """Return the time at which the goal starts [s]."""
     if goal.stamp is None or goal.stamp == 0.0:
         return float(now)
     if not math.isfinite(goal.stamp):
@@ -43,7 +43,7 @@ def start_time(goal: TrajectoryGoal, now: float) -> float:
 def check_finite(
     number: int, kind: str, names: Sequence[str], values: Sequence[float]
 ) -> None:
-    """Reject values of a point, one per name, that are not finite."""
+    """Reject a point's values, one per name, if any is not finite."""
     if all(map(math.isfinite, values)):
         return
     for name, value in zip(names, values, strict=True):
@@ -62,8 +62,8 @@ def check_limits(
 ) -> None:
     """Reject positions that ``joints`` cannot reach, from point ``first`` on.
 
-    ``starts`` returns their positions at the start [rad | m]: from beyond a limit, a
-    goal may come back.
+    ``starts`` returns the joints' positions at the start [rad | m], since a goal may
+    move back from beyond a limit.
     """
     limits = [position_range(joint) for joint in joints]
     blocks = [range(first, len(goal.points))]
@@ -86,7 +86,7 @@ def suspects_after(
 ) -> Sequence[int]:
     """Return the points after ``first`` whose segments may be implausible.
 
-    ``turns`` [rad] shift the positions of continuous joints.
+    ``turns`` [rad] are added to the positions of continuous joints.
     """
     shift = max(abs(turn or 0.0) for turn in turns)
     if shift > MARGIN or math.ulp(start + goal.times[-1]) > _COARSE:
@@ -97,7 +97,7 @@ def suspects_after(
 def whole_turns(joint: Joint, at: float, following: float) -> float | None:
     """Return the whole turns that bring ``following`` nearest to ``at`` [rad].
 
-    None if the joint does not turn endlessly.
+    The result is None if the joint is not continuous.
     """
     if joint.type is not JointType.CONTINUOUS:
         return None
@@ -107,7 +107,7 @@ def whole_turns(joint: Joint, at: float, following: float) -> float | None:
 def motion_at(
     points: Sequence[TrajectoryPoint], column: int, offset: float | None
 ) -> Callable[[int], Motion]:
-    """Return the function that returns the motion of joint ``column`` at each point.
+    """Return a function from a point's index to the motion of joint ``column``.
 
     ``offset`` [rad] is added to the positions of a continuous joint.
     """
@@ -133,7 +133,7 @@ def splines_by_plan(
     goal: Goal | None = None,
     tolerances: TrajectoryTolerances | None = None,
 ) -> list[JointSpline]:
-    """Return the splines along a plan that starts with the desired motion ``now``."""
+    """Return splines along a plan that starts with the desired motion at ``now``."""
     found = tolerances or TrajectoryTolerances()
     return [
         old.spliced(

@@ -1,4 +1,4 @@
-"""GripperActionController: move one joint, and squeeze the object that stops it."""
+"""GripperActionController: moves one joint, and squeezes the object that stops it."""
 
 from __future__ import annotations
 
@@ -21,28 +21,29 @@ from tool0.protocol.controllers import Gains
 from tool0.protocol.goals import Goal, GoalStatus, GripperResult
 
 _IN_PADS = "set_gripper_max_"
-"""Part of the name of interfaces that set speed [m/s] or force [N] at the pads; the
-others set those of the joint."""
+"""Part of the name of interfaces that set speed [m/s] or force [N] at the pads; other
+interfaces set speed and effort of the joint."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DriveSettings:
-    """Speed and effort that a goal, or else a parameter, sets of the drive.
+    """Drive speed and effort that goals set, with parameters as defaults.
 
-    They are as written to the interface: those of the pads, or of the joint.
+    The values are those written to the interfaces, for the pads or the joint.
     """
 
     gripper: ParallelGripper | None
-    """None if the description does not say how the opening depends on the joint: the
-    drive has no such settings then."""
+    """The gripper; None if the description does not say how the opening depends on the
+    joint, in which case the drive has no such settings."""
     effort_interface: str
-    """Empty if the effort is not set, as in ``velocity_interface``."""
+    """Interface for the effort; empty if the effort is not set.  The same applies to
+    ``velocity_interface`` and the speed."""
     velocity_interface: str
     max_effort: float
-    """Effort if a goal has none [N | N·m]."""
+    """Effort for goals that do not specify one [N | N·m]."""
     max_velocity: float
-    """Speed if a goal has none [m/s | rad/s]."""
+    """Speed for goals that do not specify one [m/s | rad/s]."""
 
     @property
     def interfaces(self) -> tuple[str, ...]:
@@ -52,9 +53,9 @@ class DriveSettings:
     def limits(
         self, effort: float | None, velocity: float | None
     ) -> DriveLimits | None:
-        """Return the limits of the drive; None for its own.
+        """Return the limits for the drive; None if its own apply.
 
-        As in the gripper's own driver, settings beyond its range are the nearest ones.
+        As in the gripper's own driver, settings beyond the range are clamped.
         """
         gripper = self.gripper
         if gripper is None or not self.interfaces:
@@ -81,28 +82,32 @@ def _within(value: float, span: tuple[float, float]) -> float:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GripperActionSpec:
-    """Units are the joint's: [rad] and [N·m], or [m] and [N]."""
+    """The parameters of a gripper's controller, in units of its joint.
+
+    Units are [rad] and [N·m], or [m] and [N].
+    """
 
     name: str
     type: str
     joint: Joint
     interface: Interface
     gains: tuple[Gains, ...]
-    """Gains of the joint; none for the position interface."""
+    """Gains of the joint; empty for the position interface."""
     goal_tolerance: float = 0.01
     max_effort: float
-    """Limit of the effort at the start, after a cancel, and for goals without one."""
+    """Effort limit at the start, after a cancellation, and for goals without a
+    limit."""
     stall_velocity_threshold: float = 0.001
-    """Mean speed below which the joint counts as stalled, per second."""
+    """Mean speed below which the joint counts as stalled [rad/s | m/s]."""
     stall_timeout: float = 1.0
-    """Time for which it must be that slow [s]."""
+    """Time for which the joint must be that slow [s]."""
     allow_stalling: bool = False
-    """Whether a stall is a success: the gripper holds an object."""
+    """Whether a stall counts as success, since the gripper holds an object."""
     action_monitor_rate: float = 20.0
-    """Rate of feedback in ROS [Hz]."""
+    """Rate of the action's feedback in ROS [Hz]."""
     state_interfaces: tuple[str, ...] = ()
     settings: DriveSettings | None = None
-    """Limits of the drive that goals set; None if they set none."""
+    """Drive settings that goals can set; None if there are none."""
 
     waits_for_command: ClassVar[bool] = False
 
@@ -112,7 +117,7 @@ class GripperActionSpec:
 
     @property
     def further_interfaces(self) -> tuple[str, ...]:
-        """The command interfaces of its drive's settings."""
+        """The command interfaces for the drive's settings."""
         return () if self.settings is None else self.settings.interfaces
 
     def start(
@@ -126,15 +131,15 @@ class GripperActionController:
     """Drive one joint to a position with bounded effort.
 
     A goal succeeds within ``goal_tolerance``, and is aborted when the joint stalls
-    before that, unless ``allow_stalling`` makes a stall a success.  Either way the
-    command stays: a gripper keeps squeezing with the goal's effort.  It behaves as
-    ROS's controllers of that name, but for these of their faults:
+    before that, unless ``allow_stalling`` makes a stall a success.  Either way, the
+    command remains in effect: a gripper keeps squeezing with the goal's effort.  The
+    controller behaves like ROS's controllers of that name, with these improvements:
 
     * a stall is a *change of position* of less than ``stall_velocity_threshold *
-      stall_timeout`` during ``stall_timeout``: the velocity of a simulated grip
-      chatters above any threshold, and such goals never ended;
-    * a goal with ``max_effort`` 0 takes the controller's own instead of going limp,
-      and without the parameter ``max_effort`` that is the joint's limit;
+      stall_timeout`` during ``stall_timeout``: in ROS, the velocity of a simulated grip
+      chatters above any threshold, and such goals never end;
+    * a goal with ``max_effort`` 0 gets the controller's own value instead of going
+      limp; without the parameter ``max_effort``, that is the joint's limit;
     * positions beyond the joint's limits and numbers that are not finite are rejected.
     """
 
@@ -193,9 +198,10 @@ class GripperActionController:
         self._position = state.position[self._index]
 
     def _advance_ramp(self, period: float) -> float:
-        """Return the position to be at now: towards the target, at a limited speed.
+        """Return the current setpoint, which moves to the target at a limited speed.
 
-        An integral of the whole error would wind up while the drive is kept slow.
+        If the PID saw the whole error, its integral would wind up while the drive is
+        slow.
         """
         if self._drive_limits is None:
             self._grip.ramp = self._target
@@ -225,8 +231,8 @@ class GripperActionController:
     ) -> Goal:
         """Replace the goal and return the new one's handle, or reject it.
 
-        The sign of ``max_effort`` [N·m | N] is ignored as in ROS; None or 0 is the
-        controller's own.  ``drive_limits`` hold meanwhile.
+        The sign of ``max_effort`` [N·m | N] is ignored, as in ROS; None or 0 stands for
+        the controller's own value.  ``drive_limits`` apply during the goal.
 
         Raises:
             GoalRejectedError: The previous command then continues.
@@ -259,9 +265,9 @@ class GripperActionController:
         *,
         has_goal: bool,
     ) -> None:
-        """Continue with a goal that the kernel started ``now`` [s], or that ended.
+        """Continue with a goal that the kernel started at ``now`` [s] or has ended.
 
-        Nobody has its handle.
+        No client has a handle of this goal.
         """
         self._finish(GoalStatus.PREEMPTED)
         self._goal = Goal(self.spec.name) if has_goal else None
@@ -277,17 +283,17 @@ class GripperActionController:
     def limits(
         self, max_effort: float | None, max_velocity: float | None
     ) -> DriveLimits | None:
-        """Return the limits of the drive with these settings of a goal."""
+        """Return the drive's limits with these settings of a goal."""
         settings = self.spec.settings
         return None if settings is None else settings.limits(max_effort, max_velocity)
 
     def adjust(self, spec: GripperActionSpec) -> None:
-        """Continue with other tolerances and settings."""
+        """Continue with changed tolerances and settings."""
         self.spec = spec
         self._stall_range = spec.stall_velocity_threshold * spec.stall_timeout
 
     def cancel(self, goal: Goal, now: float) -> None:
-        """Hold the measured position, if ``goal`` is the active one."""
+        """Hold the measured position if ``goal`` is the active goal."""
         if goal is self._goal and goal is not None:
             self._target = self._grip.ramp = self._position
             self._hold = hold(now, self._target)
@@ -332,9 +338,9 @@ def read_gripper_action(
     settings: DriveSettings | None = None,
     delay: float = 0.0,
 ) -> GripperActionSpec:
-    """Return the parameters of a gripper's controller; gains and stall are read.
+    """Return a gripper controller's parameters; gains and stall settings are read.
 
-    ``delay`` [s] is added to the stall's time: the state is that late.
+    ``delay`` [s] is added to the stall timeout, since the state lags by this time.
     """
     gains: tuple[Gains, ...] = ()
     if interface is Interface.EFFORT:

@@ -1,4 +1,4 @@
-"""Limits of joints in a YAML, which replace those of the URDF."""
+"""Joint limits in YAML, which override those of the URDF."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ _SAMPLE_LIMITS = """
  has_acceleration_limits: true, max_acceleration: 1,
  has_jerk_limits: true, max_jerk: 1}
 """
-"""A joint with every limit, for ``joint_limit_parameters``."""
+"""Sample joint with every limit, for ``joint_limit_parameters``."""
 
 
 @cache
 def joint_limit_parameters() -> frozenset[str]:
-    """Return the parameters that are known under ``joint_limits/<joint>``."""
+    """Return the parameters that are allowed under ``joint_limits/<joint>``."""
     tree = Tree()
     tree.load(_SAMPLE_LIMITS, SourceLocation(None, 1))
     sample = Namespace(tree.root)
@@ -29,7 +29,7 @@ def joint_limit_parameters() -> frozenset[str]:
 
 
 def read_joint_limits(limits: Namespace) -> dict[str, float]:
-    """Read one joint's limits: each applies only with ``has_…: true``, as in ROS."""
+    """Read one joint's limits; as in ROS, each applies only with ``has_…: true``."""
     limits.accept("angle_wraparound")
 
     def has_limit(kind: str) -> bool | None:

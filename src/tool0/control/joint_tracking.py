@@ -1,4 +1,4 @@
-"""The joints of a trajectory controller: desired and measured motion, PIDs."""
+"""The joints of a trajectory controller: desired and measured motion, and PIDs."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ from tool0.protocol.controllers import Gains
 
 @final
 class JointTracking:
-    """Splines that joints follow, by PID and feed-forward where gains are given.
+    """Splines that joints follow, by PID and feed-forward if gains are given.
 
-    A controller decides which splines, from when on, and what ends them.
+    The controller decides which splines are followed, when they start, and when they
+    end.
     """
 
     def __init__(
@@ -35,16 +36,17 @@ class JointTracking:
 
         Args:
             joints: The joints of the controller.
-            gains: One per joint; none commands the desired positions.
-            velocity_ff: Command per desired velocity, one per joint, or none.
+            gains: Gains, one per joint; if empty, the desired positions are commanded.
+            velocity_ff: Feed-forward factors from desired velocity to command, one per
+                joint; may be empty.
             indices: Indices of the joints in the lists of a state.
-            state: The measured state.
+            state: Measured state.
         """
         self.joints = joints
         self.select = joint_selector(indices)
         self.pid = Pid(gains) if gains else None
         self.state = state
-        """The measured state of the last tick."""
+        """Measured state of the last tick."""
         self._wrapping = [
             k for k, joint in enumerate(joints) if joint.type is JointType.CONTINUOUS
         ]
@@ -53,19 +55,19 @@ class JointTracking:
         self.sampler = TrajectorySampler(held, state.time)
 
     def set_feed_forward(self, velocity_ff: Sequence[float]) -> None:
-        """Change the command per desired velocity, one per joint, or none."""
+        """Change the feed-forward factors, one per joint; they may be empty."""
         self.feed_forward = velocity_ff if any(velocity_ff) else ()
 
     def follow(self, splines: Sequence[JointSpline], time: float) -> None:
-        """Follow other splines, sampled at ``time`` [s] first."""
+        """Follow other splines; they are first sampled at ``time`` [s]."""
         self.sampler = TrajectorySampler(splines, time)
 
     def merged(self, splines: Mapping[int, JointSpline]) -> list[JointSpline]:
-        """Return the splines of all joints, with those of some replaced, by number."""
+        """Return the splines of all joints after replacing some of them, by index."""
         return [splines.get(k, old) for k, old in enumerate(self.sampler.splines)]
 
     def errors(self, time: float) -> tuple[list[float], list[float]]:
-        """Return desired minus measured positions, and the same of velocities."""
+        """Return desired minus measured positions, and the same for velocities."""
         position, velocity = self.state.position, self.state.velocity
         select = self.select
         errors, rates = self.sampler.errors(time, select(position), select(velocity))
@@ -74,13 +76,13 @@ class JointTracking:
         return errors, rates
 
     def law(self, monitor: GoalMonitor | TrajectoryMonitor | None) -> TrajectoryLaw:
-        """Return how the joints follow the splines until an event."""
+        """Return the law by which the joints follow the splines until an event."""
         return TrajectoryLaw(
             self.sampler, monitor, self.pid, self.feed_forward, self._wrapping
         )
 
     def setpoint(self, *, lag: float = 0.0, speed_scaling: float = 1.0) -> Setpoint:
-        """Return the setpoints of the joints; ``lag`` [s] as in ``Setpoint``."""
+        """Return the joints' setpoints; for ``lag`` [s], see ``Setpoint``."""
         return Setpoint(
             self.joints,
             self.sampler.splines,

@@ -1,8 +1,8 @@
-"""Control laws: the work of a controller in every tick until an event.
+"""Control laws: the work of a controller in each tick until an event.
 
 A running controller describes itself by a law, so that a kernel can execute its ticks
-without Python.  ``Controller.update`` remains the reference, and what happens then: an
-event, such as the end of a goal, is a tick that the controller executes itself.
+without Python.  ``Controller.update`` remains the reference implementation, and the
+controller itself executes the tick of an event, such as the end of a goal.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from tool0.protocol.goals import Tolerance
 
 
 class TrajectoryClock(NamedTuple):
-    """The time of a trajectory, which passes more slowly if its speed is scaled."""
+    """The time of a trajectory, which passes more slowly if its speed is reduced."""
 
     since: float = 0.0
-    """Simulated time at which the present speed began [s]."""
+    """Simulated time at which the current speed began [s]."""
     lag: float = 0.0
-    """Delay behind simulated time then [s]."""
+    """Delay behind simulated time at that moment [s]."""
     slip: float = 0.0
-    """Growth of the delay per simulated second [s]; 0 at full speed."""
+    """Growth of the delay per simulated second; 0 at full speed."""
 
     def lag_at(self, time: float) -> float:
-        """Return how far it is behind simulated ``time`` [s], from ``since`` on."""
+        """Return its delay at simulated ``time`` [s], which is not before ``since``."""
         return self.lag + self.slip * (time - self.since)
 
     def at(self, time: float) -> float:
@@ -37,7 +37,7 @@ class TrajectoryClock(NamedTuple):
         return time - self.lag_at(time)
 
     def scaled(self, factor: float, now: float) -> TrajectoryClock:
-        """Return the clock that passes with this factor from ``now`` [s] on."""
+        """Return the clock that runs with this factor from ``now`` [s] on."""
         return TrajectoryClock(now, self.lag_at(now), 1.0 - factor)
 
 
@@ -45,24 +45,25 @@ REAL_CLOCK = TrajectoryClock()
 
 
 class TrajectoryStart(NamedTuple):
-    """Start of a trajectory without a goal with the coming tick, as in ROS 2."""
+    """Rules for starting a trajectory without a goal in the next tick, as in ROS 2."""
 
     is_spliced: bool
-    """Whether it follows the desired motion, if that has several points."""
+    """Whether it continues the desired motion, if that has several points."""
     from_desired: bool
-    """Whether it also starts there otherwise, and not with the measured motion."""
+    """Whether it starts from the desired motion even otherwise, not from the measured
+    one."""
     reads_velocity: bool
-    """Whether the measured motion has a velocity; otherwise it is 0."""
+    """Whether the measured velocity is used; otherwise, 0 is assumed."""
     may_end_moving: bool
-    """Whether its last point may have velocities."""
+    """Whether the last point may have a velocity other than 0."""
     path: Sequence[Tolerance]
-    """One tolerance per joint on the way."""
+    """Tolerances on the path, one per joint."""
     at_goal: Sequence[Tolerance]
-    """One tolerance per joint at the end."""
+    """Tolerances at the goal, one per joint."""
     goal_time: float
-    """Grace after the end [s]."""
+    """Time to arrive after the end [s]."""
     timeout: float
-    """Time after the end at which the trajectory is given up [s]."""
+    """Time after the end at which the trajectory is aborted [s]."""
 
 
 class TrajectoryLaw(NamedTuple):
@@ -70,33 +71,35 @@ class TrajectoryLaw(NamedTuple):
 
     sampler: TrajectorySampler
     monitor: GoalMonitor | TrajectoryMonitor | None
-    """Monitor of the goal; a TrajectoryMonitor also works without one."""
+    """Monitor of the goal; a TrajectoryMonitor also works without a goal."""
     pid: Pid | None
-    """PID from errors to commands; None commands the desired positions."""
+    """PID from errors to commands; if None, the desired positions are commanded."""
     feed_forward: Sequence[float]
-    """Command per desired velocity, one per joint; empty without."""
+    """Feed-forward factors from desired velocity to command, one per joint; may be
+    empty."""
     wrapping: Sequence[int]
-    """The joints, by number, whose errors go the shortest way round."""
+    """Indices of the joints whose errors are wrapped to the shortest way round."""
     lead: float = 0.0
-    """Time by which commands are ahead of the motion that errors refer to [s]."""
+    """Time by which the commanded motion is ahead of the motion of the errors [s]."""
     clock: TrajectoryClock = REAL_CLOCK
     start: TrajectoryStart | None = None
-    """Start of another trajectory; None with a lead leaves that to the controller."""
+    """Rules for the start of another trajectory.  If None, although there is a
+    ``lead``, the controller starts it itself."""
     has_points: bool = False
-    """Whether the motion has several points: another one may follow it."""
+    """Whether the motion has several points, so that another motion can continue it."""
 
 
 class CommandLaw(NamedTuple):
-    """Pass one command per joint on, or follow it by a PID."""
+    """Pass on one command per joint, or follow the commands with a PID."""
 
     values: Sequence[float]
     """The command of each joint."""
     pid: Pid | None
-    """PID from values to commands; None passes the values on."""
+    """PID from values to commands; if None, the values are passed on."""
     measures_velocity: bool
-    """Whether the PID compares the values with velocities, not with positions."""
+    """Whether the PID compares the values with velocities instead of positions."""
     wrapping: Sequence[int]
-    """The joints, by number, whose errors go the shortest way round."""
+    """Indices of the joints whose errors are wrapped to the shortest way round."""
     last_errors: list[float]
     """Errors of the last update, one per joint; updated in place."""
 
@@ -104,16 +107,16 @@ class CommandLaw(NamedTuple):
 @final
 @dataclass(slots=True)
 class GripState:
-    """The state of a gripper that moves and squeezes."""
+    """The state of a gripper that is moving or squeezing."""
 
     ramp: float
-    """The present setpoint [rad | m]."""
+    """The current setpoint [rad | m]."""
     stall_position: float
-    """The position that the joint has not left [rad | m] …"""
+    """Position that the joint has not left since ``stall_since`` [rad | m]."""
     stall_since: float
-    """… since this time [s]."""
+    """Time since which the joint has stayed at ``stall_position`` [s]."""
     effort: float = 0.0
-    """Effort in the last tick [N·m | N]."""
+    """Commanded effort in the last tick [N·m | N]."""
 
 
 class GripperLaw(NamedTuple):
@@ -122,25 +125,25 @@ class GripperLaw(NamedTuple):
     target: float
     """Target position [rad | m]."""
     tolerance: float
-    """Largest distance from the target at which a goal ends [rad | m]."""
+    """Distance from the target below which a goal ends [rad | m]."""
     max_effort: float
     """Largest effort [N·m | N]."""
     stall_range: float
-    """Largest movement of a joint that counts as stalled [rad | m]."""
+    """Largest movement of the joint that still counts as a stall [rad | m]."""
     stall_timeout: float
-    """Time after which a stalled goal ends [s]."""
+    """Time after which a goal ends if the joint has stalled [s]."""
     has_goal: bool
-    """Whether a goal ends at the target, or by a stall."""
+    """Whether there is a goal, which ends at the target or by a stall."""
     pid: Pid | None
-    """PID from errors to efforts; None commands the target."""
+    """PID from errors to efforts; if None, the target position is commanded."""
     drive_limits: DriveLimits | None
-    """Limits of the drive during the goal; they slow the ramp down."""
+    """Limits of the drive during the goal, which slow down the ramp of the setpoint."""
     grip: GripState
-    """The state; updated in place."""
+    """State of the motion; updated in place."""
     position: float
-    """The position in the last tick [rad | m]."""
+    """Measured position in the last tick [rad | m]."""
     own_effort: float
-    """Largest effort of a goal that names none [N·m | N]."""
+    """Largest effort for goals that do not specify one [N·m | N]."""
 
 
 class IdleLaw(NamedTuple):

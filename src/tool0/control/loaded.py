@@ -1,4 +1,4 @@
-"""A loaded controller in any stage of its life."""
+"""A loaded controller in any stage of its life cycle."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tool0.hardware.robot_hardware import EffortLaw
 
 @final
 class LoadedController:
-    """A controller's parameters once it is configured, and itself while it runs."""
+    """A loaded controller, with its parameters once configured."""
 
     def __init__(
         self, name: str, type_name: str, stages: Stages, config: ControllerConfig | None
@@ -24,7 +24,8 @@ class LoadedController:
         self.name = name
         self.type = type_name
         self.config = config
-        """Parameters in YAML; None for tool0's own, which requests start and stop."""
+        """Parameters in YAML; None for tool0's own controllers, which requests start
+        and stop."""
         self.spec: ControllerSpec | None = None
         self.indices: tuple[int, ...] = ()
         self.controller: Controller | None = None
@@ -32,9 +33,9 @@ class LoadedController:
         self.is_waiting = False
         """Whether the brakes hold its joints until its first command."""
         self.effort_law: EffortLaw | None = None
-        """Law that drives its joints, if its positions do not."""
+        """Effort law that drives its joints instead of its commands, if any."""
         self.has_rotors = False
-        """Whether its joints feel their rotors under that law."""
+        """Whether that law includes the inertia of the joints' rotors."""
 
     @property
     def interface(self) -> Interface | None:
@@ -45,18 +46,18 @@ class LoadedController:
 
     @property
     def is_own(self) -> bool:
-        """Whether it is one of tool0's own, without a YAML."""
+        """Whether it is one of tool0's own controllers, which have no YAML."""
         return self.config is None
 
     def require_config(self) -> ControllerConfig:
-        """Return the YAML that it is of; ControlError if it is one of tool0's own."""
+        """Return its YAML; ControlError if it is one of tool0's own controllers."""
         if self.config is None:
             raise ControlError(self.why_fixed)
         return self.config
 
     @property
     def why_fixed(self) -> str:
-        """Why clients cannot start, stop or change one of tool0's own."""
+        """Reason why clients cannot start, stop or change tool0's own controller."""
         return (
             f"controller '{self.name}' is tool0's own: `take_arm` starts it, and "
             "`return_arm` stops it"
@@ -77,18 +78,18 @@ class LoadedController:
 
     @property
     def arm_mode(self) -> ArmModeSpec | None:
-        """Its parameters, if an arm gives way in its name."""
+        """Its parameters, if it stands for freedrive or force mode of an arm."""
         return self.spec if isinstance(self.spec, ArmModeSpec) else None
 
     @property
     def held(self) -> tuple[str, ...]:
-        """The joints that the hardware has given to it, if it runs."""
+        """The joints that it currently holds."""
         is_idle = self.arm_mode is not None and self.effort_law is None
         return () if self.is_waiting or is_idle else self.claims
 
     @property
     def claimed(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
-        """The command interfaces that it claims, each with the joints."""
+        """The command interfaces that it claims, each with its joints."""
         if self.arm_mode is not None:
             return ((self.arm_mode.mode, self.claims),)
         interface = self.interface
@@ -96,7 +97,7 @@ class LoadedController:
 
     @property
     def command_interfaces(self) -> tuple[str, ...]:
-        """The claimed command interfaces, as ROS 2 names them."""
+        """The claimed command interfaces, with their names in ROS 2."""
         spec = self.spec
         if spec is None:
             return ()
@@ -107,12 +108,12 @@ class LoadedController:
         return (*names, *spec.further_interfaces)
 
     def started(self, state: JointState) -> Controller:
-        """Return a new running controller."""
+        """Return a new running instance."""
         return self.configured.start(self.indices, state)
 
     @property
     def configured(self) -> ControllerSpec:
-        """The checked parameters, or raise ControlError."""
+        """The checked parameters; ControlError if it is not configured."""
         if self.spec is None:
             raise ControlError(
                 f"controller '{self.name}' is {self.state}; configure it with "

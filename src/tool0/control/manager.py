@@ -35,34 +35,34 @@ _KIND: Final[Mapping[type, str]] = {
     str: "string",
     tuple: "array",
 }
-"""ROS's name of the type of a parameter."""
+"""ROS's names for the types of parameters."""
 
 
 class SavedController(NamedTuple):
-    """A running controller at one instant."""
+    """The state of a running controller at one instant."""
 
     spec: ControllerSpec
     controller: Controller
-    """A copy that never runs."""
+    """A copy of the controller, which never runs itself."""
     is_waiting: bool
     """Whether the brakes hold its joints until its first command."""
 
 
 class Strictness(enum.Enum):
-    """Handling of requests that a switch cannot fulfil; numbers as in ROS."""
+    """Handling of requests that a switch cannot fulfil, with ROS's values."""
 
     BEST_EFFORT = 1
-    """Do the rest."""
+    """Skip these requests, and fulfil the others."""
     STRICT = 2
-    """Do nothing, and raise."""
+    """Raise an error, and change nothing."""
 
 
 @final
 class ControllerManager:
     """Owns the controllers over one robot's hardware, with ros_control's rules.
 
-    All are of one dialect, ROS 1's or ROS 2's.  Only the thread that owns the tick may
-    call it.
+    All controllers have the same dialect, ROS 1 or ROS 2.  Only the thread that runs
+    the tick may call the manager.
     """
 
     def __init__(
@@ -72,10 +72,10 @@ class ControllerManager:
         joints: Mapping[str, Joint],
         model: RobotModel | None = None,
     ) -> None:
-        """Load nothing yet.
+        """Take the hardware and the config; no controller is loaded yet.
 
-        ``config`` has the controllers that can be loaded, ``joints`` their limits, and
-        ``model`` describes the rest of the robot.
+        ``config`` contains the controllers that can be loaded, ``joints`` the joints'
+        limits, and ``model`` the rest of the robot.
         """
         self._hardware = hardware
         self.config = config
@@ -91,18 +91,18 @@ class ControllerManager:
             gripper_delay=hardware.gripper_delay,
         )
         self.when_switched: Callable[[JointState], None] = lambda state: None
-        """Called with the state after controllers were started or stopped."""
+        """Callback that gets the state after controllers were started or stopped."""
         self._loaded: dict[str, LoadedController] = {}
         self._blocked: dict[str, str] = {}
-        """Joint → why no controller may be started that claims it."""
+        """Joint → reason why controllers that claim it cannot be started."""
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
-        """Name and controller, and its slots of the command."""
+        """Name and instance of each running controller, and its positions in the
+        command."""
         self.running_controllers: tuple[tuple[Controller, tuple[int, ...]], ...] = ()
         """The running controllers in load order, with their joints; a new tuple
         whenever a controller starts or stops."""
         self.running_specs: tuple[ControllerSpec, ...] = ()
-        """Parameters of the running controllers; the same ones when a controller
-        restarts."""
+        """Parameters of the running controllers; restarting a controller keeps them."""
         self._observers: tuple[Callable[[JointState], None], ...] = ()
         self._setpoints: tuple[tuple[str, Callable[[], Setpoint | None]], ...] = ()
         """Name and setpoint function of each running controller."""
@@ -122,7 +122,7 @@ class ControllerManager:
                     command[index] = value
 
     def observe(self, state: JointState) -> None:
-        """Tell the running controllers the state of the last tick."""
+        """Pass the state of the last tick to the running controllers."""
         for observe in self._observers:
             observe(state)
 
@@ -154,13 +154,13 @@ class ControllerManager:
         *,
         configure: bool = True,
     ) -> None:
-        """Load a controller, of the manager's config or this one, and configure it.
+        """Load a controller from ``config`` or the manager's own, and configure it.
 
-        Without ``configure`` it stays unconfigured, as ROS 2's services leave it.
+        Without ``configure``, it stays unconfigured, as after ROS 2's service.
 
         Raises:
-            ControlError: If it is loaded already.
-            ConfigError: If it is unknown, or its parameters are wrong.
+            ControlError: If the controller is already loaded.
+            ConfigError: If the controller is unknown, or its parameters are wrong.
         """
         if name in self._loaded:
             raise ControlError(
@@ -179,11 +179,11 @@ class ControllerManager:
         self._refresh()
 
     def configure(self, name: str) -> None:
-        """Check the parameters of a loaded controller: it can be started then.
+        """Check the parameters of a loaded controller, which can then be started.
 
         Raises:
-            ControlError: If it is configured already.
-            ConfigError: If its parameters are wrong; it stays unconfigured.
+            ControlError: If the controller is already configured.
+            ConfigError: If its parameters are wrong; it then stays unconfigured.
         """
         item = self._find(name)
         if item.spec is not None:
@@ -202,7 +202,7 @@ class ControllerManager:
         item.spec, item.state = spec, self._stages.configured
 
     def cleanup(self, name: str) -> None:
-        """Make a controller that is not running unconfigured again."""
+        """Return a controller that is not running to the unconfigured stage."""
         item = self._find(name)
         if item.controller is not None:
             raise ControlError(
@@ -213,7 +213,7 @@ class ControllerManager:
         self._refresh()
 
     def unload(self, name: str) -> None:
-        """Forget a controller that is not running."""
+        """Unload a controller that is not running."""
         if self._find(name).controller is not None:
             raise ControlError(
                 f"Could not unload controller '{name}' because it is still running; "
@@ -225,13 +225,13 @@ class ControllerManager:
     # ---- tool0's own controllers ----------------------------------------------------
 
     def start_own(self, spec: ControllerSpec, state: JointState) -> None:
-        """Load and start one of tool0's own controllers, which is of no YAML.
+        """Load and start one of tool0's own controllers, which have no YAML.
 
-        Its joints follow positions through their servos, whichever interfaces the
-        drives offer.
+        Its joints follow positions by their servos, whichever interfaces the drives
+        offer.
 
         Raises:
-            ControlError: If a controller of this name is loaded.
+            ControlError: If a controller with this name is already loaded.
             ClaimError: If another running controller claims one of the joints.
         """
         if spec.name in self._loaded:
@@ -251,7 +251,7 @@ class ControllerManager:
         self._refresh()
 
     def stop_own(self, name: str, state: JointState) -> None:
-        """Stop and forget one of tool0's own controllers; the brakes then hold."""
+        """Stop and unload one of tool0's own controllers; the brakes then hold."""
         self._stop([name], state)
         del self._loaded[name]
         self._refresh()
@@ -264,9 +264,9 @@ class ControllerManager:
         *,
         with_rotors: bool = False,
     ) -> None:
-        """Drive the joints of a running controller by a law, in place of its commands.
+        """Drive a running controller's joints by a law instead of its commands.
 
-        None lets them follow these again.  ``with_rotors`` is as for
+        With None, the joints follow the commands again.  For ``with_rotors``, see
         ``RobotHardware.claim_efforts``.
         """
         item = self._find(name)
@@ -287,13 +287,13 @@ class ControllerManager:
         strictness: Strictness,
         state: JointState,
     ) -> tuple[str, ...]:
-        """Stop and start controllers at one instant; return why others were skipped.
+        """Stop and start controllers at once; return the reasons for skipped ones.
 
         Started controllers hold the measured ``state``.
 
         Raises:
             ControlError: If the switch is impossible; nothing has changed then.
-            ClaimError: If two running controllers would claim one joint.
+            ClaimError: If two running controllers would claim the same joint.
         """
         skipped: list[str] = []
         to_stop, to_start = self._plan(start, stop, strictness, skipped)
@@ -316,7 +316,7 @@ class ControllerManager:
         return tuple(skipped)
 
     def _take_shared(self, item: LoadedController, state: JointState) -> None:
-        """Take the joints from their controllers for a mode that shares them."""
+        """Take joints back from an arm mode that shares them with a new controller."""
         for other in self._loaded.values():
             if other.arm_mode is not None and set(other.held) & set(item.claims):
                 self._disengage(other, state)
@@ -329,7 +329,7 @@ class ControllerManager:
         strictness: Strictness,
         skipped: list[str],
     ) -> tuple[list[str], list[str]]:
-        """Return the controllers to stop and to start, checked in ROS's order."""
+        """Return the controllers to stop and to start, after checks in ROS's order."""
 
         def refuse(message: str) -> None:
             if strictness is Strictness.STRICT:
@@ -383,9 +383,9 @@ class ControllerManager:
         return plans["stop"], plans["start"]
 
     def block(self, joints: Collection[str], reason: str) -> None:
-        """Refuse controllers that claim ``joints``; an empty ``reason`` unblocks.
+        """Block starting controllers that claim ``joints``; an empty reason unblocks.
 
-        Running controllers continue.
+        Controllers that are already running continue.
         """
         for joint in joints:
             self._blocked.pop(joint, None)
@@ -394,14 +394,14 @@ class ControllerManager:
         self._refresh()
 
     def _why_blocked(self, item: LoadedController) -> str:
-        """Return why a controller cannot be started; empty if it can."""
+        """Return the reason why a controller cannot be started; empty if it can."""
         return next(filter(None, map(self._blocked.get, item.claims)), "")
 
     def _check_claims(self, running: Sequence[str]) -> None:
-        """Raise ClaimError if two claim one interface, or two interfaces of a joint.
+        """Raise ClaimError if two controllers claim the same joint or interface.
 
-        A drive follows one interface at a time.  Force mode shares the joints with its
-        companions.
+        A drive follows only one interface at a time.  Force mode, however, shares the
+        joints with its companions.
         """
         owners: dict[str, str] = {}
         for name in running:
@@ -418,7 +418,7 @@ class ControllerManager:
 
     @staticmethod
     def _may_share(first: LoadedController, second: LoadedController) -> bool:
-        """Return whether the arm deviates from the commands of one of them."""
+        """Return whether one is an arm mode that shares the joints with the other."""
         return any(
             one.arm_mode is not None and other.type in one.arm_mode.companions
             for one, other in ((first, second), (second, first))
@@ -435,7 +435,7 @@ class ControllerManager:
             item.effort_law = None
 
     def _engage(self, item: LoadedController, state: JointState) -> None:
-        """Hand a started controller its joints, unless it waits for a command."""
+        """Give a started controller its joints, unless it waits for a command."""
         item.is_waiting = item.configured.waits_for_command
         if not item.is_waiting:
             self._claim(item, state)
@@ -457,7 +457,7 @@ class ControllerManager:
             self._hardware.release(item.held, state)
 
     def release_brakes(self, name: str, state: JointState) -> None:
-        """Hand a running controller its joints: its first command has arrived."""
+        """Give a controller its joints, since its first command has arrived."""
         item = self._find(name)
         if item.is_waiting and item.controller is not None:
             item.is_waiting = False
@@ -466,7 +466,8 @@ class ControllerManager:
     def restart(self, state: JointState) -> None:
         """Restart every running controller, holding ``state``.
 
-        For jumps of the state or of time: a reset, or the end of an emergency stop.
+        This is needed when the state or the time jumps: after a reset, or at the end of
+        an emergency stop.
         """
         for item in self._loaded.values():
             if item.controller is None:
@@ -483,7 +484,7 @@ class ControllerManager:
         """Return the running controllers as they are now, by name.
 
         Raises:
-            ControlError: If a goal or a law of efforts moves the joints of one.
+            ControlError: If a goal or an effort law moves the joints of a controller.
         """
         found = {}
         for name in self._names_running():
@@ -498,7 +499,7 @@ class ControllerManager:
         return found
 
     def check_saved(self, saved: Mapping[str, SavedController]) -> None:
-        """Raise ControlError if others run, or with other parameters."""
+        """Raise ControlError if other controllers or parameters are running."""
         specs = {name: self._loaded[name].configured for name in self._names_running()}
         if specs != {name: one.spec for name, one in saved.items()}:
             raise ControlError(
@@ -507,9 +508,9 @@ class ControllerManager:
             )
 
     def resume(self, saved: Mapping[str, SavedController]) -> None:
-        """Continue with saved states of the running controllers.
+        """Continue from the saved states of the running controllers.
 
-        The hardware continues with its own state, claims included.
+        The hardware restores its own state, including the claims.
 
         """
         for name, one in saved.items():
@@ -519,7 +520,7 @@ class ControllerManager:
         self._refresh()
 
     def stop_all(self, state: JointState) -> None:
-        """Stop every running controller; the brake holds all joints."""
+        """Stop every running controller; the brakes then hold all joints."""
         self._stop(self._names_running(), state)
         self._refresh()
 
@@ -529,8 +530,8 @@ class ControllerManager:
         """Return a running controller.
 
         Raises:
-            GoalRejectedError: If it is loaded, but not running.
-            ControlError: If it is not loaded.
+            GoalRejectedError: If the controller is loaded, but not running.
+            ControlError: If the controller is not loaded.
         """
         item = self._find(name)
         if item.controller is None:
@@ -564,11 +565,11 @@ class ControllerManager:
         )
 
     def list(self) -> tuple[ControllerStatus, ...]:
-        """Return every loaded controller, in load order."""
+        """Return the state of every loaded controller, in load order."""
         return self._statuses
 
     def setpoints(self) -> Mapping[str, Setpoint]:
-        """Return the setpoints of the running controllers that command a position."""
+        """Return the setpoints of the running controllers that command positions."""
         return {
             name: setpoint
             for name, current in self._setpoints
@@ -576,7 +577,7 @@ class ControllerManager:
         }
 
     def is_overruled(self, name: str) -> bool:
-        """Return whether a law drives the joints of a controller in place of it."""
+        """Return whether a law drives a controller's joints instead of its commands."""
         item = self._loaded[name]
         return item.effort_law is not None and not item.is_own
 
@@ -585,13 +586,15 @@ class ControllerManager:
         return self._find(name).configured
 
     def set_gains(self, name: str, joint: str, **changes: float | bool) -> Gains:
-        """Change fields of ``Gains`` of one joint, and return them all.
+        """Change some of a joint's ``Gains``, and return all of them.
 
-        A running controller continues with them; they hold until it is unloaded.
+        A running controller continues with the new gains, which apply until it is
+        unloaded.
 
         Raises:
-            ControlError: If there is no such controller or joint, or it has no gains.
-            ConfigError: If the gains are impossible.
+            ControlError: If there is no such controller or joint, or the controller has
+                no gains.
+            ConfigError: If the gains are not valid.
         """
         item = self._find(name)
         spec = item.configured
@@ -619,11 +622,12 @@ class ControllerManager:
     def set_parameters(self, name: str, changes: Mapping[str, Value]) -> None:
         """Change adjustable parameters of a loaded controller, by dotted name.
 
-        A running controller continues with them; they hold until it is unloaded.
+        A running controller continues with the new values, which apply until it is
+        unloaded.
 
         Raises:
-            ControlError: If one is unknown, of another type, impossible, or cannot
-                change; nothing has changed then.
+            ControlError: If a parameter is unknown or read-only, or if a value has the
+                wrong type or is not valid; nothing has changed then.
         """
         item = self._find(name)
         given = item.require_config()
@@ -667,13 +671,13 @@ def _copied(item: LoadedController) -> Controller:
 
 
 def _copied_controller(controller: Controller, spec: ControllerSpec) -> Controller:
-    """Return a copy of a controller, with the same parameters ``spec``."""
+    """Return a copy of a controller that shares its parameters ``spec``."""
     parts = [getattr(spec, name.name) for name in fields(spec)]  # type: ignore[arg-type]  # dataclasses
     return copy.deepcopy(controller, {id(part): part for part in (spec, *parts)})
 
 
 def _sharing(*items: LoadedController) -> str:
-    """Return with which types one of the controllers would share its joints."""
+    """Return a text with the types that an arm mode shares its joints with."""
     return "".join(
         f" ('{item.name}' goes with {quoted(sorted(item.arm_mode.companions))} only)"
         for item in items
@@ -684,7 +688,7 @@ def _sharing(*items: LoadedController) -> str:
 def _check_change(
     controller: str, current: ControllerParameters, name: str, value: Value
 ) -> None:
-    """Raise ControlError if a parameter cannot get this value."""
+    """Raise ControlError if a parameter cannot be set to this value."""
     before = current.values.get(name)
     if before is None:
         raise ControlError(

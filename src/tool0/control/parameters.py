@@ -26,24 +26,25 @@ from tool0.protocol.goals import Tolerance
 class Pid:
     """Per joint: ``p e + clamp(i ∫e dt) + d de/dt``, within limits; no filter.
 
-    A period of zero returns 0 and keeps the integral.  The errors must be finite, which
-    the engine (DivergenceError) and the checks of goals and commands ensure.
+    If the period is 0, the command is 0 and the integral stays.  The errors must be
+    finite, as ensured by the engine (DivergenceError) and by the checks of goals and
+    commands.
     """
 
     __slots__ = ("integrals", "rows")
 
     def __init__(self, gains: Sequence[Gains]) -> None:
         self.rows = tuple(_row(k, g) for k, g in enumerate(gains))
-        """The number and the gains of each joint, in their order."""
+        """Index and gains of each joint."""
         self.integrals = [0.0] * len(self.rows)
-        """Integrals of the errors, by joint."""
+        """Integral of each joint's error."""
 
     def reset(self, joint: int) -> None:
-        """Reset the integral of one joint, by its number."""
+        """Reset the integral of one joint, given by index."""
         self.integrals[joint] = 0.0
 
     def set_contribution(self, joint: int, command: float) -> None:
-        """Set what a joint's integral contributes to ``command``, within its clamp."""
+        """Make a joint's integral contribute ``command``, within its clamp."""
         _, _, i, _, i_min, i_max, *_ = self.rows[joint]
         term = min(max(command, i_min), i_max)
         self.integrals[joint] = term / i if i else 0.0
@@ -51,8 +52,8 @@ class Pid:
     def set_gains(self, k: int, gains: Gains) -> None:
         """Change the gains of joint ``k``.
 
-        The contribution of the integral stays, within the new clamp, so that a new
-        ``i`` causes no jump; without ``i`` the integral is reset.
+        The integral's contribution is kept, within the new clamp, so that a new ``i``
+        causes no jump; if ``i`` is 0, the integral is reset.
         """
         _, _, i, _, i_min, i_max, *_ = self.rows[k]
         term = min(max(i * self.integrals[k], i_min), i_max)
@@ -91,7 +92,7 @@ class Pid:
     def _limited(
         self, row: PidRow, error: float, command: float, period: float
     ) -> float:
-        """Return a command within the limits; the integral gives way."""
+        """Return a command within the limits, and unwind the integral."""
         k, _, i, *_, u_min, u_max, _, unwinding, tracking_time = row
         limited = u_max if command > u_max else u_min
         if unwinding == _CONDITIONAL and error * command > 0.0:
@@ -105,7 +106,7 @@ class Pid:
 PidRow = tuple[
     int, float, float, float, float, float, bool, float, float, float, int, float
 ]
-"""A joint's number, and its gains in their order."""
+"""A joint's index and its gains, in the order of ``Gains``."""
 _CONDITIONAL = Unwinding.CONDITIONAL_INTEGRATION.value
 _BACK_CALCULATION = Unwinding.BACK_CALCULATION.value
 
@@ -121,35 +122,35 @@ INTERFACE_OF_PACKAGE = {
     "position_controllers": Interface.POSITION,
     "velocity_controllers": Interface.VELOCITY,
 }
-"""The command interface that a controller type's package stands for."""
+"""Command interface that the package of a controller's type implies."""
 INTERFACE_OF_NAME = {item.name.lower(): item for item in Interface}
-"""The command interfaces by their names in ROS 2."""
+"""Command interfaces by their names in ROS 2."""
 JOINT_STATES = ("position", "velocity", "effort")
-"""The state interfaces that a driven joint has."""
+"""State interfaces of a driven joint."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class RobotJoints:
-    """The joints that a controller's parameters may name."""
+    """The joints that a controller's parameters can name, and the robot's hardware."""
 
     joints: Mapping[str, Joint]
     interfaces: Mapping[str, tuple[Interface, ...]]
-    """The driven joints, in the engine's order, with their command interfaces."""
+    """Driven joints, in the engine's order, with their command interfaces."""
     hardware: tuple[HardwareComponent, ...] = ()
-    """The hardware that ``<ros2_control>`` tags describe."""
+    """Hardware that ``<ros2_control>`` tags describe."""
     grippers: tuple[ParallelGripper, ...] = ()
     speed_scaling: Mapping[str, float] = field(default_factory=dict)
-    """Prefix of each arm → the factor of its trajectories' speed, as it is now."""
+    """Prefix of each arm → current speed factor of its trajectories."""
     arms: Mapping[str, tuple[str, ...]] | None = field(default_factory=dict)
-    """Prefix of each arm → its joints, from base to flange; None if any prefix may be
-    one."""
+    """Prefix of each arm → its joints, from base to flange; None if any prefix is
+    accepted."""
     gripper_delay: float = 0.0
     """Longest time until a command to a gripper shows in its state [s]."""
 
     @property
     def joint_states(self) -> tuple[str, ...]:
-        """The state interfaces of joints, as ROS 2 names them."""
+        """The state interfaces of joints, with their names in ROS 2."""
         if not self.hardware:
             return tuple(
                 f"{j}/{kind}" for j in self.interfaces for kind in JOINT_STATES
@@ -163,7 +164,7 @@ class RobotJoints:
 
     @staticmethod
     def assumed(names: Iterable[str], type_name: str) -> RobotJoints:
-        """Return joints that a controller of this type can command, without a robot."""
+        """Return made-up joints that a controller of this type can command."""
         package = type_name.partition("/")[0]
         known = INTERFACE_OF_PACKAGE.get(package)
         interfaces = tuple(Interface) if known is None else (known,)
@@ -188,9 +189,9 @@ def joint_entries(controller: YamlEntry) -> list[YamlEntry]:
 def controlled_joint(
     robot: RobotJoints, name: str, interface: Interface | None, entry: YamlEntry
 ) -> Joint:
-    """Return the joint called ``name``, if it takes ``interface``; None is any.
+    """Return the joint called ``name``, which must have ``interface`` if given.
 
-    ``entry`` is its place in the file, for messages.
+    ``entry`` is where the file names it, for messages.
     """
     joint = robot.joints.get(name)
     wanted = "any interface" if interface is None else f"'{interface.value}'"
@@ -220,7 +221,7 @@ def controlled_joint(
 def controlled_joints(
     robot: RobotJoints, parameters: Namespace, interface: Interface
 ) -> tuple[Joint, ...]:
-    """Return the joints of the list ``joints``, each of them named once."""
+    """Return the joints in the list ``joints``, which must name each only once."""
     names = parameters.texts("joints")
     entry = parameters.find("joints")
     items = [] if entry is None else entry.items
@@ -236,7 +237,7 @@ def controlled_joints(
 def single_joint(
     robot: RobotJoints, parameters: Namespace, interface: Interface
 ) -> Joint:
-    """Return the joint that ``joint`` names."""
+    """Return the joint that the parameter ``joint`` names."""
     name = parameters.text("joint")
     entry = parameters.find("joint") or parameters.entry
     return controlled_joint(robot, name, interface, entry)
@@ -247,8 +248,8 @@ def read_tolerances(
 ) -> dict[str, JointTolerances]:
     """Return the tolerances of a trajectory controller's joints.
 
-    A joint that drives a gripper has no default at the goal: what it holds keeps it
-    from arriving.
+    A joint that drives a gripper has no default goal tolerance, since a held object
+    keeps it from arriving.
     """
     read = parameters.not_negative
     stopped = read("constraints/stopped_velocity_tolerance", DEFAULT_STOPPED_VELOCITY)
@@ -268,7 +269,7 @@ def read_tolerances(
 def read_at_least(
     parameters: Namespace, path: str, default: float, least: float
 ) -> float:
-    """Return the number at ``path``; ConfigError if the YAML has a smaller one."""
+    """Return the number at ``path``, or raise ConfigError if it is too small."""
     value = parameters.number(path, default)
     entry = parameters.find(path)
     if entry is not None and value < least:
@@ -281,7 +282,7 @@ def read_at_least(
 def read_gains(parameters: Namespace, path: str, why: str) -> Gains:
     """Return the gains at ``path``; ``p`` is required, as in control_toolbox.
 
-    ``why`` is the reason for the message if they are missing.
+    ``why`` is the reason that the message gives if they are missing.
     """
     gains = parameters.namespace(path)
     if gains is None:

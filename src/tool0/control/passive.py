@@ -1,4 +1,4 @@
-"""Controllers that move nothing: their messages and services are the node's."""
+"""Controllers that move nothing; the ROS node has their messages and services."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ class PassiveSpec:
     waits_for_command: ClassVar[bool] = False
 
     def start(self, indices: Sequence[int], state: JointState) -> PassiveController:
-        """Return a controller; joints and state do not matter."""
+        """Return a controller; indices and state are not used."""
         del indices, state
         return PassiveController()
 
 
 @final
 class PassiveController:
-    """Does nothing in the tick."""
+    """A controller that does nothing in the tick."""
 
     pid: ClassVar[None] = None
 
@@ -50,7 +50,7 @@ class PassiveController:
         """Do nothing."""
 
     def setpoint(self) -> None:
-        """Return None: it does not command joints."""
+        """Return None, since no joints are commanded."""
 
     def stop(self) -> None:
-        """Do nothing: there is no goal to end."""
+        """Do nothing, since there is no goal to end."""

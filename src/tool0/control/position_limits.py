@@ -11,7 +11,7 @@ from tool0.description.units import ANGLE, LENGTH
 from tool0.errors import GoalRejectedError, did_you_mean
 
 ROUNDING = 1e-6
-"""Accepted excess over a limit [rad | m]: limits are printed rounded."""
+"""Accepted excess over a limit [rad | m], since limits are printed rounded."""
 
 
 def check_position(
@@ -19,7 +19,8 @@ def check_position(
 ) -> None:
     """Reject a position beyond the joint's limits; a continuous joint has none.
 
-    ``start`` is where the motion starts; within the limits, if left out.
+    ``start`` is the position at which the motion starts; if left out, it is assumed to
+    be within the limits.
     """
     if joint.type is JointType.CONTINUOUS:
         return
@@ -35,9 +36,10 @@ def check_position(
 
 
 def position_range(joint: Joint, start: float | None = None) -> tuple[float, float]:
-    """Return the smallest and the largest position that is not rejected.
+    """Return the smallest and the largest accepted position.
 
-    ``start`` is where the motion starts; within the limits, if left out.
+    ``start`` is the position at which the motion starts; if left out, it is assumed to
+    be within the limits.
     """
     if joint.type is JointType.CONTINUOUS:
         return -math.inf, math.inf
@@ -51,9 +53,9 @@ def position_range(joint: Joint, start: float | None = None) -> tuple[float, flo
 def check_targets(
     spec: TrajectorySpec, positions: Mapping[str, float], what: str
 ) -> None:
-    """Raise GoalRejectedError unless a controller can move joints to ``positions``.
+    """Raise GoalRejectedError if a controller cannot move joints to ``positions``.
 
-    ``what`` moves them, in the words of the message.
+    ``what`` is the word in the message for the motion that is checked.
     """
     for name, position in positions.items():
         if name not in spec.joints:

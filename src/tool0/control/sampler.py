@@ -1,4 +1,4 @@
-"""The motion of several joints in the tick: sampling, and the check of a goal."""
+"""The motion of several joints in the tick: sampling, and monitoring of a goal."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from tool0.protocol.goals import Goal, GoalResult, GoalStatus, Tolerance
 
 
 class Piece(NamedTuple):
-    """Desired motion of one joint until it changes."""
+    """Desired motion of one joint, up to the next change of polynomial."""
 
     until: float
     """Start of the next piece [s]; inf for the last one."""
     polynomial: Polynomial
     section: SplineSection
-    """The section that it belongs to."""
+    """The section that the piece belongs to."""
     segment: Segment
     has_ended: bool
-    """Whether it is at or after the end of the segment."""
+    """Whether the piece is at or after the end of the segment."""
     is_last: bool
     """Whether the segment is the last one."""
 
@@ -64,7 +64,7 @@ def piece_at(spline: JointSpline, time: float) -> Piece:
 
 
 def pieces_from(spline: JointSpline, time: float, most: int) -> list[Piece]:
-    """Return the pieces of a motion from ``time`` [s] on, at most so many."""
+    """Return the pieces of a motion from ``time`` [s] on, at most ``most``."""
     found: list[Piece] = []
     while len(found) < most and time < math.inf:
         found.append(piece_at(spline, time))
@@ -74,7 +74,7 @@ def pieces_from(spline: JointSpline, time: float, most: int) -> list[Piece]:
 
 @final
 class TrajectorySampler:
-    """Splines with a cursor: ``advance`` at a change, ``errors`` in every tick."""
+    """Splines with a cursor: call ``advance`` at a change, ``errors`` in each tick."""
 
     __slots__ = (
         "_moving",
@@ -91,15 +91,15 @@ class TrajectorySampler:
         self.advance(time)
 
     def __deepcopy__(self, memo: dict[int, object]) -> TrajectorySampler:
-        """Return a sampler of the same splines: only its cursor moves."""
+        """Return a sampler that shares the splines, since only the cursor changes."""
         return copy.copy(self)
 
     def advance(self, time: float) -> None:
-        """Find the pieces that are active at ``time``, and when that changes."""
+        """Find the pieces that are active at ``time``, and when they change."""
         self.pieces = [piece_at(spline, time) for spline in self.splines]
         """The active piece of each joint."""
         self.next_change = min(piece.until for piece in self.pieces)
-        """Time of the next call of ``advance`` [s]."""
+        """Time at which ``advance`` has to be called again [s]."""
         polynomials = [piece.polynomial for piece in self.pieces]
         self._polynomials = list(enumerate(polynomials))
         self._moving = any(polynomial[2:] != _STILL for polynomial in polynomials)
@@ -109,7 +109,7 @@ class TrajectorySampler:
     def errors(
         self, time: float, positions: Sequence[float], velocities: Sequence[float]
     ) -> tuple[list[float], list[float]]:
-        """Return desired minus measured positions, and the same of velocities."""
+        """Return desired minus measured positions, and the same for velocities."""
         if not self._moving:
             return list(map(sub, self._rest, positions)), list(map(neg, velocities))
         errors: list[float] = []
@@ -127,7 +127,7 @@ class TrajectorySampler:
         return self.errors(time, self._zeros, self._zeros)
 
     def samples(self, time: float) -> list[Sample]:
-        """Return the desired motion of every joint at any known time."""
+        """Return the desired motion of every joint; ControlError if it is unknown."""
         earliest = max(spline.begin for spline in self.splines)
         if not time >= earliest:
             raise ControlError(
@@ -143,7 +143,7 @@ SUCCEEDED = GoalResult(status=GoalStatus.SUCCEEDED)
 
 
 class Check(enum.IntEnum):
-    """Check of a joint by an active goal."""
+    """The kind of check that an active goal demands of a joint."""
 
     NOTHING = 0
     PATH = 1
@@ -154,18 +154,18 @@ class Check(enum.IntEnum):
 class GoalMonitor:
     """Checks one active goal in every tick.
 
-    Old segments that are still executed when a goal starts are not checked.  As in ROS,
-    each joint that was within its goal tolerances once counts as arrived.
+    Old segments that are still being executed when a goal starts are not checked.  As
+    in ROS, a joint counts as arrived once it has been within its goal tolerances.
     """
 
     def __init__(
         self, goal: Goal, joint_names: tuple[str, ...], goal_time: float
     ) -> None:
-        """Check the sampler's joints; ``goal_time`` [s] is grace after the end."""
+        """Take a goal; ``goal_time`` [s] is the time to arrive after the end."""
         self.goal = goal
         self._joint_names = joint_names
         self.goal_time = goal_time
-        """Grace after the end [s]."""
+        """Time to arrive after the end [s]."""
         self._arrived: set[int] = set()
 
     def check_of(self, piece: Piece) -> tuple[Check, Tolerance]:
@@ -198,18 +198,18 @@ class GoalMonitor:
 
     @property
     def arrived(self) -> Collection[int]:
-        """The joints that were within their goal tolerances, by number."""
+        """Indices of the joints that have been within their goal tolerances."""
         return self._arrived
 
     def note_arrived(self, joints: Iterable[int]) -> None:
-        """Count further joints as arrived."""
+        """Count further joints, given by index, as arrived."""
         self._arrived.update(joints)
         self._at_goal = [item for item in self._at_goal if item[0] not in self._arrived]
 
     def check(
         self, time: float, errors: list[float], rates: list[float]
     ) -> GoalResult | None:
-        """Return how the goal ends by the errors at ``time``; None if it continues."""
+        """Return the result if the goal ends at ``time``; None if it continues."""
         if self._on_path and (
             self._checks_path_velocity or max(map(abs, errors)) > self._path_limit
         ):

@@ -1,7 +1,7 @@
 """The motion of one joint: polynomial segments through the knots of its trajectories.
 
-Segments are created on demand, so that accepting a trajectory of very many points
-costs no more than one of a few.
+Segments are created on demand, so that accepting a trajectory with very many points
+costs no more than accepting one with a few points.
 """
 
 from __future__ import annotations
@@ -17,35 +17,36 @@ from tool0.errors import GoalRejectedError
 from tool0.protocol.goals import Goal
 
 Polynomial = tuple[float, ...]
-"""``(t0, c0 … c5, 2 c2, 3 c3, 4 c4, 5 c5)``: position and velocity by Horner's rule.
+"""``(t0, c0 … c5, 2 c2, 3 c3, 4 c4, 5 c5)``, for Horner's rule.
 
-``t = time - t0``; the velocity's coefficients are ready, since the tick needs both.
+The argument is ``t = time - t0``.  The velocity's coefficients are precomputed, since
+the tick needs position and velocity.
 """
 
 
 IMPLAUSIBLE = 1e9
-"""No segment may be able to reach this position or velocity [rad, rad/s]: the sums of
-the tick stay far from overflow, and no joint could follow anyway."""
+"""Position or velocity that no segment may reach [rad, rad/s], so that sums in the tick
+stay far from overflow; no joint could follow it anyway."""
 
 
 _ALMOST_PI = math.pi - 1e-9
 
 
 class Motion(NamedTuple):
-    """Position and motion of a joint; None for values that are not prescribed."""
+    """Position, velocity and acceleration of a joint; None if not prescribed."""
 
     position: float
     velocity: float | None = None
     acceleration: float | None = None
-    """Counts only beside a velocity."""
+    """Acceleration; it is only used if there is a velocity."""
 
 
 MotionPlan = Sequence[Sequence[tuple[float, Motion]]]
-"""The motions of each joint at times [s after the start of the plan]."""
+"""Times [s after the start of the plan] and motions, for each joint."""
 
 
 class Sample(NamedTuple):
-    """A completely known motion."""
+    """Position, velocity and acceleration of a joint, all known."""
 
     position: float
     velocity: float
@@ -54,10 +55,10 @@ class Sample(NamedTuple):
 
 @final
 class Segment:
-    """The lowest polynomial on [start, end] that meets both motions.
+    """The polynomial of lowest order on [start, end] that meets both motions.
 
-    Linear for positions, cubic with velocities, quintic with accelerations as well:
-    the order is what *both* ends prescribe.  Before ``start`` and after ``end`` the
+    It is linear for positions, cubic with velocities, and quintic with accelerations as
+    well; *both* ends must prescribe them.  Before ``start`` and after ``end``, the
     joint rests at the respective end.  A segment without duration keeps to its start.
     """
 
@@ -99,19 +100,20 @@ class Segment:
 
     @property
     def polynomial(self) -> Polynomial:
-        """The coefficients as the tick reads them."""
+        """The coefficients in the form that the tick uses."""
         _, _, c2, c3, c4, c5 = self.coefficients
         return (self.start, *self.coefficients, 2 * c2, 3 * c3, 4 * c4, 5 * c5)
 
     @property
     def rest(self) -> Polynomial:
-        """The polynomial of resting at the end."""
+        """The polynomial for resting at the end."""
         return resting(self.sample(self.end).position)
 
     def is_bounded(self, bound: float = IMPLAUSIBLE) -> bool:
         """Return whether neither position nor speed can exceed ``bound``.
 
-        Sums the terms' sizes, so that NaN and overflow count as unbounded.
+        The absolute values of the terms are summed, so that NaN and overflow count as
+        unbounded.
         """
         T = self.end - self.start
         c0, c1, c2, c3, c4, c5 = map(abs, self.coefficients)
@@ -128,8 +130,9 @@ def resting(position: float) -> Polynomial:
 def stop_ramp(time: float, now: Sample, duration: float) -> tuple[Motion, Motion]:
     """Return the ends of the quintic that brings a moving joint to rest.
 
-    As in ROS it ends after ``duration``, where the symmetric quintic from velocity v to
-    -v over twice the duration turns round, at ``position + 5/8 v duration``.
+    As in ROS, it is the first half of the symmetric quintic from velocity v to -v over
+    twice the ``duration``.  It ends where that quintic turns round, at ``position + 5/8
+    v duration``.
     """
     position, velocity, _ = now
     first = Motion(position, velocity, 0.0)
@@ -165,8 +168,8 @@ def _fit(
 def wrap_offset(previous: float, following: float) -> float:
     """Return the whole turns that bring ``following`` nearest to ``previous`` [rad].
 
-    Half a turn away, within 1e-9 rad, the numbers' own order decides the sense, so
-    that rounding does not.
+    If they are half a turn apart, within 1e-9 rad, the direction depends on which
+    number is larger, so that it does not depend on rounding.
     """
     turn = shortest_turn(previous, following)
     if abs(turn) > _ALMOST_PI:
@@ -180,18 +183,19 @@ class Knots(NamedTuple):
     times: Sequence[float]
     """Times after the start of the trajectory [s], increasing."""
     motion: Callable[[int], Motion]
-    """Returns the motion at one knot."""
+    """Function that returns the motion at a knot, by index."""
     is_stepped: bool = False
-    """Whether the joint jumps to each knot when the one before it is reached, instead
-    of moving there."""
+    """Whether the joint jumps to each knot when it reaches the previous one, instead of
+    moving there."""
 
     def segment(
         self, begin: float, origin: Motion, start: float, number: int, *, first: bool
     ) -> Segment:
         """Return the segment from ``origin`` to a knot of the trajectory.
 
-        ``begin`` and ``start`` [s] are when it and the trajectory start.  A stepped
-        one rests at its knot, or the ``first`` at its origin.
+        ``begin`` and ``start`` [s] are the start times of the segment and the
+        trajectory. A stepped segment rests at its knot, or at its origin if it is the
+        ``first``.
         """
         end, motion = start + self.times[number], self.motion(number)
         if not self.is_stepped:
@@ -209,23 +213,23 @@ class Knots(NamedTuple):
 class SplineSection(NamedTuple):
     """Segments through the knots of one trajectory.
 
-    Segment k leads to knot k, from knot k - 1 or, for ``first``, from ``origin``.
+    Segment k leads to knot k, from knot k - 1 or, if k is ``first``, from ``origin``.
     """
 
     start: float
     """Start time of the trajectory [s]."""
     knots: Knots
     first: int
-    """The knot that the segment from ``origin`` leads to."""
+    """Index of the knot that the segment from ``origin`` leads to."""
     origin: tuple[float, Motion]
-    """Time [s] and motion at the start of that segment."""
+    """Time [s] and motion at the start of the first segment."""
     span: range
-    """The remaining segments of the section; at least one."""
+    """Indices of the remaining segments, at least one."""
     goal: Goal | None
-    """The goal whose tolerances hold."""
+    """The goal that the tolerances belong to."""
     tolerances: JointTolerances
     made: Mapping[int, Segment]
-    """Segments that were made when the trajectory was accepted."""
+    """Segments that were created when the trajectory was accepted, by index."""
 
     @property
     def begin(self) -> float:
@@ -236,8 +240,8 @@ class SplineSection(NamedTuple):
         return self.start + self.knots.times[number - 1]
 
     def active_number(self, time: float) -> int:
-        """Return the remaining segment that is active at ``time``, or the nearest."""
-        # Only the times between segments are looked at.
+        """Return the index of the remaining segment that is nearest to ``time``."""
+        # Only the times between segments matter.
         return bisect_right(
             self.knots.times,
             time,
@@ -247,12 +251,12 @@ class SplineSection(NamedTuple):
         )
 
     def between(self, begin: float, end: float) -> SplineSection:
-        """Return the section with the segments that are active in that time [s]."""
+        """Return the section with only the segments between two times [s]."""
         span = range(self.active_number(begin), self.active_number(end) + 1)
         return self if span == self.span else self._replace(span=span)
 
     def segment(self, number: int) -> Segment:
-        """Return one segment."""
+        """Return the segment with this index."""
         made = self.made.get(number)
         if made is not None:
             return made
@@ -267,8 +271,8 @@ class SplineSection(NamedTuple):
 class JointSpline(NamedTuple):
     """The motion of one joint.
 
-    Each section is active until the next one begins, and each segment until the next
-    one begins.  Before the first and after the last the joint rests.
+    Each section is active until the next section begins, and so is each segment. Before
+    the first segment and after the last one, the joint rests.
     """
 
     sections: tuple[SplineSection, ...]
@@ -297,7 +301,7 @@ class JointSpline(NamedTuple):
     def active(self, time: float) -> tuple[SplineSection, Segment, float]:
         """Return section and segment at ``time``, and the start of the next one [s].
 
-        That is never, inf, for the last one.
+        The last one has no next, so the result is inf.
         """
         number = self._active_section(time)
         section = self.sections[number]
@@ -320,7 +324,7 @@ class JointSpline(NamedTuple):
         return self.active(time)[1].sample(time)
 
     def with_goal(self, goal: Goal | None) -> JointSpline:
-        """Return the same motion for ``goal``."""
+        """Return the same motion, which belongs to ``goal``."""
         return JointSpline(
             tuple(section._replace(goal=goal) for section in self.sections)
         )
@@ -339,16 +343,16 @@ class JointSpline(NamedTuple):
         """Return this motion up to ``start``, a bridge, and a new motion.
 
         Args:
-            now: The time from which on the spline is needed [s].
-            start: When the new trajectory starts [s].
-            knots: Those of the new trajectory.
-            first: The first of them that is used: after ``now`` and ``start``.
-            suspects: Segments behind the bridge that may be implausible.
-            goal: Whose tolerances hold on the new segments.
-            tolerances: Those tolerances.
+            now: Time from which the spline is needed [s].
+            start: Start time of the new trajectory [s].
+            knots: Knots of the new trajectory.
+            first: Index of the first knot that is used, after ``now`` and ``start``.
+            suspects: Indices of segments after the bridge that may be implausible.
+            goal: Goal that the tolerances on the new segments belong to.
+            tolerances: Tolerances on the new segments.
 
-        The bridge leaves the old *desired* motion, at ``start`` or ``now``, whichever
-        is later; its order is set by the first knot, as in ROS.
+        The bridge starts from the old *desired* motion, at ``start`` or ``now``,
+        whichever is later.  As in ROS, the first knot determines its order.
 
         Raises:
             GoalRejectedError: If a segment is implausible.
@@ -369,7 +373,7 @@ class JointSpline(NamedTuple):
     def followed_by(
         self, section: SplineSection, now: float, leave: float
     ) -> JointSpline:
-        """Return this motion from ``now`` until ``leave`` [s], and then a section."""
+        """Return this motion between ``now`` and ``leave`` [s], then a section."""
         kept = self.sections[
             self._active_section(now) : self._active_section(leave) + 1
         ]
@@ -389,13 +393,13 @@ def section_through(
     """Return the segments from ``origin`` through the knots from ``first`` on.
 
     Args:
-        start: When the trajectory starts [s].
-        knots: Those of the trajectory.
+        start: Start time of the trajectory [s].
+        knots: Knots of the trajectory.
         origin: Time [s] and motion at the start of the first segment.
-        first: The knot that it leads to.
-        suspects: Segments behind it that may be implausible.
-        goal: Whose tolerances hold.
-        tolerances: Those tolerances.
+        first: Index of the knot that this segment leads to.
+        suspects: Indices of later segments that may be implausible.
+        goal: Goal that the tolerances belong to.
+        tolerances: Tolerances on the segments.
 
     Raises:
         GoalRejectedError: If a segment is implausible.
@@ -425,7 +429,7 @@ def point_to_point(
     target: Motion,
     goal: Goal | None = None,
 ) -> JointSpline:
-    """Return the spline of one segment, from ``time`` [s] on."""
+    """Return the spline of one segment that starts at ``time`` [s]."""
     knots = Knots((duration,), lambda _: target)
     start = time, origin
     return JointSpline(
@@ -439,9 +443,9 @@ def along(segment: Segment) -> JointSpline:
 
 
 def through(segments: Sequence[Segment], times: Sequence[float]) -> JointSpline:
-    """Return the spline of segments that follow each other, and belong to no goal.
+    """Return the spline of consecutive segments, which belong to no goal.
 
-    ``times`` are when they end after the start of the first one [s].
+    ``times`` are the segments' ends, relative to the start of the first one [s].
     """
     start = segments[0].start
     origin = start, Motion(*segments[0].sample(start))
@@ -455,7 +459,7 @@ def through(segments: Sequence[Segment], times: Sequence[float]) -> JointSpline:
 
 
 def hold(time: float, position: float, goal: Goal | None = None) -> JointSpline:
-    """Return the spline of resting at ``position`` from ``time`` on."""
+    """Return the spline of a joint that rests at ``position`` from ``time`` on."""
     rest = Motion(position, 0.0, 0.0)
     return point_to_point(time, rest, 0.0, rest, goal)
 
@@ -467,7 +471,7 @@ def stop(
     clamp: Callable[[float], float],
     goal: Goal | None = None,
 ) -> JointSpline:
-    """Return the spline that slows down as ROS does, but not beyond the limits."""
+    """Return the spline of a stop like that of ROS, but within the joint's limits."""
     first, last = stop_ramp(time, now, duration)
     ramp = Segment(time, first, time + duration, last)
     position = ramp.sample(ramp.end).position

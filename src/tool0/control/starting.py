@@ -1,4 +1,4 @@
-"""Chooses the controllers of a YAML that drive a robot without ambiguity."""
+"""Choice of the controllers in a YAML that can drive a robot without ambiguity."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from tool0.protocol.controllers import Role
 _GOALS = (Role.TRAJECTORY, Role.GRIPPER)
 _STATES = ("JointStateController", "JointStateBroadcaster")
 _SCALED = "Scaled"
-"""Word in the types of Universal Robots' trajectory controllers that scale their
-speed."""
+"""Part of the type names of Universal Robots' trajectory controllers with speed
+scaling."""
 
 
 class Choice(NamedTuple):
-    """The controllers to start besides the usual ones, and why others are not."""
+    """The controllers to start besides the usual ones, and reasons against others."""
 
     started: tuple[str, ...]
     reasons: tuple[str, ...]
@@ -32,16 +32,17 @@ def choose(
     usual: Sequence[str],
     not_to_start: Collection[str],
 ) -> Choice:
-    """Return the controllers of a YAML that can be started without a choice.
+    """Return the controllers in a YAML that can be started without ambiguity.
 
-    Those that follow goals come first.  One is started if no other one of its kind
-    drives one of its joints; a controller without goals, if nothing else does.
+    Controllers that follow goals come first: one is started if no other controller with
+    goals drives any of its joints.  A controller without goals is started if no other
+    controller at all does.
 
     Args:
         config: The YAML.
-        robot: The joints, and their command interfaces.
-        usual: Names that are started anyway.
-        not_to_start: Names that are not considered.
+        robot: The joints and their command interfaces.
+        usual: Names of the controllers that are started anyway.
+        not_to_start: Names of controllers that are not considered.
     """
     specs: dict[str, ControllerSpec] = {}
     failed: dict[str, str] = {}
@@ -116,7 +117,7 @@ def _is_of_goals(config: ControllerConfig, name: str) -> bool:
 def _without_scaled(
     config: ControllerConfig, rivals: Mapping[str, ControllerSpec]
 ) -> Mapping[str, ControllerSpec]:
-    """Leave out scaled controllers whose joints a plain one drives, too."""
+    """Leave out scaled controllers if a plain one can also drive their joints."""
     plain = {
         joint
         for name, spec in rivals.items()

@@ -1,4 +1,4 @@
-"""The tolerances of goals: a controller's own, and those that a goal overrides."""
+"""The tolerances of goals: a controller's own ones, and those that a goal overrides."""
 
 from __future__ import annotations
 
@@ -9,25 +9,27 @@ from typing import final
 from tool0.protocol.goals import Tolerance, ToleranceOverride
 
 DEFAULT_GOAL_TIME = 1.0
-"""Grace after the last point [s] where YAML has no ``constraints/goal_time``.
+"""Time to arrive after the last point if YAML has no ``constraints/goal_time`` [s].
 
-ROS uses 0 there, and then aborts many goals that have arrived, because the velocity is
-not yet below ``stopped_velocity_tolerance`` in the very cycle in which the motion ends.
+In this case, ROS uses 0 and then aborts many goals that have arrived, because the
+velocity is not yet below ``stopped_velocity_tolerance`` in the very cycle in which the
+motion ends.
 """
 
 DEFAULT_STOPPED_VELOCITY = 0.01
-"""``constraints/stopped_velocity_tolerance`` where YAML has none [rad/s], as in ROS."""
+"""``constraints/stopped_velocity_tolerance`` if YAML does not have it [rad/s], as in
+ROS."""
 
 
 DEFAULT_GOAL_TOLERANCE = 0.1
-"""Largest distance from the end of a trajectory [rad] where neither YAML nor the goal
-has one: that of ur_gazebo's controllers.
+"""Goal tolerance if neither YAML nor the goal specifies one [rad]: that of ur_gazebo's
+controllers.
 
-ROS checks nothing there, and reports that a goal has succeeded wherever its joints are.
+In this case, ROS checks nothing, and reports success wherever the joints are.
 """
 
 DEFAULT_SLIDING_TOLERANCE = 0.01
-"""Largest distance from the end for a prismatic joint [m]."""
+"""Default goal tolerance of a prismatic joint [m]."""
 
 
 UNCHECKED = Tolerance()
@@ -46,7 +48,7 @@ NO_TOLERANCES = JointTolerances()
 
 
 def as_tolerance(override: ToleranceOverride) -> Tolerance:
-    """Return a goal's own tolerance with a number for each error."""
+    """Return a goal's own tolerance as a ``Tolerance``."""
     return override if isinstance(override, Tolerance) else Tolerance(override)
 
 
@@ -57,7 +59,7 @@ class TrajectoryTolerances:
 
     joints: Mapping[str, JointTolerances] = field(default_factory=dict)
     goal_time: float = DEFAULT_GOAL_TIME
-    """Time to arrive after the last point [s]; inf is unlimited."""
+    """Time to arrive after the last point [s]; inf for unlimited."""
 
     def of(self, joint: str) -> JointTolerances:
         """Return the tolerances of one joint."""

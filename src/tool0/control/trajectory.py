@@ -1,8 +1,8 @@
 """Trajectory goals, states and setpoints, as values.
 
-A goal may have many thousands of points.  Checks that do not need the controller run
-when the goal is created, in the caller's thread, so that accepting it between two ticks
-need not look at every point.
+A goal may have many thousands of points.  Checks that do not need the controller run in
+the caller's thread, when the goal is created.  Accepting it between two ticks therefore
+does not need to examine every point.
 """
 
 from __future__ import annotations
@@ -33,23 +33,25 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 MANY = 50
-"""Number of points from which numpy is faster than a loop over them."""
+"""Number of points from which numpy is faster than a Python loop."""
 
 BLOCK = 1024
-"""Points that numpy examines in one go: less than a millisecond, during which no other
-thread runs."""
+"""Number of points that numpy examines at a time.  This takes less than a millisecond,
+during which no other thread runs."""
 
 _SHORT = 1e-9
-"""Shorter segments [s] are suspects: rounding decides on their duration."""
+"""Duration below which segments are suspect, since rounding determines their length
+[s]."""
 
 _TERMS = 256.0
-"""``Segment.is_bounded`` sums up at most 32 |d| + 32 |v| T + 6 |a| T² on top of the
-position, and 120 |d| + 121 |v| T + 22 |a| T² for T times the speed, where d is the
-distance, and v and a are the larger ones of both ends.  Twice that leaves room for
-rounding; half the bound, for a rounded T and for whole turns of a continuous joint."""
+"""Factor of the terms in a fast version of ``Segment.is_bounded``.  That method adds at
+most 32 |d| + 32 |v| T + 6 |a| T² to the position, and sums at most 120 |d| + 121 |v| T
++ 22 |a| T² for T times the speed, where d is the distance, and v and a are the larger
+values of both ends.  Twice the largest coefficient leaves room for rounding.  Half the
+bound (MARGIN) leaves room for a rounded T and for whole turns of a continuous joint."""
 
 MARGIN = IMPLAUSIBLE / 2.0
-"""Largest shift of positions without an examination of every point [rad]."""
+"""Largest shift of positions for which not every point has to be examined [rad]."""
 
 
 _set = object.__setattr__  # for the fields of frozen instances
@@ -60,33 +62,36 @@ _set = object.__setattr__  # for the fields of frozen instances
 class TrajectoryGoal:
     """A trajectory with its tolerances: control_msgs/FollowJointTrajectoryGoal.
 
-    No points mean stop.
+    A goal without points means stop.
 
     Raises:
-        GoalRejectedError: If ``points`` are something else.
+        GoalRejectedError: If ``points`` are not TrajectoryPoints.
     """
 
     points: Sequence[TrajectoryPoint]
     joint_names: Sequence[str] | None = None
-    """The joints of the points' numbers; None for the controller's own, in order."""
+    """Joints that the points' values belong to; None for the controller's, in its
+    order."""
     stamp: float | None = None
-    """Simulated time at which it starts [s]; None or 0 for now."""
+    """Simulated time at which the trajectory starts [s]; None or 0 for now."""
     path_tolerance: Mapping[str, ToleranceOverride] = field(default_factory=dict)
-    """Tolerance on the path per joint: > 0 replaces the controller's, < 0 switches it
-    off, 0 keeps it."""
+    """Path tolerance per joint: > 0 replaces the controller's tolerance, < 0 switches
+    it off, and 0 keeps it."""
     goal_tolerance: Mapping[str, ToleranceOverride] = field(default_factory=dict)
-    """Tolerance at the goal per joint, by the same rule."""
+    """Goal tolerance per joint, with the same rules as for the path."""
     goal_time_tolerance: float | None = None
-    """Grace after the last point [s]: > 0 replaces, < 0 is unlimited, 0 keeps."""
+    """Time to arrive after the last point [s]: > 0 replaces the controller's, < 0 means
+    unlimited, and 0 keeps the controller's."""
     times: Sequence[float] = field(init=False, repr=False, compare=False)
     """Times of the points after the start [s]."""
     suspects: Sequence[int] = field(init=False, repr=False, compare=False)
-    """The points that may be wrong, in order: the first one, and others whose time or
-    numbers are unsound or whose segment may be implausible.  All, if they are few."""
+    """Indices of points that may be wrong, in order: the first one, and others with
+    invalid times or numbers or a possibly implausible segment.  If there are few
+    points, all of them."""
     position_ranges: PositionRanges | None = field(
         init=False, repr=False, compare=False
     )
-    """Ranges of the points' positions; None if the points are few."""
+    """Ranges of the points' positions; None if there are few points."""
 
     def __post_init__(self) -> None:
         try:
@@ -112,14 +117,14 @@ class TrajectoryGoal:
 class PositionRanges:
     """Smallest and largest positions in each block of points [rad | m].
 
-    Both have shape (n_blocks, n_joints), and are NaN where the numbers are unsound.
+    Both have shape (n_blocks, n_joints), and are NaN where numbers are invalid.
     """
 
     lowest: FloatArray
     highest: FloatArray
 
     def blocks_beyond(self, limits: Sequence[tuple[float, float]]) -> list[int]:
-        """Return which blocks may have positions beyond the joints' limits."""
+        """Return the indices of blocks that may have positions beyond the limits."""
         import numpy as np
 
         lower, upper = zip(*limits, strict=True)
@@ -131,11 +136,11 @@ class PositionRanges:
 def _examine(
     points: Sequence[TrajectoryPoint], times: Sequence[float]
 ) -> tuple[list[int], PositionRanges]:
-    """Return the points that may be wrong, and the ranges of the positions.
+    """Return the indices of points that may be wrong, and the ranges of positions.
 
-    A point that is not returned has a finite time after the one before it, and as many
-    finite numbers as the first point has positions; and no joint exceeds IMPLAUSIBLE on
-    the segment that leads to it.
+    A point that is not returned has a finite time after the previous point, as many
+    finite numbers as the first point has positions, and a segment before it on which no
+    joint exceeds IMPLAUSIBLE.
     """
     import numpy as np
 
@@ -164,9 +169,9 @@ def _examine(
 
 
 def _numbers(points: Sequence[TrajectoryPoint], n_joints: int) -> FloatArray | None:
-    """Return positions, velocities and accelerations, or None if unsound.
+    """Return positions, velocities and accelerations, or None if any is invalid.
 
-    Absent ones are 0.  Shape (3, n_points, n_joints).
+    Missing values are 0.  The shape is (3, n_points, n_joints).
     """
     import numpy as np
 
@@ -180,16 +185,16 @@ def _numbers(points: Sequence[TrajectoryPoint], n_joints: int) -> FloatArray | N
             ],
             dtype=np.float64,
         )
-    except ValueError:  # not as many numbers everywhere
+    except ValueError:  # the counts of numbers differ
         return None
-    # The same wrong number of positions everywhere is no error of numpy's.
+    # numpy does not notice the same wrong number of positions everywhere.
     is_sound = numbers.shape == (3, len(points), n_joints)
     return numbers if is_sound and np.isfinite(numbers).all() else None
 
 
 @final
 class Setpoint(Struct, frozen=True):
-    """Setpoints of one controller: at one instant, and at the end of its motion.
+    """Setpoints of one controller, at one instant and at the end of its motion.
 
     A struct of immutable values, since the loop creates one for every eight steps.  The
     numbers are computed when they are read, in the reader's thread.
@@ -197,24 +202,24 @@ class Setpoint(Struct, frozen=True):
 
     joint_models: tuple[Joint, ...]
     splines: tuple[JointSpline, ...]
-    """Spline of each joint; a new goal makes new ones."""
+    """Spline of each joint; a new goal creates new splines."""
     select: JointSelector
-    """Takes the joints out of the lists of ``measured``."""
+    """Function that extracts the joints from the lists in ``measured``."""
     measured: JointState
-    """The measured state at that instant."""
+    """The measured state at the instant of the setpoint."""
     lag: float = 0.0
-    """Delay of the motion behind simulated time [s], since its speed was scaled."""
+    """Delay of the motion behind simulated time because of speed scaling [s]."""
     speed_scaling: float = 1.0
-    """Trajectory time per simulated time."""
+    """Ratio of trajectory time to simulated time."""
 
     @property
     def time(self) -> float:
-        """Time of the splines at that instant [s]."""
+        """Time along the splines at the instant of the setpoint [s]."""
         return self.measured.time - self.lag
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints of every sequence here."""
+        """Names of the joints, in the order of every sequence in this class."""
         return tuple(joint.name for joint in self.joint_models)
 
     def joint_setpoints(self) -> Mapping[str, JointSetpoint]:
@@ -229,7 +234,7 @@ class Setpoint(Struct, frozen=True):
     def desired_motion(self, joints: Sequence[str], time: float) -> ArmSetpoint | None:
         """Return the desired motion of these joints at a simulated time [s].
 
-        None if one is none of these.
+        The result is None if any of them is not a joint of this controller.
         """
         names = self.joint_names
         if not set(joints).issubset(names):
@@ -248,9 +253,10 @@ class Setpoint(Struct, frozen=True):
         return tuple(spline.target for spline in self.splines)
 
     def desired_and_target(self, joint: str) -> tuple[float, float] | None:
-        """Return the desired position of one joint then and in the end [rad | m].
+        """Return a joint's desired position at this instant and at the end [rad | m].
 
-        None if it is none of these; much cheaper than ``joint_setpoints``.
+        The result is None if the controller does not have the joint.  This is much
+        cheaper than ``joint_setpoints``.
         """
         for model, spline in zip(self.joint_models, self.splines, strict=True):
             if model.name == joint:
@@ -258,7 +264,7 @@ class Setpoint(Struct, frozen=True):
         return None
 
     def state(self) -> TrajectoryState:
-        """Return desired, actual and error at that instant."""
+        """Return the desired and actual motion, and the error, at this instant."""
         time = self.time
         _, position, velocity, _ = self.measured
         section, segment, _ = self.splines[0].active(time)
@@ -298,7 +304,7 @@ def _error(joint: Joint, desired: float, actual: float) -> float:
 def joints_motion(
     samples: Sequence[Sample], *, time_from_start: float = 0.0
 ) -> JointsMotion:
-    """Return the samples of several joints as one motion."""
+    """Return samples of several joints as one motion."""
     return JointsMotion(
         positions=tuple(sample.position for sample in samples),
         velocities=tuple(sample.velocity for sample in samples),

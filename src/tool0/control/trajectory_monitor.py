@@ -1,4 +1,4 @@
-"""The check of a trajectory in every tick: all joints together, as in ROS 2."""
+"""Monitoring of a trajectory in every tick: all joints together, as in ROS 2."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ TIMED_OUT = GoalResult(
 
 @final
 class TrajectoryMonitor:
-    """Checks the trajectory that is executed, with or without a goal, in every tick.
+    """Checks the current trajectory, with or without a goal, in every tick.
 
-    Times are those of the trajectory.  It counts as ended one period early, when its
-    end is commanded.
+    Times are those of the trajectory.  It counts as ended one period early, namely when
+    its end is commanded.
     """
 
     def __init__(
@@ -41,15 +41,17 @@ class TrajectoryMonitor:
         goal_time: float,
         timeout: float,
     ) -> None:
-        """Check a trajectory until its ``end`` [s], and its arrival.
+        """Monitor a trajectory until its ``end`` [s], and its arrival there.
 
         Args:
-            goal: The goal that it is for; None for a command of the topic.
-            end: When the last joint's motion ends [s].
-            path: One tolerance per joint on the way.
-            at_goal: One per joint at the end: they count if all hold at once.
-            goal_time: Grace after the end [s]; inf waits for ever.
-            timeout: When the trajectory is given up after the end [s]; inf is never.
+            goal: Goal of the trajectory; None for a command from the topic.
+            end: Time at which the last joint's motion ends [s].
+            path: Tolerances on the path, one per joint.
+            at_goal: Tolerances at the goal, one per joint, which must all be met at
+                once.
+            goal_time: Time to arrive after the end [s]; inf waits for ever.
+            timeout: Time after the end at which the trajectory is aborted [s]; inf for
+                never.
         """
         self.goal = goal
         self.end = end
@@ -68,10 +70,11 @@ class TrajectoryMonitor:
         *,
         is_first: bool,
     ) -> GoalResult | None:
-        """Return the end of the trajectory by the errors at ``time``; None before.
+        """Return the result if the trajectory ends at ``time``; None if it continues.
 
-        ``ahead`` [s] is when the commanded motion is; the path also counts in the
-        ``is_first`` tick of a trajectory that has ended by then.
+        ``ahead`` [s] is the time of the commanded motion.  The path tolerances also
+        apply in the first tick (``is_first``) of a trajectory that has already ended by
+        then.
         """
         is_moving = ahead < self.end
         if (is_moving or is_first) and not self._is_on_path(errors, rates):

@@ -1,4 +1,4 @@
-"""The six joints of an arm and its forward kinematics, vectorized over postures."""
+"""Forward kinematics of a six-joint arm, vectorized over postures."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Array = NDArray[np.float64]
 
 
 class Posture(NamedTuple):
-    """Kinematics of n joint configurations, in the link that carries the arm."""
+    """Kinematics of n postures, in the frame of the link that carries the arm."""
 
     T_base_tip: Array
-    """Shape (n, 4, 4)."""
+    """Pose of the tip, shape (n, 4, 4)."""
     axes: Array
     """The joints' axes, unit vectors, shape (n, 6, 3)."""
     points: Array
@@ -30,11 +30,11 @@ class Posture(NamedTuple):
 
     @property
     def jacobian(self) -> Array:
-        """V_base_tip per joint velocity, linear above angular, shape (n, 6, 6)."""
+        """Jacobian of the tip, linear rows above angular ones, shape (n, 6, 6)."""
         return self.jacobian_at(self.T_base_tip[:, :3, 3])
 
     def jacobian_at(self, point: Array) -> Array:
-        """Return that of a ``point`` fixed to the tip, in the base [m], (n, 3)."""
+        """Return the Jacobian of a ``point`` on the tip, in the base [m], (n, 3)."""
         x, y, z = self.axes.transpose(2, 0, 1)
         rx, ry, rz = (point[:, None] - self.points).transpose(2, 0, 1)
         columns = np.empty((len(point), ARM_JOINTS, 6))
@@ -47,7 +47,7 @@ class Posture(NamedTuple):
 
 @final
 class ArmChain:
-    """Six turning joints from the link that carries an arm to its flange."""
+    """Six revolute joints, from the link that carries an arm to its flange."""
 
     def __init__(self, model: RobotModel, tip: str, joints: Sequence[Joint]) -> None:
         """Take the six joints, from base to tip, and the link ``tip`` at the end."""
@@ -59,18 +59,18 @@ class ArmChain:
         self._model = model
         placed = place_links(model, [tip], self.base)
         self.tree = placed.tree
-        """The joints in ``base``."""
+        """The joints in the frame of ``base``."""
         self.T_last_tip: Transform = placed.placements[tip][1]
-        """The tip in the frame of the last joint."""
+        """Pose of the tip in the frame of the last joint."""
         self._forward = JointTree(self.tree)
         self._last = self.T_last_tip.matrix
 
     def with_joints(self, joints: Sequence[Joint]) -> ArmChain:
-        """Return the arm with the same joints, but other limits."""
+        """Return the same arm with the limits of these joints."""
         return ArmChain(self._model, self.tip, joints)
 
     def forward(self, q: Array) -> Posture:
-        """Return the pose of the flange at positions ``q`` [rad], shape (n, 6)."""
+        """Return the kinematics at joint positions ``q`` [rad], shape (n, 6)."""
         rotations, points, axes = self._forward.forward(q)
         T = np.zeros((len(q), 4, 4))
         T[:, :3, :3] = rotations[-1] @ self._last[:3, :3]
@@ -84,8 +84,8 @@ def find_chains(
 ) -> dict[str, ArmChain]:
     """Return the arms of a robot by name.
 
-    ``limits``, by joint, replace those of the URDF: the controllers' YAML may have
-    others.
+    ``limits``, by joint, override those of the URDF, since the controllers' YAML may
+    specify others.
     """
     own = limits or {}
 
@@ -106,11 +106,11 @@ def why_no_arm(model: RobotModel) -> str:
 
 
 def fixed_transform(model: RobotModel, first: str, second: str) -> Transform:
-    """Return the pose of link ``second`` in ``first``, which are fixed to each other.
+    """Return the pose of link ``second`` in link ``first``, to which it is fixed.
 
     Raises:
-        ModelError: If the robot lacks one of them.
-        ControlError: If a joint that moves is between them.
+        ModelError: If the robot lacks one of the links.
+        ControlError: If there is a movable joint between the links.
     """
     root_first, T_root_first = _rigid_root(model, first)
     root_second, T_root_second = _rigid_root(model, second)
@@ -123,7 +123,7 @@ def fixed_transform(model: RobotModel, first: str, second: str) -> Transform:
 
 
 def _rigid_root(model: RobotModel, link: str) -> tuple[str, Transform]:
-    """Return the first of the links that are fixed to ``link``, and its pose there."""
+    """Return the topmost link that ``link`` is fixed to, and its pose there."""
     name = model.link(link).name
     pose = Transform()
     while (joint := model.parent_joint.get(name)) and not joint.is_movable:

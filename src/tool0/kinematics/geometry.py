@@ -1,14 +1,15 @@
-"""Closed-form inverse kinematics of arms built like a UR: all postures for a pose.
+"""Closed-form inverse kinematics of UR-like arms: all postures that reach a pose.
 
-Such an arm has an upright first axis, three parallel axes that make an arm in a plane,
-a fifth axis in that plane and a sixth across it; the last two meet in the *centre of
-the wrist*.  The lengths are read from the joints' axes, so that any arm of this
-geometry works.  The steps are those of K. P. Hawkins, Analytic Inverse Kinematics for
-the Universal Robots UR-5/UR-10 Arms (2013), http://hdl.handle.net/1853/50782, written
-with vectors in place of Denavit-Hartenberg parameters.
+The first axis of such an arm is vertical.  The next three are parallel, so that the
+links between them move in a plane.  The fifth axis lies in that plane.  The sixth is
+perpendicular to the fifth and meets it at the *centre of the wrist*.  The lengths are
+read from the joints' axes, so that any arm of this geometry works.  The steps are those
+of K. P. Hawkins, Analytic Inverse Kinematics for the Universal Robots UR-5/UR-10 Arms
+(2013), http://hdl.handle.net/1853/50782, but use vectors instead of Denavit-Hartenberg
+parameters.
 
-Coordinates: z is the first axis, y the second; the plane of the arm is z and x, and
-angles in it count from z towards x, as the joints turn.
+Coordinates: z is the first axis and y the second.  The plane of the arm is spanned by z
+and x; angles in it are measured from z towards x, as the joints turn.
 """
 
 from __future__ import annotations
@@ -22,33 +23,35 @@ from tool0.kinematics.chain import ArmChain, Array
 
 N_BRANCHES = 8
 ROUNDING = 1e-6
-"""Tolerance at the border of the reach, relative to its square."""
+"""Tolerance at the boundary of the workspace, relative to the squared length."""
 INEXACT = 20.0
-"""The same for each radian that an arm deviates from the ideal geometry: such solutions
+"""Additional tolerance per radian of deviation from the ideal geometry.  Such solutions
 are refined, and dropped if they do not reach the pose."""
 SINGULAR = 1e-5
-"""Below this sine of the fifth joint only the sum of the fourth and sixth matters."""
+"""Sine of the fifth joint below which only the sum of the fourth and sixth joint
+matters."""
 MAX_INEXACT = 0.1
-"""Largest deviation from the ideal geometry [rad]: solutions are refined."""
+"""Largest accepted deviation from the ideal geometry [rad]; solutions are refined."""
 
 
 class Signs(NamedTuple):
     """Functions of a posture that are zero where two branches meet."""
 
     shoulder: Array
-    """Distance of the wrist's centre in front of the shoulder [m]; negative behind."""
+    """Distance of the wrist's centre in front of the shoulder [m]; negative if
+    behind."""
     elbow: Array
     """Sine of the angle from the upper arm to the forearm."""
     wrist: Array
-    """Sine of the angle from the second axis to the sixth, about the fifth."""
+    """Sine of the angle from the second axis to the sixth, measured about the fifth."""
 
 
 @final
 class ArmGeometry:
-    """The lengths of one arm, and its inverse kinematics without regard to limits."""
+    """The lengths of an arm, and its inverse kinematics without joint limits."""
 
     def __init__(self, chain: ArmChain) -> None:
-        """Read the lengths from the axes, with all joints at 0.
+        """Read the lengths from the joints' axes with all joints at 0.
 
         Raises:
             ControlError: If the arm has another geometry.
@@ -59,17 +62,17 @@ class ArmGeometry:
         self._signs = np.ones(6)
         self._signs[1:4] = np.sign(axes[1:4] @ y)
         self._R = np.array([np.cross(y, z), y, z])
-        """Turns from the base's axes into ours."""
+        """Rotation from the base's axes to those of this module."""
         self._origin = points[0] + z * ((points[1] - points[0]) @ z)
         axes = axes @ self._R.T
         x2, elbow, wrist = ((points[1:4] - self._origin) @ self._R.T)[:, [2, 0]]
         self.upper_arm, self.forearm = _norm(elbow - x2), _norm(wrist - elbow)
-        """Lengths [m]."""
+        """Lengths of the upper arm and the forearm [m]."""
         self._upper_angle, self._fore_angle = _angle(elbow - x2), _angle(wrist - elbow)
         fifth, sixth = (points[4:] - self._origin) @ self._R.T
         centre = _nearest(sixth, axes[5], fifth, axes[4])
         self.lateral = float(centre[1])
-        """Offset of the wrist's centre from the plane through the first axis [m]."""
+        """Offset of the wrist's centre along y from the first axis [m]."""
         self._fifth_angle = _angle(axes[4, [2, 0]])
         fifth_direction = np.array(
             [np.cos(self._fifth_angle), np.sin(self._fifth_angle)]
@@ -78,7 +81,7 @@ class ArmGeometry:
         """Distance from the fourth axis to the wrist's centre [m]."""
         across = np.cross(axes[4], [0.0, 1.0, 0.0])
         self._sixth_angle = np.arctan2(axes[5] @ across, axes[5, 1])
-        # The frame of the wrist: at its centre, z the sixth axis, x the fifth at zero.
+        # Frame at the wrist's centre: z is the sixth axis, x the fifth one at zero.
         frame = np.eye(4)
         x6 = _unit(axes[4] - axes[5] * (axes[4] @ axes[5]))
         frame[:3, :3] = self._R.T @ np.column_stack(
@@ -88,45 +91,45 @@ class ArmGeometry:
         self._T_tip_wrist = np.linalg.inv(T) @ frame
         self._slack = ROUNDING
         self.inexact = self._check(chain)
-        """Rough deviation from the ideal geometry [rad]."""
+        """Approximate deviation from the ideal geometry [rad]."""
         self._slack += INEXACT * self.inexact
 
     @property
     def reach(self) -> float:
-        """Largest distance from shoulder to wrist's centre, in the arm's plane [m]."""
+        """Largest distance from shoulder to wrist's centre in the arm's plane [m]."""
         return self.upper_arm + self.forearm + abs(self.wrist)
 
     def wrist_centre(self, T_base_tip: Array) -> Array:
-        """Return the wrist's centre from the shoulder [m] in our axes, shape (n, 3)."""
+        """Return the wrist's centre relative to the shoulder [m], shape (n, 3)."""
         T = T_base_tip @ self._T_tip_wrist
         return np.asarray((T[:, :3, 3] - self._origin) @ self._R.T)
 
     def solve(self, T_base_tip: Array, sixth: Array | None = None) -> Array:
-        """Return the postures for each pose, NaN where there is none.
+        """Return the postures for each pose; NaN where there is no posture.
 
         Args:
             T_base_tip: Target pose of the flange, shape (n, 4, 4).
             sixth: Position of the sixth joint [rad], shape (n,), for singular poses,
-                which leave it open.  If given, all solutions have it.
+                which do not determine it.  If given, all solutions have this position.
 
         Returns:
-            Positions [rad], any number of turns, shape (n, 8, 6).
+            Positions [rad], up to whole turns, shape (n, 8, 6).
         """
         R6 = self._R @ (T_base_tip @ self._T_tip_wrist)[:, :3, :3]
         centre = self.wrist_centre(T_base_tip)
-        # One axis more for each choice of two: shoulder, wrist, elbow.
+        # Each choice of two adds an array axis: shoulder, wrist, elbow.
         x, y, z = centre.T[..., None]
         either = np.array([1.0, -1.0])
         with np.errstate(invalid="ignore", divide="ignore"):
             beside = x * x + y * y
             forward = either * self._root(beside - self.lateral**2, beside)
             q1 = np.arctan2(y, x) - np.arctan2(self.lateral, forward)
-            # Into the plane of the arm: turned back about z.
+            # Rotate into the plane of the arm, about z.
             x6, z6 = (_turned_back(R6[:, None, :, k], q1)[:, :, None] for k in (0, 2))
             aside = either * np.hypot(z6[..., 0], z6[..., 2])
             if sixth is None:
                 q5 = np.arctan2(aside, z6[..., 1])
-                # -(z6 x y), in the plane; the fifth axis is along it
+                # -(z6 x y): in the plane, along the fifth axis
                 z5 = _row(z6[..., 2], 0.0, -z6[..., 0]) / aside[..., None]
                 q6 = _turn_about(z6, z5, x6)
             else:
@@ -154,7 +157,7 @@ class ArmGeometry:
         return q.reshape(len(q), N_BRANCHES, 6) * self._signs
 
     def signs(self, q: Array) -> Signs:
-        """Return the side of each singularity where postures are, shape (n,) each."""
+        """Return on which side of each singularity postures are, shape (n,) each."""
         _, q2, q3, q4, q5, _ = (q * self._signs).T
         upper = q2 + self._upper_angle
         fore = q2 + q3 + self._fore_angle
@@ -167,18 +170,18 @@ class ArmGeometry:
         return Signs(forward, np.sin(fore - upper), np.sin(q5 + self._sixth_angle))
 
     def _bend(self, joint4: Array) -> Array:
-        """Return the forearm's angle to the upper arm, 0 … π; NaN out of reach."""
+        """Return the angle between forearm and upper arm, 0 … π; NaN out of reach."""
         a, b = self.upper_arm, self.forearm
         cosine = ((joint4**2).sum(axis=-1) - a * a - b * b) / (2.0 * a * b)
         return np.asarray(np.arctan2(self._root(1.0 - cosine**2, 1.0), cosine))
 
     def _root(self, square: Array, scale: Array | float) -> Array:
-        """Return the root; NaN if ``square`` is below 0 by more than the tolerance."""
+        """Return the root; NaN if ``square`` is negative beyond the tolerance."""
         within = square > -self._slack * scale
         return np.asarray(np.sqrt(np.where(within, np.abs(square), np.nan)))
 
     def _check(self, chain: ArmChain) -> float:
-        """Return the error of known postures [rad], or raise ControlError."""
+        """Return the error for known postures [rad], or raise ControlError."""
         known = np.array(
             [[0.3, -1.1, 1.3, -0.7, -1.2, 0.4], [-2.0, -2.2, -1.2, 2.5, 0.9, -2.5]]
         )
@@ -201,7 +204,7 @@ def _row(*columns: Array | float) -> Array:
 
 
 def _turned_back(vectors: Array, angle: Array) -> Array:
-    """Return ``vectors`` turned back by ``angle`` about z."""
+    """Return ``vectors`` rotated by minus ``angle`` about z."""
     x, y, z = np.moveaxis(vectors, -1, 0)
     c, s = np.cos(angle), np.sin(angle)
     return _row(c * x + s * y, c * y - s * x, z)
@@ -214,23 +217,23 @@ def _turn_about(axis: Array, first: Array, second: Array) -> Array:
 
 
 def _rotated(vectors: Array, axis: Array, angle: Array) -> Array:
-    """Return ``vectors``, which are across ``axis``, turned about it."""
+    """Return ``vectors``, which are perpendicular to ``axis``, rotated about it."""
     c, s = np.cos(angle)[..., None], np.sin(angle)[..., None]
     return np.asarray(c * vectors + s * np.cross(axis, vectors))
 
 
 def _nearest(point: Array, along: Array, other: Array, other_along: Array) -> Array:
-    """Return the point of the first line that is nearest to the second."""
+    """Return the point on the first line that is nearest to the second line."""
     n = np.cross(along, other_along)
     square = float(n @ n)
-    if square < 0.5:  # nearly parallel: no wrist; the check finds that
+    if square < 0.5:  # nearly parallel: no wrist; _check notices
         return point
     distance = float(np.cross(other - point, other_along) @ n) / square
     return np.asarray(point + along * distance)
 
 
 def wrapped(angle: Array) -> Array:
-    """Return angles between -π and π."""
+    """Return angles wrapped to -π … π."""
     return np.asarray(np.remainder(angle + np.pi, 2 * np.pi) - np.pi)
 
 

@@ -1,4 +1,4 @@
-"""Inverse kinematics of an arm: every branch within the limits, nearest first."""
+"""Inverse kinematics of an arm: all postures within the limits, nearest first."""
 
 from __future__ import annotations
 
@@ -17,22 +17,23 @@ from tool0.kinematics.chain import ArmChain, Array
 from tool0.kinematics.geometry import SINGULAR, ArmGeometry, wrapped
 
 _NEAREST = 0.05
-"""Fraction of the reach: a wrist that would be nearer in mm is too far in m."""
+"""Smallest distance, as a fraction of the reach, for which an error suggests
+millimetres."""
 PRECISION = 1e-9
-"""Largest error of a solution [m, rad]."""
+"""Largest error of a solution's pose [m, rad]."""
 EXACT = 1e-6
-"""Below this deviation the closed form needs no refinement [rad]."""
+"""Deviation from the ideal geometry below which solutions need no refinement [rad]."""
 _SAME = 1e-6
-"""Postures nearer to each other than this are the same [rad]."""
+"""Difference below which postures count as the same [rad]."""
 _LIMIT_ROUNDING = 1e-9
-"""Excess over a limit that is clipped [rad]."""
+"""Largest violation of a limit that is clipped instead of rejected [rad]."""
 _STEPS = 12
 _DAMPING = 1e-12
 
 
 @final
 class InverseKinematics:
-    """Solves for one arm; poses are those of its flange in the link that carries it."""
+    """Inverse kinematics of an arm; poses are those of its flange in its base."""
 
     def __init__(self, chain: ArmChain) -> None:
         self.chain = chain
@@ -41,23 +42,24 @@ class InverseKinematics:
         endless = [joint.type is JointType.CONTINUOUS for joint in chain.joints]
         self.lower = np.where(endless, -np.inf, [item.lower for item in limits])
         self.upper = np.where(endless, np.inf, [item.upper for item in limits])
-        """Limits of the positions [rad], infinite without, shape (6,) each."""
+        """Position limits [rad], shape (6,) each; infinite for joints without
+        limits."""
         self.fastest = np.array([joint.max_velocity for joint in chain.joints])
         """Largest velocities of the joints [rad/s], shape (6,)."""
 
     def solutions(
         self, T_base_tip: Array, near: Array, branch: Branch | None = None
     ) -> tuple[Solution, ...]:
-        """Return all postures within the limits, the nearest first.
+        """Return all postures within the limits, nearest first.
 
         Args:
             T_base_tip: Target pose of the flange, shape (4, 4).
-            near: The positions to compare with [rad], shape (6,).  Each joint takes
-                the number of whole turns that is nearest.
-            branch: Only postures of this branch.
+            near: Reference positions [rad], shape (6,).  Each joint is shifted by whole
+                turns to be as near to them as possible.
+            branch: If given, only postures of this branch are returned.
 
         Raises:
-            UnreachableError: If there is none, with the reason.
+            UnreachableError: If there is no such posture; the message gives the reason.
         """
         if not isinstance(branch, Branch | None):
             raise ControlError(
@@ -83,14 +85,14 @@ class InverseKinematics:
         return wanted
 
     def postures(self, T_base_tip: Array, near: Array) -> Array:
-        """Return all postures without regard to limits [rad], shape (n, 6)."""
+        """Return all postures, ignoring the limits [rad], shape (n, 6)."""
         poses = T_base_tip[None]
         found = self.geometry.solve(poses)[0]
         wrist = np.abs(self.geometry.signs(found).wrist)
         if not np.isfinite(found).any() or (wrist < SINGULAR).any():
             open_sixth = self.geometry.solve(poses, near[5:])[0]
             found = np.concatenate([open_sixth, found])
-        if self.geometry.inexact > EXACT:  # near a singularity only this may find it
+        if self.geometry.inexact > EXACT:  # near a singularity, only this may succeed
             found = np.concatenate([near[None], found])
         found = self.refined(found[np.isfinite(found).all(axis=1)], T_base_tip)
         apart = np.abs(wrapped(found[:, None] - found)).max(axis=2, initial=0.0)
@@ -98,10 +100,11 @@ class InverseKinematics:
         return np.asarray(found[~repeats])
 
     def refined(self, q: Array, T_base_tip: Array) -> Array:
-        """Return those of the postures that reach their poses, by Newton's method.
+        """Refine postures by Newton's method, and return those that reach their poses.
 
-        The closed form is exact for the ideal arm; a calibrated one differs a little.
-        ``q`` is in [rad], shape (n, 6); ``T_base_tip`` of shape (4, 4) or (n, 4, 4).
+        The closed form is exact only for the ideal arm, from which a calibrated arm
+        differs slightly.  ``q`` is in [rad], shape (n, 6); ``T_base_tip`` has shape (4,
+        4) or (n, 4, 4).
         """
         found, has_reached = self._newton(q, T_base_tip)
         return np.asarray(found[has_reached])
@@ -109,14 +112,15 @@ class InverseKinematics:
     def nearest(self, T_base_tip: Array, near: Array) -> Array:
         """Return the nearest posture within the limits for each of n poses [rad].
 
-        Away from singular poses, which leave a joint open.
+        Singular poses, which do not determine all joints, are not supported.
 
         Args:
             T_base_tip: Target poses of the flange, shape (n, 4, 4).
-            near: The positions to compare with [rad], shape (n, 6).
+            near: Reference positions [rad], shape (n, 6).
 
         Returns:
-            Shape (n, 6); NaN in the rows of poses that no posture reaches.
+            Positions [rad], shape (n, 6); NaN in the rows of poses that no posture
+            reaches.
         """
         every = self.geometry.solve(T_base_tip)
         turned = self._turned(every, near[:, None])
@@ -131,7 +135,7 @@ class InverseKinematics:
         return np.asarray(found)
 
     def _newton(self, q: Array, T_base_tip: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return postures nearer to their poses, and which reach these."""
+        """Return postures closer to their poses, and which ones reach them."""
         q = q.copy()
         for step in range(_STEPS + 1):
             posture = self.chain.forward(q)
@@ -149,7 +153,7 @@ class InverseKinematics:
         return q, sizes <= PRECISION
 
     def branch(self, q: Array) -> Branch:
-        """Return the branch of one posture, shape (6,)."""
+        """Return the branch of a posture of shape (6,)."""
         shoulder, elbow, wrist = (sign[0] for sign in self.geometry.signs(q[None]))
         side = shoulder if self.geometry.lateral >= 0.0 else -shoulder
         return Branch(
@@ -159,7 +163,7 @@ class InverseKinematics:
         )
 
     def _turned(self, q: Array, near: Array) -> Array:
-        """Return ``q`` with the whole turns nearest to ``near``; NaN beyond limits."""
+        """Return ``q`` shifted by whole turns to be nearest to ``near``, or NaN."""
         nearest = near + wrapped(q - near)
         turn = 2 * np.pi
         lower, upper = self.lower - _LIMIT_ROUNDING, self.upper + _LIMIT_ROUNDING
@@ -223,7 +227,7 @@ class InverseKinematics:
 
 
 def _twist(T: Array, T_wanted: Array) -> Array:
-    """Return the twist from ``T`` to ``T_wanted``, for small ones, shape (n, 6)."""
+    """Return the twist from ``T`` to ``T_wanted``, shape (n, 6); exact if small."""
     R = T_wanted[..., :3, :3] @ T[:, :3, :3].swapaxes(1, 2)
     turn = sine_vectors(R)
     # Beyond 90 degrees the sine shrinks again: use a large value there.

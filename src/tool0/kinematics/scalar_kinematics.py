@@ -1,7 +1,7 @@
-"""Forward kinematics of one posture of an arm in plain floats.
+"""Forward kinematics of a single posture of an arm, in plain floats.
 
-``ArmChain.forward`` computes many postures at once.  For a single one, numpy's overhead
-is most of its time.
+``ArmChain.forward`` computes many postures at once; for a single posture, it would
+spend most of its time on numpy's overhead.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from tool0.kinematics.chain import ArmChain, Array
 
 
 class ScalarPosture(NamedTuple):
-    """The joints and the flange of an arm, in a frame that does not move."""
+    """Joints and flange of an arm at one posture, in a fixed frame."""
 
     flange: Transform
     axes: tuple[Vector3, ...]
@@ -28,9 +28,10 @@ class ScalarPosture(NamedTuple):
     def velocity(
         self, point: Vector3, qd: Sequence[float], n_joints: int = 6
     ) -> tuple[Vector3, Vector3]:
-        """Return the velocity of a point and the angular one [m/s, rad/s].
+        """Return the linear velocity of a point and the angular velocity [m/s, rad/s].
 
-        Both are those of the link after ``n_joints``, at a point of the fixed frame.
+        Both are velocities of the link after ``n_joints`` joints; the point is given in
+        the fixed frame.
         """
         x, y, z = point
         vx = vy = vz = wx = wy = wz = 0.0
@@ -47,9 +48,10 @@ class ScalarPosture(NamedTuple):
         return (vx, vy, vz), (wx, wy, wz)
 
     def efforts(self, force: Vector3, torque: Vector3) -> tuple[float, ...]:
-        """Return the efforts of the joints that a wrench on the flange causes [N·m].
+        """Return the joint efforts that a wrench on the flange causes [N·m].
 
-        It acts at the flange's origin, in the axes of the fixed frame.
+        The wrench acts at the flange's origin, and is given in the axes of the fixed
+        frame.
         """
         fx, fy, fz = force
         tx, ty, tz = torque
@@ -67,12 +69,13 @@ class ScalarPosture(NamedTuple):
 
 @final
 class ScalarChain:
-    """An arm's joints, from a frame that does not move to the flange."""
+    """An arm's joints, from a fixed frame to the flange."""
 
     def __init__(self, chain: ArmChain, T_base_chain: Array) -> None:
-        """Take the joints of ``chain``; results are in ``base``.
+        """Take the joints of ``chain``; results are in the fixed frame *base*.
 
-        ``T_base_chain`` is the link that carries the arm in that frame, shape (4, 4).
+        ``T_base_chain`` is the pose in *base* of the link that carries the arm, shape
+        (4, 4).
         """
         first, *others = chain.tree
         first = first._replace(placement=T_base_chain @ first.placement)

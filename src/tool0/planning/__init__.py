@@ -1,1 +1,1 @@
-"""Motions that avoid collisions: the collision world, the search, the timing."""
+"""Motions that avoid collisions: the collision world, the search and the timing."""

@@ -1,4 +1,4 @@
-"""Collision-free motions: a straight one, or a search, then shortcuts and timing."""
+"""Collision-free motions: a straight line or a search, then shortcuts and timing."""
 
 from __future__ import annotations
 
@@ -20,22 +20,23 @@ from tool0.motion.waypoints import SmoothWay, time_way
 from tool0.planning.world import PlanningGroup
 
 LONGEST: Final = 0.5
-"""Longest extension of a tree [rad]."""
+"""Longest step by which a tree is extended [rad]."""
 MOST_NODES: Final = 20_000
-"""Size of a tree."""
+"""Largest number of nodes in a tree."""
 RESTARTS: Final = 3
-"""Ways that are searched; the fastest wins."""
+"""Number of searches; the fastest path found wins."""
 MOST_GOALS: Final = 24
 BESIDE: Final = 2.0
-"""Distance of most samples from between the start and a goal [rad]."""
+"""Largest distance of most samples from the region between the start and a goal
+[rad]."""
 ENOUGH: Final = 4_000
-"""Poses that are looked at before the first way found is enough."""
+"""Number of checked poses after which any path found ends the search."""
 _TRIES: Final = 60
-"""Random shortcuts."""
+"""Number of random shortcuts that are tried."""
 _CUT: Final = 0.2
-"""Distance of the motion from a corner, at first [rad]."""
+"""Initial distance at which the motion cuts a corner [rad]."""
 _STOP: Final = 0.002
-"""Smaller distances are a stop at the corner."""
+"""Distance below which the motion stops at the corner instead [rad]."""
 _CHORDS: Final = 16
 _TURN: Final = 2.0 * math.pi
 _SAME: Final = 1e-9
@@ -44,19 +45,19 @@ _SAME: Final = 1e-9
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FreeMotion:
-    """A motion that keeps its clearance, and how it was found."""
+    """A motion that keeps its clearance, and statistics of the search."""
 
     path: Path
     waypoints: Array
-    """Joint positions at which the way turns [rad | m], shape (n, n_joints)."""
+    """Joint positions at the corners of the path [rad | m], shape (n, n_joints)."""
     is_direct: bool
-    """Whether it is straight in joint space."""
+    """Whether the motion is a straight line in joint space."""
     samples: int
-    """Random poses that the search used."""
+    """Number of random poses in the search."""
     poses: int
-    """Poses at which distances were measured."""
+    """Number of poses at which distances were measured."""
     planning_time: float
-    """Wall time [s]."""
+    """Wall time of the planning [s]."""
 
 
 @final
@@ -65,9 +66,9 @@ class SearchOptions:
     """Options of the search."""
 
     speed: float = 0.5
-    """Fraction of the joints' largest velocities."""
+    """Speed as a fraction of the joints' largest velocities."""
     timeout: float = 5.0
-    """Longest wall time [s]."""
+    """Longest wall time of the search [s]."""
     seed: int = 0
     restarts: int = RESTARTS
 
@@ -81,19 +82,20 @@ def plan_free_motion(
     options: SearchOptions,
     cancelled: Cancelled,
 ) -> FreeMotion:
-    """Return the fastest collision-free motion that was found to any of the goals.
+    """Return the fastest collision-free motion found to any of the goals.
 
     Args:
-        group: Shapes that must stay apart.
+        group: The collision checks for these joints.
         joints: The joints that move, with their limits.
-        start: Their positions [rad | m], shape (n_joints,).
+        start: Positions of these joints [rad | m], shape (n_joints,).
         goals: Targets within the limits, shape (n, n_joints), n >= 1.
-        options: Speed, time, seed.
-        cancelled: Another thread may set it.
+        options: Options of the search.
+        cancelled: A flag that another thread may set to cancel the search.
 
     Raises:
-        CollisionError: If the start or every goal is in collision, with the bodies.
-        PlanningError: If no way was found in time.
+        CollisionError: If the start or every goal is in collision; the message names
+            the bodies.
+        PlanningError: If no path was found in time.
     """
     begun = time.perf_counter()
     looked = group.clearances.poses
@@ -123,10 +125,11 @@ def plan_free_motion(
 
 
 def check_way(group: PlanningGroup, poses: Array) -> tuple[int, float, str] | None:
-    """Return where the straight ways from pose to pose are not free, and why.
+    """Return where the straight motion from pose to pose is not free, and why.
 
-    The row of the pose before, the part of the way from there on, and the reason; None
-    if all is free.  What collides at the start may do so as deeply.
+    The result is the row of the pose before that point, the fraction of the segment up
+    to the point, and the reason; None if everything is free.  Bodies that overlap at
+    the start may overlap as deeply later.
     """
     group.begin(poses[0], is_check=True)
     found = group.clearances.along(poses)
@@ -139,9 +142,9 @@ def check_way(group: PlanningGroup, poses: Array) -> tuple[int, float, str] | No
 
 
 def windings(q: Array, joints: Sequence[Joint], start: Array) -> Array:
-    """Return a posture with all whole turns of its joints within limits, (n, m).
+    """Return a posture with all whole turns of its joints within limits, shape (n, m).
 
-    Turns by more than a turn away from the start are left out.
+    Positions more than one turn away from the start are left out.
     """
     choices = []
     for value, joint, here in zip(q.tolist(), joints, start.tolist(), strict=True):
@@ -159,7 +162,7 @@ def windings(q: Array, joints: Sequence[Joint], start: Array) -> Array:
 def _timed(
     group: PlanningGroup, joints: Sequence[Joint], way: Array, speed: float
 ) -> Path:
-    """Return the motion along a free way; its corners are cut as far as is free."""
+    """Return the motion along a free path; it cuts corners as far as possible."""
     deviations = [_CUT] * (len(way) - 2)
     while True:
         smooth = SmoothWay(way, deviations)
@@ -168,7 +171,7 @@ def _timed(
             for corner, poses in smooth.blends(_CHORDS)
             if group.clearances.along(poses) is not None
         ]
-        if not blocked:  # the straight parts are those of the way
+        if not blocked:  # the straight parts are known to be free
             return time_way(joints, smooth, speed=speed)
         for corner in blocked:
             smaller = deviations[corner] / 2.0
@@ -176,14 +179,14 @@ def _timed(
 
 
 def cost(way: Array, fastest: Array) -> float:
-    """Return the time of a way at the joints' largest velocities [s]."""
+    """Return the duration of a path at the joints' largest velocities [s]."""
     return float((np.abs(np.diff(way, axis=0)) / fastest).max(axis=1).sum())
 
 
 def _free_goals(
     group: PlanningGroup, start: Array, goals: Array, fastest: Array
 ) -> list[int]:
-    """Return the numbers of the goals that are free, the nearest first."""
+    """Return the indices of the collision-free goals, nearest first."""
     costs = (np.abs(goals - start) / fastest).max(axis=1)
     numbers: list[int] = []
     known: dict[bytes, tuple[int, Array]] = {}
@@ -211,7 +214,7 @@ def _free_goals(
 def _direct(
     group: PlanningGroup, start: Array, goals: Array, numbers: Sequence[int]
 ) -> Array | None:
-    """Return the straight way to the nearest goal, if it is free."""
+    """Return the straight path to one of the two nearest goals, if one is free."""
     for k in numbers[:2]:
         way = np.array([start, goals[k]])
         if group.clearances.along(way) is None:
@@ -228,9 +231,9 @@ def _searched(
     cancelled: Cancelled,
     begun: float,
 ) -> tuple[Array, int]:
-    """Return the best of several ways, and the number of samples.
+    """Return the best of several paths, and the number of samples.
 
-    ``ends`` are the start and the goals.
+    ``ends`` contains the start and the goals.
     """
     start, goals = ends
     limits = np.array(
@@ -296,7 +299,7 @@ def _without_repeats(way: Array) -> Array:
 
 
 def _limits(joint: Joint, here: float) -> tuple[float, float]:
-    """Return the limits of a joint [rad | m]; one without has two turns."""
+    """Return the limits of a joint [rad | m]; without limits, one turn either way."""
     lower, upper = joint.limits.lower, joint.limits.upper
     if joint.type is JointType.CONTINUOUS or not math.isfinite(upper - lower):
         return here - _TURN, here + _TURN

@@ -1,6 +1,6 @@
-"""Everything that a motion must not collide with, and how near it may come.
+"""Everything that a motion must not collide with, and the clearances it keeps.
 
-Distances are those of MuJoCo's shapes, on a model of its own, for every engine.
+With every engine, distances are computed between MuJoCo's shapes, in a separate model.
 """
 
 from __future__ import annotations
@@ -23,34 +23,34 @@ if TYPE_CHECKING:
     from tool0.engines.mujoco.distances import DistanceModel, Shape
 
 CLEARANCE: Final = 0.005
-"""Distance that motions keep, unless they say otherwise [m]."""
+"""Default clearance of motions [m]."""
 OWN_CLEARANCE: Final = 0.005
-"""Distance that the links of one robot keep at most [m]: those of a UR5's base and
-upper arm are never more than 8.2 mm apart."""
+"""Largest clearance between links of the same robot [m]: a UR5's base and upper arm are
+never more than 8.2 mm apart."""
 SLACK: Final = 0.0005
-"""Distance that the search keeps beyond the clearance [m]: between two looks at a
-motion, shapes come nearer to each other by no more."""
+"""Distance that the search keeps in addition to the clearance [m]: between two checks
+along a motion, shapes approach each other by no more than this."""
 TOUCH: Final = 0.0005
-"""Depth from which shapes collide [m]: those that rest on each other are some 0.1 mm
-into each other in the physics, too."""
+"""Depth from which shapes count as colliding [m]: in the physics, too, shapes that rest
+on each other overlap by about 0.1 mm."""
 PRESSED: Final = 0.002
-"""Depth up to which something may be in another at the start [m]: a tool that presses
-on a table is commanded into it."""
+"""Depth up to which bodies may overlap at the start [m]: the commanded position of a
+tool that presses on a table is inside the table."""
 MOST_GROUPS: Final = 16
-"""Groups that are kept for the next request."""
+"""Number of groups that are cached for later requests."""
 _ROUNDING: Final = 1e-4
-"""Distance by which bodies that are near at the start may come nearer [m]."""
+"""Distance by which bodies that are close at the start may approach each other [m]."""
 _FAR: Final = 1.0
 
 
 class UprightTool(NamedTuple):
-    """A tool that must not tilt."""
+    """Constraint that keeps a tool upright."""
 
     link: str
     axis: tuple[float, float, float]
-    """Axis in the link's frame, a unit vector."""
+    """Axis to keep upright, a unit vector in the link's frame."""
     tilt: float
-    """Largest angle between the axis and where it points at the start [rad]."""
+    """Largest angle between the axis and its direction at the start [rad]."""
 
 
 @final
@@ -59,7 +59,7 @@ class Rules:
     """Constraints of a motion."""
 
     clearance: float = CLEARANCE
-    """Smallest distance [m]."""
+    """Smallest distance between shapes [m]."""
     may_touch: frozenset[str] = frozenset()
     """Links and objects that the motion may touch."""
     upright: UprightTool | None = None
@@ -67,7 +67,7 @@ class Rules:
 
 @final
 class CollisionWorld:
-    """The shapes of a robot and of what is around it.  One thread at a time."""
+    """The shapes of a robot and its surroundings; for one thread at a time."""
 
     def __init__(
         self,
@@ -76,14 +76,15 @@ class CollisionWorld:
         usual: Mapping[str, float],
         apart: Collection[frozenset[str]] = (),
     ) -> None:
-        """Compile nothing yet.
+        """Take the robot; shapes are compiled when they are first needed.
 
         Args:
             model: The robot.
-            ground: Height of the ground in the robot's root [m]; None without.
-            usual: Joint → position of its default pose [rad | m]: links that overlap
-                there touch by construction.
-            apart: Pairs of links that need not be looked at, as in an SRDF.
+            ground: Height of the ground in the frame of the robot's root [m]; None
+                without ground.
+            usual: Joint → position in the default pose [rad | m]: links that overlap
+                there are assumed to touch by construction.
+            apart: Pairs of links that need not be checked, such as those of an SRDF.
         """
         self._model, self._ground = model, ground
         self._usual, self._apart = dict(usual), frozenset(apart)
@@ -94,9 +95,9 @@ class CollisionWorld:
     def group(
         self, joints: Sequence[str], around: Surroundings, rules: Rules
     ) -> PlanningGroup:
-        """Return what looks at motions of some joints; the others stay.
+        """Return the collision checks for motions of some joints; others stand still.
 
-        It is valid until the next call.
+        The result is valid until the next call.
 
         Raises:
             ModelError: If MuJoCo does not support a shape.
@@ -149,7 +150,7 @@ class CollisionWorld:
         return found
 
     def _fitting(self, around: Surroundings) -> DistanceModel:
-        """Return the compiled shapes, which may be those of the last call."""
+        """Return the compiled shapes, those of the last call if they still fit."""
         from tool0.engines.mujoco.gl import import_mujoco
 
         import_mujoco()
@@ -176,7 +177,7 @@ class CollisionWorld:
         around: Surroundings,
         rules: Rules,
     ) -> Iterator[_Pair]:
-        """Yield the pairs of shapes whose distance a motion changes."""
+        """Yield the pairs of shapes whose distance a motion can change."""
         from tool0.engines.mujoco.link_collisions import robot_of
 
         shapes: dict[int, list[Shape]] = {}
@@ -224,7 +225,7 @@ class CollisionWorld:
                 yield _Pair(first, second, reach, bound)
 
     def _grips(self, around: Surroundings) -> frozenset[frozenset[str]]:
-        """Return the pairs of held objects and the links that hold them."""
+        """Return pairs of a held object and a link that holds it."""
         return frozenset(
             frozenset((load.item.name, link))
             for load in around.held
@@ -232,7 +233,7 @@ class CollisionWorld:
         )
 
     def _links_that_touch(self, distances: DistanceModel) -> frozenset[frozenset[str]]:
-        """Return the pairs of links that touch by construction."""
+        """Return the pairs of links that may always touch."""
         if self._ignored is None:
             from tool0.engines.mujoco.link_collisions import (
                 adjacent_links,
@@ -263,31 +264,33 @@ class _Pair(NamedTuple):
     second: Shape
     reach: Array
     bound: float
-    """Distance that it keeps [m]."""
+    """Distance that the pair keeps [m]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlanningGroup:
-    """Looks at motions of a group of joints, by the pairs of shapes they move."""
+    """Collision checks for motions of some joints, by the pairs of shapes they move."""
 
     names: tuple[tuple[str, str], ...]
-    """Contents of each pair."""
+    """Names of the two bodies of each pair."""
     least: Array
-    """Distance that each pair keeps, with SLACK [m]."""
+    """Distance that each pair keeps, including SLACK [m]."""
     clearances: Clearances
     shared: Array
-    """The same numbers in the memory of ``clearances``."""
+    """The distances in the memory that ``clearances`` reads [m]."""
     owner: DistanceModel = field(repr=False)
-    """Keys of the memory."""
+    """Owner of the memory that ``clearances`` uses, kept alive here."""
 
     def begin(self, start: Array, *, is_check: bool = False) -> None:
-        """Allow what is near at the start to stay as near.
+        """Allow bodies that are close at the start to stay as close.
 
-        A check is as exact as the steps along a motion; a search keeps SLACK beyond.
+        A search additionally keeps SLACK.  A check does not, so that it is as exact as
+        the steps along the motion.
 
         Raises:
-            CollisionError: If something collides there; a check goes on.
+            CollisionError: If bodies collide at the start (not in a check), or the tool
+                is tilted.
         """
         self.shared[:] = self.least - SLACK if is_check else self.least
         if self.clearances.at(start) == TILTED:
@@ -303,14 +306,14 @@ class PlanningGroup:
         np.minimum(self.shared, found - _ROUNDING, out=self.shared)
 
     def why_not(self, q: Array) -> str:
-        """Return what is wrong in a pose; empty if nothing is."""
+        """Return the reason why a pose is not free; empty if it is free."""
         found = self.clearances.at(q)
         if found == FREE:
             return ""
         return self.explained(found, q)
 
     def explained(self, pair: int, q: Array) -> str:
-        """Return what is wrong with a pair in a pose, for messages."""
+        """Return the problem with a pair in a pose, for messages."""
         if pair == TILTED:
             return "the tool is tilted more than it may be"
         first, second = self.names[pair]
@@ -323,7 +326,7 @@ class PlanningGroup:
         )
 
     def clearance(self, poses: Array) -> tuple[float, str]:
-        """Return the smallest distance in poses up to 1 m [m], and of what.
+        """Return the smallest distance in some poses, at most 1 m, and its bodies [m].
 
         Pairs that may touch are left out.
         """
@@ -342,9 +345,9 @@ def _turns_about_normals(
     joints: Sequence[str],
     above: Mapping[int, Mapping[str, float]],
 ) -> dict[Shape, list[int]]:
-    """Return the joints, by number, that turn about the normal of each plane.
+    """Return, for each plane, the indices of the joints that turn about its normal.
 
-    They are those at the foot of an arm: they bring nothing nearer to the plane.
+    Such joints are at an arm's base: they bring nothing closer to the plane.
     """
     steady = {list(found)[-1] for found in above.values() if found}
     found: dict[Shape, list[int]] = {}

@@ -1,1 +1,1 @@
-"""Motion of an arm for programs that plan elsewhere: paths, streams, forces."""
+"""Motion of an arm for programs that plan externally: paths, streams and forces."""

@@ -1,16 +1,17 @@
-"""Force mode and freedrive: an arm that is compliant along some axes, by its efforts.
+"""Force mode and freedrive: joint efforts that make an arm compliant along some axes.
 
-The efforts balance gravity.  Along the other axes of a frame, stiff virtual springs and
-dampers, scaled by the inertia, keep the tool on its nominal motion.  Along the axes
-that give way, the tool pushes with a commanded force, against a damping.
+The efforts balance gravity.  Along the compliant axes of a frame, the tool pushes with
+a commanded force, against a damping.  Along the other axes, stiff virtual springs and
+dampers, scaled by the inertia, keep the tool on its nominal motion.
 
-Springs, push and damping are one wrench on the tool, so that along the axes that give
-way there is nothing but the push at rest: whatever the friction along the others and
-the stiffness of the environment, the force on it is the commanded one, and nothing is
-measured.  Accelerations that were turned into efforts by the whole mass matrix would
-push there as well, by its off-diagonal parts.  The wrench that accelerates some axes
-alone comes from their part of J M⁻¹ Jᵀ, the inverse of the inertia in the space of the
-task (Khatib 1987, https://doi.org/10.1109/JRA.1987.1087068).
+Springs, push and damping form one wrench on the tool.  At rest, therefore, only the
+push acts along the compliant axes: the force on the environment is the commanded one,
+whatever the friction along the other axes and the stiffness of the environment, and no
+force has to be measured.  If accelerations were turned into efforts by the whole mass
+matrix, its off-diagonal terms would push along the compliant axes, too.  Instead, the
+wrench that accelerates only some axes is computed from their block of J M⁻¹ Jᵀ, the
+inverse of the task-space inertia (Khatib 1987,
+https://doi.org/10.1109/JRA.1987.1087068).
 """
 
 from __future__ import annotations
@@ -34,27 +35,29 @@ if TYPE_CHECKING:
     Mask = NDArray[np.bool_]
 
 BANDWIDTH: Final = 60.0
-"""Natural frequency of the springs [rad/s], if the step of the physics allows it."""
+"""Natural frequency of the springs [rad/s]; lower if the physics step is too long for
+it."""
 LARGEST_STEP: Final = 0.2
-"""Largest product of a rate and the physics step: the springs stay stable."""
+"""Largest product of a rate and the physics step at which the springs stay stable."""
 DAMPING_RANGE: Final = (10.0, 200.0)
-"""Decay rates of a motion that nothing drives, for a damping parameter of 0 and 1
-[1/s]."""
+"""Rates at which undriven motion decays, for damping parameters of 0 and 1 [1/s]."""
 FREEDRIVE_DAMPING: Final = 8.0
 """Damping in freedrive [1/s]."""
 JOINT_DAMPING: Final = 1.0
-"""Damping of the joints' deviation from the nominal motion [1/s]: singular postures."""
+"""Damping of the joints' deviation from the nominal motion [1/s], for singular
+postures."""
 RIDGE: Final = SINGULAR**2
-"""Part by which the mobility along each axis grows in a singular posture, so that the
-forces of the springs stay finite."""
+"""Fraction by which the mobility along each axis is increased in a singular posture, so
+that the forces of the springs stay finite."""
 EASE: Final = 0.3
-"""Part of a speed limit below it in which the force fades."""
+"""Width of the range below a speed limit in which the force fades, as a fraction of the
+limit."""
 SLOWEST: Final = 1e-9
-"""Smaller speed limits count as this [m/s | rad/s]."""
+"""Lower bound on speed limits for the fading of the force [m/s | rad/s]."""
 UNLIMITED: Final = 100.0
-"""Limit of speeds and deviations that none reaches [m/s, rad/s, m, rad]."""
+"""Stand-in for an infinite limit on speeds and deviations [m/s, rad/s, m, rad]."""
 SLOW: Final = 1e-3
-"""A slower TCP has no direction of motion [m/s]."""
+"""Speed of the TCP below which its direction of motion is undefined [m/s]."""
 
 
 @final
@@ -63,32 +66,34 @@ class ComplianceTask:
     """The compliant axes and their wrench: the arguments of ``force_mode``."""
 
     frame: Array
-    """The task's frame in the base, shape (4, 4)."""
+    """Pose of the task frame in the base, shape (4, 4)."""
     free: Mask
-    """Whether each axis gives way: x, y, z, and about them, shape (6,) of bool."""
+    """Whether each axis is compliant: along x, y, z and about them, shape (6,) of
+    bool."""
     wrench: Array
     """Wrench on the environment along the compliant axes [N, N·m], shape (6,)."""
     kind: int = 2
-    """1: the y axis points from the TCP to the frame's origin.  2: the frame is fixed.
-    3: the x axis is the TCP's velocity, projected onto the frame's xy plane."""
+    """Type of the task frame.  1: the y axis points from the TCP to the frame's origin.
+    2: the frame is fixed.  3: the x axis is the TCP's velocity, projected onto the
+    frame's xy plane."""
     limits: Array
-    """Largest speeds of axes that give way [m/s, rad/s], and largest deviations that
-    the others resist with more force [m, rad], shape (6,)."""
+    """Largest speeds along compliant axes [m/s, rad/s], and deviations along the other
+    axes beyond which the force no longer grows [m, rad], shape (6,)."""
     lever: Array
-    """The TCP in the flange's frame [m], shape (3,)."""
+    """Position of the TCP in the flange's frame [m], shape (3,)."""
     damping: float
-    """Rate at which a motion decays that nothing drives [1/s]."""
+    """Rate at which undriven motion decays [1/s]."""
     is_freedrive: bool = False
 
     def stiffened(self) -> ComplianceTask:
-        """Return the task that lets no axis give way."""
+        """Return the same task without compliant axes."""
         none, most = np.zeros(6, dtype=bool), np.full(6, UNLIMITED)
         return replace(self, free=none, limits=most, is_freedrive=False)
 
     def axes(self, position: Array, velocity: Array) -> Array:
         """Return the axes in which the wrench is given, as columns, shape (3, 3).
 
-        ``position`` and ``velocity`` are the TCP's in the base.
+        ``position`` and ``velocity`` are those of the TCP in the base.
         """
         R = self.frame[:3, :3]
         z = R[:, 2]
@@ -103,7 +108,7 @@ class ComplianceTask:
 
 
 def force_damping(damping: float, gain_scaling: float) -> float:
-    """Return the rate of decay [1/s] for the parameters of ``force_mode``."""
+    """Return the decay rate [1/s] for the parameters of ``force_mode``."""
     least, most = DAMPING_RANGE
     rate = least + damping * (most - least)
     return rate / gain_scaling if gain_scaling else math.inf
@@ -115,42 +120,42 @@ def _unit(vector: Array, least: float = 1e-6) -> Array | None:
 
 
 class _Inertias(NamedTuple):
-    """Wrenches on the tool per motion along the axes of a task, shape (6, 6) each."""
+    """Matrices from motion along a task's axes to wrenches, shape (6, 6) each."""
 
     held: Array
-    """Wrench per acceleration of the stiff axes, by forces along these only."""
+    """Wrench per acceleration of the stiff axes, with forces along these axes only."""
     free: Array
-    """Wrench per acceleration of the compliant axes: the inertia in a single step, as
-    springs, not bars, hold the others."""
+    """Wrench per acceleration of the compliant axes.  Within a single step the other
+    axes count as free, since only springs hold them."""
     drag: Array
-    """Wrench per velocity of the compliant axes: it decays with their inertia while the
-    others are held.  That can be far more, which bounds the rate."""
+    """Wrench per velocity of the compliant axes, with their inertia while the other
+    axes are held.  This inertia can be much larger, which limits the decay rate."""
 
 
 @final
 class Compliance:
-    """Turns a nominal motion into efforts, as a task demands."""
+    """Turns a nominal motion into joint efforts for a compliance task."""
 
     def __init__(
         self, model: ArmModel, task: ComplianceTask, select: JointSelector
     ) -> None:
-        """Follow no motion yet; ``select`` takes the arm's joints out of a state."""
+        """Take the task; ``select`` extracts the arm's joints from a state."""
         self.task = task
         self._model = model
         self._select = select
         self._nominal: tuple[float, ArmSetpoint] | None = None
-        """Time at which the nominal motion is known [s], and the motion then."""
+        """Time of the last nominal motion [s], and that motion."""
         self._known: tuple[Sequence[float], Placement] | None = None
-        """The last pose of the TCP, and the joint positions that it belongs to."""
+        """The last nominal joint positions, and the pose of the TCP there."""
         self._weighed: tuple[Array, Array, _Inertias] | None = None
-        """The last inertias, and for which masses and axes."""
+        """The masses and axes of the last computation, and the resulting inertias."""
 
     def follow(self, nominal: ArmSetpoint, time: float) -> None:
-        """Take the nominal motion at ``time`` [s], with constant accelerations."""
+        """Follow a nominal motion from ``time`` [s] on, with constant accelerations."""
         self._nominal = time, nominal
 
     def efforts(self, state: JointState, dt: float) -> list[float]:
-        """Return the efforts of the joints in the coming step of ``dt`` [N·m]."""
+        """Return the joint efforts for the coming step of ``dt`` seconds [N·m]."""
         task = self.task
         position = np.asarray(self._select(state.position))
         speed = np.asarray(self._select(state.velocity))
@@ -188,9 +193,9 @@ class Compliance:
         return found
 
     def _share(self, velocity: Array) -> Array:
-        """Return which part of the wrench acts along each axis, shape (6,).
+        """Return the fraction of the wrench that acts along each axis, shape (6,).
 
-        It fades towards the speed limit in its own direction.
+        The wrench fades as its axis approaches the speed limit in its direction.
         """
         task = self.task
         left = task.limits - velocity * np.sign(task.wrench)
@@ -199,8 +204,9 @@ class Compliance:
     def _inertias(self, masses: Array, along: Array, R: Array, dt: float) -> _Inertias:
         """Return the inertias for the masses and the axes ``R``.
 
-        ``along`` is the tool's Jacobian in those axes.  The inertias last as long as
-        the masses, except near singular postures, where they change fast.
+        ``along`` is the tool's Jacobian in those axes.  The inertias are reused as long
+        as the masses are the same, except near singular postures, where they change
+        fast.
         """
         known = self._weighed
         if known is not None and known[0] is masses and np.array_equal(known[1], R):
@@ -218,7 +224,7 @@ class Compliance:
         return found
 
     def _nominal_at(self, time: float) -> ArmSetpoint:
-        assert self._nominal is not None  # the tick has told it
+        assert self._nominal is not None  # set in the tick
         since, nominal = self._nominal
         t = time - since
         if nominal.is_at_rest or t == 0.0:
@@ -233,7 +239,7 @@ class Compliance:
         )
 
     def _placed(self, nominal: ArmSetpoint) -> Placement:
-        """Return where the nominal motion has the TCP; it mostly rests."""
+        """Return the nominal pose of the TCP; cached, since it mostly rests."""
         known = self._known
         if known is None or known[0] != nominal.positions:
             place = self._model.place(np.asarray(nominal.positions), self.task.lever)
@@ -242,9 +248,9 @@ class Compliance:
 
 
 def _inertia(mobility: Array, along: Mask) -> Array:
-    """Return the wrench along some axes per acceleration along them, shape (6, 6).
+    """Return the inertia, wrench per acceleration, along some axes, shape (6, 6).
 
-    ``mobility`` is the acceleration per wrench along all axes, shape (6, 6).
+    ``mobility`` is its inverse, acceleration per wrench, along all axes, shape (6, 6).
     """
     found = np.zeros((6, 6))
     found[np.ix_(along, along)] = np.linalg.inv(mobility[along][:, along])
@@ -252,15 +258,16 @@ def _inertia(mobility: Array, along: Mask) -> Array:
 
 
 def _singularity(J: Array) -> float:
-    """Return 1 in a singular posture, 0 far from it."""
+    """Return 1 in a singular posture, and 0 far from any."""
     smallest = float(np.linalg.svd(J, compute_uv=False)[-1])
     return 1.0 - min(1.0, smallest / SINGULAR) ** 2
 
 
 def _pose_error(here: Placement, goal: Placement) -> Array:
-    """Return the way from here to the goal in the base's axes [m, rad], shape (6,).
+    """Return the pose error from here to the goal in base axes [m, rad], shape (6,).
 
-    The rotation is the sine of its angle about its axis: for small angles the angle.
+    The rotational part is the axis times the sine of the angle, which is close to the
+    angle if it is small.
     """
     R = goal.rotation @ here.rotation.T
     turn = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])

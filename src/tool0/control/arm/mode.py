@@ -1,7 +1,8 @@
-"""Controllers in whose name an arm gives way: freedrive, and force mode.
+"""Controllers that represent freedrive and force mode of an arm.
 
-The controller itself commands nothing: requests start and end its mode, and the arm's
-law of compliance then drives the joints (``simulation/arms/controller_mode.py``).
+Such a controller commands nothing itself.  Requests start and end its mode, during
+which the arm's compliance law drives the joints
+(``simulation/arms/controller_mode.py``).
 """
 
 from __future__ import annotations
@@ -19,15 +20,15 @@ from tool0.protocol.controllers import Gains
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArmModeSpec:
-    """The parameters of such a controller."""
+    """The parameters of a controller for freedrive or force mode."""
 
     name: str
     type: str
     joints: tuple[str, ...]
-    """The joints of its arm, which other controllers may not have meanwhile."""
+    """The joints of the arm, which other controllers cannot claim meanwhile."""
     companions: frozenset[str]
-    """Types of the controllers that may: what they command is the motion from which the
-    arm deviates."""
+    """Types of the controllers that may share the joints: they command the motion from
+    which the compliant arm deviates."""
     is_freedrive: bool
     further_interfaces: tuple[str, ...]
     state_interfaces: tuple[str, ...] = ()
@@ -38,10 +39,10 @@ class ArmModeSpec:
 
     @property
     def mode(self) -> str:
-        """The hardware that it claims: ``freedrive_mode`` or ``force_mode``."""
+        """The mode that it claims: ``freedrive_mode`` or ``force_mode``."""
         return "freedrive_mode" if self.is_freedrive else "force_mode"
 
     def start(self, indices: Sequence[int], state: JointState) -> PassiveController:
-        """Return a controller; joints and state do not matter."""
+        """Return a controller; indices and state are not used."""
         del indices, state
         return PassiveController()

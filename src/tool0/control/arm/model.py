@@ -1,6 +1,6 @@
 """Kinematics and dynamics of an arm for an ArmMotionController.
 
-Numbers of joints are in the order from base to flange.
+Joints are indexed from base to flange.
 """
 
 from __future__ import annotations
@@ -18,33 +18,34 @@ if TYPE_CHECKING:
 
 
 class Placement(NamedTuple):
-    """A point fixed to the flange, in the base frame of UR."""
+    """Pose and Jacobian of a point fixed to the flange, in UR's base frame."""
 
     position: Array
-    """Position of the flange [m], shape (3,)."""
+    """Position of the point [m], shape (3,)."""
     rotation: Array
     """Rotation of the flange, shape (3, 3)."""
     jacobian: Array
-    """Twist of the flange per joint velocity, linear above angular, shape (6, 6)."""
+    """Jacobian at the point, linear rows above angular ones, shape (6, 6)."""
 
 
 class ArmDynamics(NamedTuple):
     """Dynamics of an arm's joints, from base to flange."""
 
     masses: Array
-    """The mass matrix [kg·m²], shape (6, 6)."""
+    """Mass matrix [kg·m²], shape (6, 6)."""
     weight: Array
-    """The efforts that balance gravity where the drives do not [N·m], shape (6,)."""
+    """Efforts that balance gravity, unless the drives do so themselves [N·m], shape
+    (6,)."""
 
 
 class ArmModel(Protocol):
     """Kinematics and dynamics of an arm."""
 
     def place(self, q: Array, lever: Array) -> Placement:
-        """Return where the point ``lever`` of the flange is at ``q`` [rad]."""
+        """Return the placement of the flange's point ``lever`` at ``q`` [rad]."""
 
     def dynamics(self, state: JointState) -> ArmDynamics:
-        """Return the dynamics in a state of all joints."""
+        """Return the dynamics for a state of all joints."""
 
     def rotors(self) -> Sequence[float]:
-        """Return the inertias of the rotors, which ``dynamics`` lacks [kg·m²]."""
+        """Return the rotor inertias, which ``dynamics`` does not contain [kg·m²]."""

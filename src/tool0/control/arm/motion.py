@@ -1,7 +1,8 @@
-"""ArmMotionController: moves an arm for programs that plan elsewhere.
+"""ArmMotionController: moves an arm for programs that plan externally.
 
-One setpoint, of position, velocity and acceleration, is continuous from mode to mode:
-a path, a stream of targets (servo), velocities, a ramp to rest, or holding still.
+A single setpoint with position, velocity and acceleration stays continuous across the
+modes: a path, a stream of targets (servo), velocities, a ramp to rest, or holding
+still.
 """
 
 from __future__ import annotations
@@ -32,15 +33,15 @@ Mode = Literal["hold", "path", "servo", "speed", "stop", "freedrive", "torque"]
 MOST_SAG: Final = 0.05
 """Largest distance of an arm at rest from its setpoint [rad]."""
 ARRIVED: Final = 0.01
-"""Distance of every joint from the end of a path that has arrived [rad].  Measured with
-a UR3e, UR5e and UR30: 1.6 mrad when a path ends, and up to 0.1 rad with a payload that
-is declared as 0 or the rated one and is not."""
+"""Distance from the end of a path within which every joint counts as arrived [rad].
+Measured with a UR3e, UR5e and UR30: 1.6 mrad when a path ends, and up to 0.1 rad if the
+declared payload is wrong (0 instead of the rated payload, or vice versa)."""
 STEEPEST: Final = 1000.0
-"""Deceleration of the leading joint that keeps a joint from leaving its range [rad/s²],
-at most: as much as requests accept."""
+"""Largest deceleration of the leading joint to keep a joint within its range [rad/s²];
+requests accept no larger one."""
 SETTLING: Final = 1.0
-"""Time that the joints may take to arrive [s]: in the same measurements, 17 mrad were
-left after half of it, and the servos' integrals decay by exp(-4 t)."""
+"""Time that the joints may take to arrive [s].  In the same measurements, the error
+after half of this time was 17 mrad; the servos' integrals decay as exp(-4 t)."""
 
 
 @final
@@ -50,9 +51,9 @@ class ArmMotionSpec:
 
     name: str
     joint_models: tuple[Joint, ...]
-    """Joints from base to flange."""
+    """Joints of the arm, from base to flange."""
     speed_scaling: Callable[[], float]
-    """Returns the factor of the arm's control box, 0 … 1."""
+    """Function that returns the control box's speed factor, 0 … 1."""
     model: ArmModel
 
     type: ClassVar[str] = "tool0/ArmMotionController"
@@ -74,9 +75,9 @@ class ArmMotionSpec:
 class ArmMotionController:
     """Commands the positions of an arm's joints at the end of each tick.
 
-    Requests come between ticks, with ``now`` the simulated time of the coming one [s].
-    Holding, paths and ramps to rest have a law, so that the kernel executes them;
-    Python executes streams.
+    Requests are handled between ticks; their ``now`` is the simulated time of the next
+    tick [s].  Holding, paths and ramps to rest have a law, so the kernel can execute
+    them; streams are executed in Python.
     """
 
     pid: ClassVar[None] = None
@@ -91,17 +92,19 @@ class ArmMotionController:
         self._period = 0.0
         self._splines = SplineMotion.holding(self._select(state.position), state.time)
         self._stream: StreamedMotion | None = None
-        """Stream that moves the arm in place of the splines."""
+        """Stream that moves the arm instead of the splines, if any."""
         self._stream_mode: Mode = "servo"
         self._compliance: Compliance | None = None
-        """Law that turns the motion into efforts, in each step of the physics."""
+        """Law that turns the motion into efforts in each physics step, if the arm is
+        compliant."""
         self.torques: TorqueMode | None = None
-        """Law of a program's torques, which moves the arm in place of all that."""
+        """Law of a program's torques, which overrides stream, splines and
+        compliance."""
         self._no_efforts = (0.0,) * len(indices)
         self._last: tuple[int, float] = (0, 0.0)
-        """Number of the last path, and the time on it when it was left [s]."""
+        """Number of the last path, and the time along it when it was left [s]."""
         self._has_arrived = False
-        """Whether the joints were seen at the end of the path."""
+        """Whether the joints have been observed at the end of the path."""
         self._ended: float | None = None
         """Time of the first tick that commands the end of the path [s]."""
 
@@ -111,7 +114,7 @@ class ArmMotionController:
             self._splines = SplineMotion.holding(positions, now)
 
     def at_rest(self, state: JointState) -> JointState:
-        """Return a state in which the joints are where this controller wants them."""
+        """Return a state with the joints at the commanded positions, if near them."""
         positions = self.motion(state.time).positions
         if not self._is_near(positions):
             return state
@@ -124,7 +127,7 @@ class ArmMotionController:
         return self._distance(positions) < MOST_SAG
 
     def _distance(self, positions: Sequence[float]) -> float:
-        """Return the largest distance of a joint from its position [rad]."""
+        """Return the largest distance of a joint from these positions [rad]."""
         measured = self._select(self._state.position)
         return max(abs(q - p) for q, p in zip(positions, measured, strict=True))
 
@@ -186,7 +189,7 @@ class ArmMotionController:
 
     @property
     def mode(self) -> Mode:
-        """The present mode."""
+        """The current mode."""
         if self.torques is not None:
             return "torque"
         if self.is_guided:
@@ -195,21 +198,21 @@ class ArmMotionController:
 
     @property
     def is_guided(self) -> bool:
-        """Whether it is in freedrive."""
+        """Whether the arm is in freedrive."""
         return self._compliance is not None and self._compliance.task.is_freedrive
 
     @property
     def is_in_force_mode(self) -> bool:
-        """Whether it pushes with a force."""
+        """Whether the arm is in force mode."""
         return self._compliance is not None and not self.is_guided
 
     @property
     def is_compliant(self) -> bool:
-        """Whether it does not drive the joints to its setpoint: forces move them."""
+        """Whether forces move the joints, instead of the setpoint."""
         return self._compliance is not None or self.torques is not None
 
     def motion(self, now: float) -> ArmSetpoint:
-        """Return the setpoint ``now`` [s]; in force mode, that without forces."""
+        """Return the setpoint at ``now`` [s]; in force mode, the one without forces."""
         has_none = self.is_guided or self.torques is not None
         return self._measured() if has_none else self._nominal(now)
 
@@ -224,18 +227,18 @@ class ArmMotionController:
         return ArmSetpoint(position, tuple(self._select(state.velocity)), zeros)
 
     def unknown_setpoint(self, now: float) -> ArmSetpoint | None:
-        """Return the setpoint ``now`` [s] if ``setpoint()`` does not tell it."""
+        """Return the setpoint at ``now`` [s]; None if ``setpoint()`` covers it."""
         if self._stream is None and not self.is_compliant:
             return None
         return self.motion(now)
 
     def is_done(self, now: float) -> bool:
-        """Return whether a path has arrived at its end, or a ramp to rest has ended."""
+        """Return whether a path has arrived at its end or a ramp to rest has ended."""
         is_moved = self.mode in {"servo", "speed", "freedrive", "torque"}
         return not is_moved and self._splines.is_done(now) and self._is_there(now)
 
     def _is_there(self, now: float) -> bool:
-        """Return whether the joints are at the end of the path that was followed."""
+        """Return whether the joints have reached the end of the path, if on one."""
         if self._has_arrived or not self._must_arrive:
             return True
         wanted = self._splines.setpoint(now).positions
@@ -247,9 +250,9 @@ class ArmMotionController:
         return is_on_path and self._stream is None and not self.is_compliant
 
     def is_overdue(self, distance: float, now: float) -> bool:
-        """Return whether a path has ended, and its joints have not arrived in time.
+        """Return whether a path has ended, but the joints have not arrived in time.
 
-        Whoever supervises the motion calls this at regular times, with the largest
+        The supervisor of the motion calls this at regular intervals, with the largest
         ``distance`` of a joint from its setpoint [rad].
         """
         if self._has_arrived or self._splines.mode != "path":
@@ -264,15 +267,15 @@ class ArmMotionController:
         return not now - self._ended < SETTLING
 
     def progress(self, now: float) -> tuple[int, float]:
-        """Return the number of the last path, and the time on it [s]; 0 before it."""
+        """Return the number of the last path, and the time along it [s]."""
         progress = None if self._stream is not None else self._splines.progress(now)
         return self._last if progress is None else progress
 
     def execute(self, path: ArmPath, number: int, now: float) -> None:
-        """Follow a path from ``now`` [s] on.
+        """Follow a path that starts at ``now`` [s].
 
         Raises:
-            ControlError: If it does not begin with the setpoint.
+            ControlError: If the path does not begin with the setpoint.
         """
         factor = self.spec.speed_scaling()
         start = self.motion(now)
@@ -281,10 +284,10 @@ class ArmMotionController:
     def replace(
         self, path: ArmPath, number: int, *, after: int, at: float, now: float
     ) -> None:
-        """Replace a path by another one, from the old one's time ``at`` [s] on.
+        """Replace path number ``after`` from its time ``at`` [s] on.
 
         Raises:
-            ControlError: If that is not possible; nothing has changed then.
+            ControlError: If the path cannot be replaced; nothing has changed then.
         """
         if self._stream is not None:
             raise ControlError(
@@ -298,10 +301,10 @@ class ArmMotionController:
         """Ramp down to rest, from any mode.
 
         Args:
-            deceleration: Deceleration of the leading joint [rad/s²]; of the path's
-                clock [1/s], if the arm is to stay on the path.
-            now: Present time [s].
-            along_path: Whether it does, if it is on one.
+            deceleration: Deceleration of the leading joint [rad/s²], or of the path's
+                clock [1/s] if the arm is to stay on the path.
+            now: Current time [s].
+            along_path: Whether the arm stays on its path, if it is on one.
         """
         splines = self._splines
         if along_path and self._stream is None and splines.mode == "path":
@@ -313,7 +316,7 @@ class ArmMotionController:
         self._stop_from(self.motion(now), now, deceleration)
 
     def _stop_from(self, start: ArmSetpoint, now: float, deceleration: float) -> None:
-        """Ramp down to rest; more steeply where a joint would leave its range."""
+        """Ramp down to rest, more steeply if a joint would leave its range."""
         leading = max(map(abs, start.velocities))
         joints = self.spec.joint_models
         for joint, q, v in zip(joints, start.positions, start.velocities, strict=True):
@@ -327,19 +330,19 @@ class ArmMotionController:
     def stream_deceleration(self) -> float:
         """Return the deceleration with which a stream of velocities ends [rad/s²].
 
-        It is that of the leading joint; 0 without such a stream.
+        It is the deceleration of the leading joint; 0 without such a stream.
         """
         stream = self._stream
         return stream.deceleration() if isinstance(stream, SpeedStream) else 0.0
 
     def hold(self, now: float) -> None:
-        """Rest at the setpoint: it must be at rest."""
+        """Hold the setpoint, which must be at rest."""
         self._use(SplineMotion.holding(self.motion(now).positions, now), now)
 
     def require_positions(self, positions: Sequence[float], now: float) -> None:
-        """Raise ControlError if one is beyond the limits of its joint [rad].
+        """Raise ControlError if a position is beyond its joint's limits [rad].
 
-        ``now`` is when the motion there starts [s].
+        ``now`` is the time at which the motion to these positions starts [s].
         """
         starts = self.motion(now).positions
         measured = self._select(self._state.position)
@@ -356,7 +359,7 @@ class ArmMotionController:
                 )
 
     def require_velocities(self, velocities: Sequence[float]) -> None:
-        """Raise ControlError if one is beyond the limit of its joint [rad/s]."""
+        """Raise ControlError if a velocity is beyond its joint's limit [rad/s]."""
         for joint, v in zip(self.spec.joint_models, velocities, strict=True):
             if not abs(v) <= joint.max_velocity + CONTINUITY:
                 raise ControlError(
@@ -365,7 +368,7 @@ class ArmMotionController:
                 )
 
     def servo(self, now: float) -> ServoStream:
-        """Return the stream that follows targets from ``now`` [s] on."""
+        """Return the stream that follows targets, started at ``now`` [s] if needed."""
         current = self._stream
         if isinstance(current, ServoStream):
             return current
@@ -374,7 +377,7 @@ class ArmMotionController:
         return made
 
     def speed(self, now: float) -> SpeedStream:
-        """Return the stream that moves with velocities from ``now`` [s] on."""
+        """Return the stream of velocities, started at ``now`` [s] if needed."""
         current = self._stream
         if isinstance(current, SpeedStream):
             return current
@@ -384,9 +387,9 @@ class ArmMotionController:
         return made
 
     def start_compliance(self, task: ComplianceTask, state: JointState) -> EffortLaw:
-        """Become compliant as a task demands, in ``state``; return the joints' law.
+        """Start compliance for a task, in ``state``, and return the joints' law.
 
-        The commands do not count from then on.
+        The controller's commands are ignored from then on.
         """
         self._state = state
         if task.is_freedrive:
@@ -399,12 +402,12 @@ class ArmMotionController:
         return compliance.efforts
 
     def start_torques(self, command: TorqueCommand, state: JointState) -> EffortLaw:
-        """Start torque control of the arm, in ``state``; return the joints' law.
+        """Start torque control of the arm, in ``state``, and return the joints' law.
 
-        The commands do not count from then on.
+        The controller's commands are ignored from then on.
 
         Raises:
-            ControlError: If a drive has not that torque.
+            ControlError: If a drive cannot provide its torque.
         """
         torques = TorqueMode(self.spec.joint_models, self.spec.model, self._select)
         torques.aim(command)
@@ -435,7 +438,7 @@ class ArmMotionController:
 
 
 def _tangents(setpoint: ArmSetpoint, time: float) -> tuple[JointSpline, ...]:
-    """Return splines with this motion at ``time`` [s]."""
+    """Return splines that have this motion at ``time`` [s]."""
     return tuple(
         along(
             Segment.of(time, math.nextafter(time, math.inf), (q, v, 0.5 * a, 0, 0, 0))

@@ -1,4 +1,4 @@
-"""Motions of an arm that are known in advance: paths, ramps to rest, and holding."""
+"""Motions of an arm that are known in advance: paths, ramps to rest and holding."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 CONTINUITY = 1e-6
-"""Largest jump of a path from the setpoint [rad, rad/s]."""
+"""Largest jump between the setpoint and the start of a path [rad, rad/s]."""
 _ROUNDING = 1e-9
-"""Rounding of times [s]."""
+"""Tolerance for rounding errors of times [s]."""
 
 Row = Sequence[float]
 
@@ -41,20 +41,19 @@ Row = Sequence[float]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArmPath:
-    """Motions of the joints at times after a path's start, shape (n_knots, n_joints).
+    """Joint motions at times after a path's start, shape (n_knots, n_joints).
 
-    Between two knots is the cubic that meets both, or the quintic if they have
-    accelerations.
+    Knots are connected by cubics or, if they have accelerations, by quintics.
     """
 
     times: Sequence[float]
-    """Times of the points [s], increasing; the first may be 0."""
+    """Times of the knots [s], increasing; the first may be 0."""
     positions: Sequence[Row]
-    """Positions [rad]."""
+    """Joint positions at the knots [rad]."""
     velocities: Sequence[Row]
-    """Velocities [rad/s]."""
+    """Joint velocities at the knots [rad/s]."""
     accelerations: Sequence[Row] = ()
-    """Accelerations [rad/s²]; empty if there are none."""
+    """Joint accelerations at the knots [rad/s²]; empty if there are none."""
 
     @property
     def duration(self) -> float:
@@ -62,7 +61,7 @@ class ArmPath:
         return self.times[-1]
 
     def motion(self, joint: int, number: int) -> Motion:
-        """Return the motion of a joint at a knot, both by number."""
+        """Return the motion of a joint at a knot, both given by index."""
         rows = self.accelerations
         acceleration = rows[number][joint] if rows else None
         return Motion(
@@ -79,9 +78,9 @@ class ArmPath:
     ) -> ArmPath:
         """Return a path that these joints can follow, or raise ControlError.
 
-        Positions and velocities are compared with the joints' limits, and so is the
-        mean velocity between two knots.  A first knot that is slightly beyond a limit
-        is a way back (``JointLimits.range_from``).
+        Positions, velocities and the mean velocities between knots are checked against
+        the joints' limits.  A path may start slightly beyond a limit, to come back from
+        there (``JointLimits.range_from``).
         """
         import numpy as np
 
@@ -159,21 +158,21 @@ def _limits_text(joint: Joint, what: str) -> str:
 
 
 class _Course(NamedTuple):
-    """A path and when it starts."""
+    """A path and its start time."""
 
     number: int
     start: float
-    """Start, in the clock's time [s]."""
+    """Start of the path, in the clock's time [s]."""
     duration: float
-    """Duration [s]."""
+    """Duration of the path [s]."""
 
 
 @final
 class SplineMotion:
-    """Joints that follow splines: the kernel executes them as well.
+    """Motion of joints along splines, which the kernel can execute, too.
 
-    Times of splines are those of a clock, which passes more slowly than simulated time
-    while the speed is scaled.
+    Splines use the time of a clock, which runs more slowly than simulated time while
+    the speed is scaled.
     """
 
     def __init__(
@@ -189,27 +188,26 @@ class SplineMotion:
         self.mode = mode
         self._splines = tuple(splines)
         self._end = end
-        """Time of rest, in the clock's time [s]."""
+        """Time at which the motion comes to rest, in the clock's time [s]."""
         self._clock = clock
         self.speed_scaling = speed_scaling
-        """Time of the clock per simulated time."""
+        """Rate of the clock relative to simulated time."""
         self._courses = courses
         self._braking = 0.0
-        """Change of the clock's factor per simulated second; 0 while it does not
-        stop."""
+        """Rate at which the clock slows down [1/s]; 0 unless it is stopping."""
         self._brake_factor = 1.0
         self._follow(self._splines)
 
     @staticmethod
     def holding(positions: Sequence[float], now: float) -> SplineMotion:
-        """Rest at ``positions`` [rad]."""
+        """Return a motion that rests at ``positions`` [rad]."""
         return SplineMotion("hold", [hold(now, q) for q in positions], end=now)
 
     @staticmethod
     def stopping(start: ArmSetpoint, now: float, deceleration: float) -> SplineMotion:
-        """Ramp down at a constant rate: all joints come to rest together.
+        """Return a ramp at constant rates that brings all joints to rest together.
 
-        ``deceleration`` is that of the leading joint [rad/s²].
+        ``deceleration`` applies to the leading joint [rad/s²].
         """
         duration = max(map(abs, start.velocities)) / deceleration
         splines = []
@@ -225,12 +223,12 @@ class SplineMotion:
     def along(
         path: ArmPath, number: int, start: ArmSetpoint, now: float, factor: float
     ) -> SplineMotion:
-        """Follow a path from the setpoint ``start`` on.
+        """Return the motion along a path from the setpoint ``start`` on.
 
-        ``factor`` scales its speed from ``now`` [s] on.
+        ``factor`` scales the speed from ``now`` [s] on.
 
         Raises:
-            ControlError: If it does not begin there.
+            ControlError: If the path does not begin at ``start``.
         """
         scale = factor or 1.0
         origins = [
@@ -253,11 +251,11 @@ class SplineMotion:
     def replaced(
         self, path: ArmPath, number: int, *, after: int, at: float, now: float
     ) -> None:
-        """Replace path number ``after`` by a path, from that one's time ``at`` [s] on.
+        """Replace path number ``after`` by a path, from its time ``at`` [s] on.
 
         Raises:
-            ControlError: If that has passed, or the path is not executed, or the new
-                one does not begin with the motion of the old one then.
+            ControlError: If that time has passed, the old path is not being executed,
+                or the new path does not begin with the old path's motion at that time.
         """
         time = self._clock.at(now)
         k = next((k for k, c in enumerate(self._courses) if c.number == after), None)
@@ -293,12 +291,12 @@ class SplineMotion:
         self._follow(self._splines)
 
     def brake(self, rate: float) -> None:
-        """Slow its clock down to a standstill by ``rate`` [1/s], on the path."""
+        """Slow the clock down to a standstill at ``rate`` [1/s], on the path."""
         self._braking = rate
 
     @property
     def has_braked(self) -> bool:
-        """Whether its clock stands still for good."""
+        """Whether the clock has been stopped for good."""
         return self._brake_factor == 0.0
 
     # ---- the tick -------------------------------------------------------------------
@@ -306,7 +304,8 @@ class SplineMotion:
     def update(self, time: float, period: float, factor: float) -> Sequence[float]:
         """Return the positions at the end of the tick that starts at ``time`` [s].
 
-        ``factor`` is the control box's; ramps to rest do not scale.
+        ``factor`` is the control box's speed factor, which does not scale ramps to
+        rest.
         """
         if self._braking:
             self._brake_factor = max(0.0, self._brake_factor - self._braking * period)
@@ -322,7 +321,7 @@ class SplineMotion:
         return sampler.desired(ahead)[0]
 
     def law(self, period: float, factor: float) -> TrajectoryLaw | None:
-        """Return the law of ``update``; None while the speed changes."""
+        """Return the law equivalent to ``update``; None while the speed changes."""
         if self._braking or (self.mode == "path" and factor != self.speed_scaling):
             return None
         lead = period * self.speed_scaling
@@ -337,11 +336,11 @@ class SplineMotion:
 
     @property
     def splines(self) -> tuple[JointSpline, ...]:
-        """Return a spline per joint, in the clock's time."""
+        """The spline of each joint, in the clock's time."""
         return self._splines
 
     def lag(self, now: float) -> float:
-        """Return how far the clock is behind simulated time ``now`` [s]."""
+        """Return how far the clock is behind simulated time at ``now`` [s]."""
         return self._clock.lag_at(now)
 
     def setpoint(self, now: float) -> ArmSetpoint:
@@ -355,11 +354,11 @@ class SplineMotion:
         )
 
     def is_done(self, now: float) -> bool:
-        """Return whether the end is commanded at simulated time ``now`` [s]."""
+        """Return whether the end has been commanded by simulated time ``now`` [s]."""
         return self.has_braked or self._clock.at(now) >= self._end - _ROUNDING
 
     def progress(self, now: float) -> tuple[int, float] | None:
-        """Return the path's number, and the time on it [s]; None without a path."""
+        """Return the path's number, and the time along it [s]; None without a path."""
         if not self._courses:
             return None
         time = self._clock.at(now)
@@ -368,7 +367,7 @@ class SplineMotion:
         return course.number, min(passed, course.duration)
 
     def _active(self, time: float) -> int:
-        """Return which of the courses is executed at the clock's ``time`` [s]."""
+        """Return the index of the course at the clock's ``time`` [s]."""
         started = [k for k, c in enumerate(self._courses) if c.start <= time]
         return started[-1] if started else 0
 
@@ -376,7 +375,8 @@ class SplineMotion:
 def _section(path: ArmPath, joint: int, origin: Motion, start: float) -> SplineSection:
     """Return a joint's motion along a path that starts at ``start`` [s].
 
-    ``origin`` is the motion then; a knot at time 0 replaces it within ``CONTINUITY``.
+    ``origin`` is the motion at the start; a knot at time 0 replaces it if both agree
+    within ``CONTINUITY``.
     """
     first = 0
     if path.times[0] == 0.0:

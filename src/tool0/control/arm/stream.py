@@ -1,6 +1,6 @@
-"""Streams of an arm: targets that it follows (servo), and velocities.
+"""Streamed motions of an arm: targets that it follows (servo), and velocities.
 
-Within a tick every joint has a constant acceleration, so that position and velocity are
+Each joint's acceleration is constant within a tick, so that position and velocity are
 continuous and a ramp is exact at any control rate.
 """
 
@@ -21,35 +21,36 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 SLOWING: Final = 4.0
-"""Least acceleration with which velocities follow a smaller speed scaling [rad/s²]: a
-stream with a small acceleration must come to rest, too, when it is paused."""
+"""Smallest acceleration with which velocities follow a reduced speed scaling [rad/s²],
+so that even a stream with a small acceleration comes to rest when it is paused."""
 MAX_ACCELERATION: Final = 40.0
-"""Acceleration of a joint that follows a stream [rad/s²]: the largest of ur_rtde
+"""Largest acceleration of a joint that follows a stream [rad/s²]; from ur_rtde
 (JOINT_ACCELERATION_MAX, https://sdurobotics.gitlab.io/ur_rtde/)."""
 SINGULAR: Final = 0.02
-"""Below this smallest singular value of the Jacobian, joint velocities are damped: a
-UR5e is there 2 cm from its reach, or with its fifth joint within 2 degrees of 0."""
+"""Smallest singular value of the Jacobian below which joint velocities are damped.  A
+UR5e falls below it 2 cm from its full reach, or with its fifth joint within 2 degrees
+of 0."""
 _ROUNDING = 1e-9
-"""Rounding of times [s]."""
+"""Tolerance for rounding errors of times [s]."""
 
 
 class StreamedMotion(Protocol):
-    """A mode that Python executes tick by tick: it has no law."""
+    """A motion that Python executes tick by tick, since it has no law."""
 
     @property
     def setpoint(self) -> ArmSetpoint:
         """The motion at the end of the last tick."""
 
     def advance(self, time: float, period: float, speed_scaling: float) -> None:
-        """Move the setpoint on by one tick, which starts at ``time`` [s].
+        """Advance the setpoint by one tick, which starts at ``time`` [s].
 
-        ``speed_scaling`` is the control box's factor, 0 … 1.
+        ``speed_scaling`` is the control box's speed factor, 0 … 1.
         """
 
 
 @final
 class JointBounds:
-    """Limits of the joints of an arm in one tick."""
+    """Limits that an arm's joints keep to in a tick."""
 
     def __init__(self, joints: Sequence[Joint]) -> None:
         self._joints = [
@@ -67,8 +68,8 @@ class JointBounds:
     ) -> list[tuple[float, float]]:
         """Return the smallest and largest velocity of each joint after a tick.
 
-        With it, the joint can brake before its position limit, by its acceleration in
-        planned motions.  ``scale`` is that of its largest velocity.
+        Within this range, the joint can still brake before its position limit, with the
+        acceleration of planned motions.  ``scale`` scales the largest velocity.
         """
         found = []
         for (lower, upper, fastest, a), x, v in zip(self._joints, q, qd, strict=True):
@@ -80,10 +81,11 @@ class JointBounds:
 
 
 def _fastest_before(distance: float, a: float, period: float) -> float:
-    """Return the velocity after a tick that allows to stop within ``distance``.
+    """Return the largest velocity after a tick that can stop within ``distance``.
 
-    From v, ticks with the deceleration ``a`` come to rest within v² / 2a +
-    a period² / 8; so v period / 2 + that is the distance.
+    From velocity v, ticks with the deceleration ``a`` come to rest within v² / 2a + a
+    period² / 8.  With the distance during the tick itself, v period / 2, this must
+    equal ``distance``.
     """
     if not distance > 0.0:
         return 0.0
@@ -91,7 +93,7 @@ def _fastest_before(distance: float, a: float, period: float) -> float:
 
 
 def _moved(now: ArmSetpoint, velocities: Sequence[float], period: float) -> ArmSetpoint:
-    """Return the motion after a tick with constant accelerations to ``velocities``."""
+    """Return the motion after a tick of constant acceleration to ``velocities``."""
     return ArmSetpoint(
         tuple(
             q + 0.5 * (v + w) * period
@@ -109,7 +111,7 @@ class ServoStream:
     """Follows the newest target: URScript's ``servoj``.
 
     The current position is projected forward by ``lookahead_time`` with the current
-    velocity; its distance to the target times ``gain`` is the acceleration:
+    velocity.  The acceleration is the distance from there to the target times ``gain``:
     qdd = gain (q_target - (q + lookahead_time qd)).
     """
 
@@ -122,7 +124,7 @@ class ServoStream:
     def aim(
         self, target: Sequence[float], *, lookahead_time: float, gain: float
     ) -> None:
-        """Follow ``target`` [rad] from now on, and stay there."""
+        """Move to ``target`` [rad] from now on, and stay there."""
         self._target = tuple(target)
         self._lookahead_time, self._gain = lookahead_time, gain
 
@@ -144,9 +146,9 @@ class ServoStream:
 class SpeedStream:
     """Moves with joint velocities, or with a twist of the tool: ``speedj``, ``speedl``.
 
-    The velocity changes along a straight line in its space, at the acceleration of the
-    leading component.  The speed scaling slows down the clock of this motion: at 0.5,
-    velocities are half, and accelerations a quarter.
+    The velocity vector changes along a straight line; ``acceleration`` is that of the
+    component that changes most.  Speed scaling slows down the clock of this motion: at
+    0.5, velocities are halved and accelerations quartered.
     """
 
     def __init__(
@@ -156,18 +158,20 @@ class SpeedStream:
         self._bounds = JointBounds(joints)
         self._model = model
         self._lever: Array | None = None
-        """The TCP in the flange's frame; None if joint velocities are given."""
+        """Position of the TCP in the flange's frame; None if joint velocities are
+        given."""
         self._twist: Array | None = None
-        """Twist of the TCP at the end of the last tick, if it is known."""
+        """Twist of the TCP at the end of the last tick; None if unknown."""
         self._target: Sequence[float] = (0.0,) * len(joints)
         self._acceleration = 1.0
         self._ramp = math.inf
-        """Duration of the ramp to rest after a target that is none [s]."""
+        """Duration of a ramp to rest from the last target other than 0 [s]."""
         self._end = math.inf
         self._scale = 0.0
-        """Speed scaling of the last tick."""
+        """Speed scaling in the last tick."""
         self._is_slowing = False
-        """Whether the velocity still follows a smaller speed scaling."""
+        """Whether the velocity is still decreasing because of a reduced speed
+        scaling."""
 
     def aim(
         self,
@@ -182,7 +186,7 @@ class SpeedStream:
         Args:
             target: The velocities, or the twist in the base's axes [m/s, rad/s].
             acceleration: Acceleration [rad/s²], or [m/s², rad/s²].
-            until: When to ramp to rest [s].
+            until: Time at which to ramp to rest [s].
             lever: The point in the flange's frame [m], shape (3,).
         """
         self._target, self._acceleration = tuple(target), acceleration
@@ -196,7 +200,8 @@ class SpeedStream:
     def deceleration(self) -> float:
         """Return the equivalent deceleration of the leading joint [rad/s²].
 
-        With it, the fastest joint stops with the ramp; ``MAX_ACCELERATION`` at most.
+        With this deceleration, at most ``MAX_ACCELERATION``, the fastest joint stops in
+        the duration of the ramp.
         """
         leading = max(map(abs, self.setpoint.velocities))
         if not leading < MAX_ACCELERATION * self._ramp:
@@ -217,7 +222,7 @@ class SpeedStream:
         self.setpoint = _moved(self.setpoint, velocities, period)
 
     def _scaled_acceleration(self, speed_scaling: float, *, is_over: bool) -> float:
-        """Return the acceleration of a tick; ramps to rest are not scaled."""
+        """Return the acceleration in a tick; ramps to rest are not scaled."""
         self._is_slowing |= speed_scaling < self._scale
         self._scale = speed_scaling
         if is_over:
@@ -229,7 +234,7 @@ class SpeedStream:
     def _of_tool(
         self, target: Sequence[float], lever: Array, period: float, most: float
     ) -> list[float]:
-        """Return the joint velocities for a ramp of the tool's twist."""
+        """Return the joint velocities that ramp the tool's twist."""
         import numpy as np
 
         q, qd = (
@@ -253,7 +258,7 @@ class SpeedStream:
         return velocities
 
     def _within(self, wanted: Sequence[float], period: float) -> list[float]:
-        """Return velocities within the joints' limits, along the same direction."""
+        """Return velocities that are scaled down together to the joints' limits."""
         q, qd, _ = self.setpoint
         share = 1.0
         windows = self._bounds.windows(q, qd, period, 1.0)
@@ -269,10 +274,11 @@ class SpeedStream:
 
 
 def damped_inverse(J: Array, twist: Array) -> Array:
-    """Return joint velocities for a twist: exact, and damped where J is singular.
+    """Return joint velocities for a twist: exact, but damped near singularities.
 
-    Damped least squares; the factor grows as the smallest singular value falls below
-    ``SINGULAR`` (Maciejewski and Klein 1988, https://doi.org/10.1002/rob.4620050603).
+    The method is damped least squares.  The damping factor grows as the smallest
+    singular value falls below ``SINGULAR`` (Maciejewski and Klein 1988,
+    https://doi.org/10.1002/rob.4620050603).
     """
     import numpy as np
 
@@ -285,7 +291,7 @@ def damped_inverse(J: Array, twist: Array) -> Array:
 
 
 def _ramped(now: Sequence[float], target: Sequence[float], most: float) -> list[float]:
-    """Return velocities after a tick in which the leading one changes by ``most``."""
+    """Return velocities after a tick in which none changes by more than ``most``."""
     changes = [w - v for v, w in zip(now, target, strict=True)]
     largest = max(map(abs, changes))
     if not largest > most:

@@ -1,12 +1,14 @@
-"""Torque mode: a program drives the joints of an arm with torques of its own.
+"""Torque mode: a program commands the joint torques of an arm.
 
-The drives add what balances gravity, and compensate a part of the friction.  The
-program is responsible for the rest: a joint that is too fast, or that could not stop
-before the end of its range any more, is a violation, after which the brakes hold.
+The drives add the torques that balance gravity, and compensate part of the friction.
+The program is responsible for everything else.  If a joint gets too fast, or would soon
+be unable to stop before the end of its range, that is a violation, and the brakes
+engage.
 
-Servos hide what is in a drive.  Under torques, its rotor counts
-(``RobotHardware.rotors``) and the friction of its gear, without which no torque could
-be chosen as on a real arm: with a constant one, a joint reaches a speed, not a limit.
+Position servos hide a drive's inner dynamics.  In torque mode, the rotor's inertia
+(``RobotHardware.rotors``) and the friction of the gear matter.  Without friction,
+torques suitable for a real arm would not work here: there, a joint under a constant
+torque settles at a speed instead of accelerating up to its limit.
 """
 
 from __future__ import annotations
@@ -23,51 +25,52 @@ from tool0.errors import ControlError
 from tool0.hardware.engine import JointSelector, JointState
 
 FASTEST: Final = 0.99
-"""Part of a joint's largest speed at which it is too fast: the drives allow no more
-than all of it."""
+"""Fraction of a joint's largest speed from which it counts as too fast; the drives
+allow no more than the largest speed itself."""
 BRAKING: Final = 0.5
-"""Part of the deceleration of a joint that brakes alone with all its torque but its
-weight, which it has for certain: other joints fling it."""
+"""Fraction of the nominal deceleration that a joint is sure to have.  The nominal value
+is for braking alone, with its full torque minus the gravity load; the motion of other
+joints may reduce it."""
 RESTING: Final = 0.02
-"""Slower joints do not leave their range [rad/s]."""
+"""Speed below which a joint is assumed to stay within its range [rad/s]."""
 SLOW: Final = 0.02
-"""Below this speed, dry friction fades [rad/s]."""
+"""Speed below which dry friction fades [rad/s]."""
 DRY_FRICTION: Final = 0.05
-"""Dry friction of a gear, as a part of the largest torque of its joint: 7.5 N·m in a
-UR5e's shoulder, 1.4 N·m in its wrists.  A guess: no datasheet has a value."""
+"""Dry friction of a gear, as a fraction of its joint's largest torque: 7.5 N·m in a
+UR5e's shoulder, 1.4 N·m in its wrists.  An estimate: no datasheet has a value."""
 VISCOUS_FRICTION: Final = 0.08
-"""Viscous friction of a gear for the largest torque of its joint [s]: 12 and 2.2
-N·m·s/rad.  A guess, too."""
+"""Viscous friction of a gear, relative to its joint's largest torque [s]: 12 N·m·s/rad
+in a UR5e's shoulder, 2.2 N·m·s/rad in its wrists.  An estimate, too."""
 WARM: Final = 0.6
-"""Part of the viscous friction that the model of the drive knows, which must not
-compensate too much where the lubricant is warm.  A guess."""
+"""Fraction of the viscous friction that the drive's model covers; it must not
+overcompensate when the lubricant is warm.  An estimate."""
 STABLE: Final = 0.3
-"""Largest product of a rate by which friction slows a joint and the step."""
+"""Largest product of the rate at which friction slows a joint and the physics step."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TorqueCommand:
-    """Torques of an arm's joints, from base to flange, and how long they act."""
+    """Torques of an arm's joints, from base to flange, with an expiry time."""
 
     torques: Sequence[float]
     """Torques in addition to gravity [N·m]."""
     viscous_scale: Sequence[float]
-    """Compensated part of the viscous friction of each joint, 0 … 1."""
+    """Compensated fraction of each joint's viscous friction, 0 … 1."""
     coulomb_scale: Sequence[float]
-    """Compensated part of the dry friction of each joint, 0 … 1."""
+    """Compensated fraction of each joint's dry friction, 0 … 1."""
     until: float
-    """Simulated time at which torque mode ends without a further command [s]."""
+    """Simulated time at which torque mode ends unless another command arrives [s]."""
 
 
 @final
 class TorqueMode:
-    """Turns the torques of a program into efforts, and watches the joints."""
+    """Turns a program's torques into joint efforts, and monitors the joints."""
 
     def __init__(
         self, joints: Sequence[Joint], model: ArmModel, select: JointSelector
     ) -> None:
-        """Expect a command; ``select`` takes the arm's joints out of a state."""
+        """Wait for a command; ``select`` extracts the arm's joints from a state."""
         self._joints, self._model, self._select = joints, model, select
         self._rotors = model.rotors()
         self._command: TorqueCommand | None = None
@@ -76,7 +79,8 @@ class TorqueMode:
         """Apply torques from now on.
 
         Raises:
-            ControlError: If one is more than its drive has; nothing has changed then.
+            ControlError: If a torque exceeds its drive's limit; nothing has changed
+                then.
         """
         for joint, torque in zip(self._joints, command.torques, strict=True):
             if not abs(torque) <= joint.limits.effort:
@@ -87,13 +91,13 @@ class TorqueMode:
         self._command = command
 
     def is_over(self, now: float) -> bool:
-        """Return whether no command came in time; ``now`` is [s]."""
+        """Return whether the last command has expired at ``now`` [s]."""
         return self._command is None or now >= self._command.until
 
     def efforts(self, state: JointState, dt: float) -> list[float]:
-        """Return the efforts of the joints in the coming step of ``dt`` [N·m]."""
+        """Return the joint efforts for the coming step of ``dt`` seconds [N·m]."""
         command = self._command
-        assert command is not None  # torque mode starts with one
+        assert command is not None  # torque mode starts with a command
         masses, weights = self._model.dynamics(state)
         rows = zip(
             self._joints,
@@ -119,9 +123,9 @@ class TorqueMode:
         return efforts
 
     def violation(self, state: JointState, period: float) -> str:
-        """Return which limit a joint exceeds, or is about to; empty if none does.
+        """Return which limit a joint exceeds or is about to exceed; empty if none.
 
-        It is called in each tick, which takes ``period`` [s].
+        This is called in each tick; a tick takes ``period`` [s].
         """
         masses, weights = self._model.dynamics(state)
         position, velocity = self._select(state.position), self._select(state.velocity)
@@ -144,7 +148,7 @@ class TorqueMode:
                 continue
             left = limits.upper - q if v > 0.0 else q - limits.lower
             brake = BRAKING * max(limits.effort - abs(weight), 0.1 * limits.effort)
-            way = left - speed * period  # that is left for braking
+            way = left - speed * period  # left for braking
             if 2.0 * brake * way <= mass * speed * speed:
                 return (
                     f"joint '{joint.name}' is at {q:.4g} rad and turns with {v:.3g} "

@@ -25,7 +25,7 @@ pid: {p: 1}
 
 
 def _declared(root: YamlEntry) -> Mapping[str, Declared]:
-    """Return the namespaces that have a ``type``."""
+    """Return the controllers, which are the namespaces that have a ``type``."""
     return {
         name: Declared(entry.children["type"], entry)
         for name, entry in root.children.items()

@@ -1,4 +1,4 @@
-"""ROS 1's ``Joint…Controller`` and ``JointGroup…Controller``: their parameters."""
+"""The parameters of ROS 1's ``Joint…Controller`` and ``JointGroup…Controller``."""
 
 from __future__ import annotations
 

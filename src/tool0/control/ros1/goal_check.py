@@ -1,11 +1,11 @@
-"""Checks of a trajectory goal, and the splines that follow it.
+"""Checks of a trajectory goal, and the splines that execute it.
 
-Wordings and codes are those of ROS's joint_trajectory_controller where it has any.
-Beyond ROS, which accepts them, these are rejected: numbers that are not finite,
-duplicate joints, wrong counts of positions, positions beyond the joint's limits, and
-tolerances for joints that the controller does not have.  A velocity or an
-acceleration beyond the joint's limit is accepted as in ROS: planners round them, and
-the tolerances tell whether the joint could follow.
+Messages and codes are those of ROS's joint_trajectory_controller, where it has any.
+Unlike ROS, these checks also reject numbers that are not finite, duplicate joints,
+wrong counts of positions, positions beyond the joint's limits, and tolerances for
+joints that the controller does not have.  As in ROS, velocities and accelerations
+beyond the joint's limits are accepted: planners round them, and the tolerances show
+whether the joint can follow.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ from tool0.protocol.trajectories import TrajectoryPoint
 logger = logging.getLogger(__name__)
 
 INSTANT = 1e-6
-"""A point nearer in the future than this [s] counts as reached: shorter than any tick,
-and longer than the rounding errors of sums of times."""
+"""Time until a point below which the point counts as reached [s].  It is shorter than
+any tick, but longer than the rounding errors of sums of times."""
 
 
 def check_names(
     goal: TrajectoryGoal, joints: tuple[str, ...], *, allow_partial: bool
 ) -> tuple[str, ...]:
-    """Return the joints of the goal's numbers, or reject the goal."""
+    """Return the joints that the points' values belong to, or reject the goal."""
     names = joints if goal.joint_names is None else tuple(goal.joint_names)
     for name in names:
         if name not in joints:
@@ -107,10 +107,10 @@ def _check_counts(number: int, point: TrajectoryPoint, names: tuple[str, ...]) -
 
 
 def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
-    """Return the number of the first point still to be reached, or reject the goal.
+    """Return the index of the first point still to be reached, or reject the goal.
 
-    Those before it are dropped.  A point at the start, or no more than an INSTANT after
-    it, is dropped as well: there is no time to move there, and ROS would jump.
+    Earlier points are dropped.  So is a point at the start, or no more than an INSTANT
+    after it: there is no time to move there, and ROS would jump.
     """
     earliest = max(start, now)
     n_points = len(goal.points)
@@ -135,10 +135,11 @@ def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
 
 
 def goal_time_with(default: float, override: float | None) -> float:
-    """Return the grace [s] for a goal with its own ``goal_time_tolerance``.
+    """Return the time to arrive for a goal with its own ``goal_time_tolerance`` [s].
 
-    As for tolerances: > 0 replaces, 0 keeps; < 0 means no limit, so that the goal waits
-    until it arrives (ROS would take that for no grace at all).
+    As with tolerances, a value > 0 replaces the default, and 0 keeps it.  A value < 0
+    means no limit: the goal waits until it arrives (in ROS, it would get no extra
+    time).
     """
     if override is None or override == 0.0:
         return default
@@ -163,9 +164,9 @@ def _invalid_joints(
 class TrajectoryReplacement:
     """Builds the splines of one controller.
 
-    In its methods ``running`` are the splines that are executed so far, ``now`` is the
-    simulated time of the coming update [s], and ``handle`` is the goal whose tolerances
-    hold from now on; None for none.
+    In its methods, ``running`` contains the splines that are currently executed,
+    ``now`` is the simulated time of the next update [s], and ``handle`` is the goal
+    whose tolerances apply from now on, or None.
     """
 
     def __init__(
@@ -174,7 +175,7 @@ class TrajectoryReplacement:
         tolerances: TrajectoryTolerances,
         stop_duration: float,
     ) -> None:
-        """Take the controller's parameters; its stop takes ``stop_duration`` [s]."""
+        """Take the controller's parameters; a stop takes ``stop_duration`` [s]."""
         self._joints = {joint.name: joint for joint in joints}
         self._tolerances = tolerances
         self._stop_duration = stop_duration
@@ -187,10 +188,10 @@ class TrajectoryReplacement:
         now: float,
         handle: Goal | None,
     ) -> list[JointSpline]:
-        """Return the splines that follow a goal of at least one point, or reject it.
+        """Return the splines for a goal with at least one point, or reject the goal.
 
-        ``names`` are the joints of the points' numbers.  Other joints
-        keep their splines, which belong to the goal from now on, as in ROS.
+        ``names`` lists the joints that the points' values belong to.  As in ROS, other
+        joints keep their splines, which belong to the goal from now on.
         """
         check_points(goal, names)
         start = start_time(goal, now)
@@ -243,12 +244,12 @@ class TrajectoryReplacement:
         now: float,
         handle: Goal | None,
     ) -> list[JointSpline]:
-        """Return the splines to rest: at the measured positions, or by a ramp.
+        """Return splines that bring the joints to rest, at once or by a ramp.
 
         While the joints follow a trajectory, the ramp starts from the desired motion,
         as in ROS.  Otherwise it starts from the measured motion, within the joint's
-        velocity limit, and is as short as a joint of that speed needs: a joint that
-        sags must not travel on for the whole duration.
+        velocity limit, and is shortened in proportion to the speed, so that a sagging
+        joint does not travel on for the whole duration.
         """
         whole = self._stop_duration
         joints = self._joints.values()
@@ -270,14 +271,14 @@ class TrajectoryReplacement:
 
 
 FOLLOWED = 0.1
-"""Largest velocity error of joints that follow, as a fraction of the largest desired
-velocity."""
+"""Largest velocity error at which joints count as following, as a fraction of the
+largest desired velocity."""
 
 
 def _are_followed(
     joints: Collection[Joint], desired: Sequence[Sample], velocities: Sequence[float]
 ) -> bool:
-    """Return whether the joints follow: neither blocked nor overloaded."""
+    """Return whether the joints follow, i.e. are neither blocked nor overloaded."""
     fastest = max(abs(wanted.velocity) for wanted in desired)
     return fastest > 0.0 and all(
         abs(wanted.velocity) <= joint.max_velocity

@@ -1,4 +1,4 @@
-"""ROS 1's GripperActionController: its parameters."""
+"""The parameters of ROS 1's GripperActionController."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JointStateController: which joints are published, and how often."""
+"""JointStateController: which joints it publishes, and how often."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tool0.protocol.controllers import Gains
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExtraJoint:
-    """A joint that exists in the messages only."""
+    """A joint that exists only in the messages."""
 
     name: str
     position: float = 0.0
@@ -30,7 +30,7 @@ class ExtraJoint:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PublishedJointState:
-    """The joints of a sensor_msgs/JointState, in its order."""
+    """The content of a sensor_msgs/JointState."""
 
     names: tuple[str, ...]
     position: tuple[float, ...]
@@ -41,14 +41,14 @@ class PublishedJointState:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointStateSpec:
-    """The parameters of a JointStateController; it claims no joint."""
+    """The parameters of a JointStateController, which claims no joint."""
 
     name: str
     type: str
     joints: tuple[str, ...]
-    """The joints that are read, in the order of the messages."""
+    """The published joints of the robot, in the order of the messages."""
     publish_rate: float
-    """Rate of the published state [Hz]; 0 or less is never."""
+    """Rate of the published state [Hz]; 0 or less means never."""
     extra_joints: tuple[ExtraJoint, ...] = ()
 
     interface: ClassVar[Interface | None] = None
@@ -58,7 +58,7 @@ class JointStateSpec:
     waits_for_command: ClassVar[bool] = False
 
     def start(self, indices: Sequence[int], state: JointState) -> PassiveController:
-        """Return a controller; joints and state do not matter."""
+        """Return a controller; indices and state are not used."""
         del indices, state
         return PassiveController()
 
@@ -69,9 +69,9 @@ class JointStateSpec:
         velocity: Sequence[float],
         effort: Sequence[float],
     ) -> PublishedJointState:
-        """Return the message to publish; extra joints keep their values from YAML.
+        """Return the message to publish; extra joints have their values from YAML.
 
-        All have shape (n_joints,), ordered as ``joint_names``.
+        All arguments have shape (n_joints,), in the order of ``joint_names``.
         """
         picked = [joint_names.index(name) for name in self.joints]
         extra = self.extra_joints
@@ -88,8 +88,9 @@ def parse(
 ) -> JointStateSpec:
     """Return the checked parameters of a JointStateController.
 
-    Without ``joints`` it publishes those with a transmission, by name, as in ROS, which
-    keeps them in a map; with it, any movable joint, in the order given.
+    Without ``joints``, it publishes the joints with a transmission, sorted by name; ROS
+    does the same, since it keeps them in a map.  ``joints`` can list any movable
+    joints, which are published in the given order.
     """
     joints = tuple(sorted(robot.interfaces))
     if parameters.find("joints") is not None:
@@ -115,9 +116,9 @@ def parse(
 def _extra_joints(
     parameters: Namespace, joints: tuple[str, ...]
 ) -> tuple[ExtraJoint, ...]:
-    """Read the extra joints; like ROS, skip those that are real.
+    """Read the extra joints; like ROS, skip joints that are published anyway.
 
-    Unlike ROS, ``position: 0`` is as good as ``0.0``.
+    Unlike ROS, accept ``position: 0`` as well as ``0.0``.
     """
     entry = parameters.find("extra_joints")
     if entry is None:

@@ -1,4 +1,4 @@
-"""JointTrajectoryController: follow trajectories, and hold still without one."""
+"""JointTrajectoryController: follows trajectories, and holds still without one."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ from tool0.protocol.goals import Goal, GoalResult, GoalStatus
 from tool0.protocol.trajectories import JointsMotion
 
 RELIEF = 0.005
-"""Distance by which a stop moves back a joint that pushes at its effort limit
-[rad | m]: the contact is compressed there, by 2 mrad on Gazebo."""
+"""Distance by which a stop backs off a joint that pushes at its effort limit [rad | m],
+since its contact is compressed, by 2 mrad on Gazebo."""
 
 PREEMPTED = GoalResult(status=GoalStatus.PREEMPTED)
 
@@ -51,17 +51,18 @@ class JointTrajectorySpec:
     joint_models: tuple[Joint, ...]
     interface: Interface
     gains: tuple[Gains, ...] = ()
-    """Gains of each joint; none for the position interface."""
+    """Gains of each joint; empty for the position interface."""
     velocity_ff: tuple[float, ...] = ()
-    """Command per desired velocity, one per joint; none for the position interface."""
+    """Feed-forward factors from desired velocity to command, one per joint; empty for
+    the position interface."""
     tolerances: TrajectoryTolerances
     stop_trajectory_duration: float = 0.0
-    """Length of the ramp to rest [s]; 0 holds the measured position at once."""
+    """Duration of the ramp to rest [s]; if 0, the measured position is held at once."""
     allow_partial_joints_goal: bool = False
     state_publish_rate: float = 50.0
-    """Rate of the published state in ROS [Hz]; 0 is never."""
+    """Rate of the published state in ROS [Hz]; 0 means never."""
     action_monitor_rate: float = 20.0
-    """Rate of feedback in ROS [Hz]."""
+    """Rate of the action's feedback in ROS [Hz]."""
 
     further_interfaces: ClassVar[tuple[str, ...]] = ()
     state_interfaces: ClassVar[tuple[str, ...]] = ()
@@ -81,24 +82,24 @@ class JointTrajectorySpec:
 class JointTrajectoryController:
     """Track a joint trajectory; effort and velocity joints by PID and feed-forward.
 
-    Time is the absolute simulated time of the states.  Goals come between ticks, with
-    ``now`` the time of the coming one: a goal without a stamp starts exactly then.
+    Time is the absolute simulated time of the states.  Goals are handled between ticks;
+    their ``now`` is the time of the next tick, at which a goal without a stamp starts.
 
-    It behaves as ROS 1's controller of that name, but for these of its faults:
+    It behaves like ROS 1's controller of that name, with these improvements:
 
-    * a goal that violates a tolerance is aborted and the joints stop, by the same ramp
-      as after a cancel, instead of executing on;
-    * where the joints do not follow, that ramp starts from the measured motion;
-    * a joint that pushes at its effort limit loses its integral in a stop, and holds
-      RELIEF less: it does not keep pushing;
+    * a goal that violates a tolerance is aborted, and the joints stop by the same ramp
+      as after a cancellation, instead of continuing the trajectory;
+    * if the joints do not follow, that ramp starts from the measured motion;
+    * in a stop, a joint that pushes at its effort limit has its integral reset and
+      backs off by RELIEF, so that it does not keep pushing;
     * position errors are wrapped for continuous joints only, not for joints whose
       limits span more than a turn, nor for prismatic ones;
-    * without ``constraints/goal_time`` a goal gets DEFAULT_GOAL_TIME to come to rest;
+    * without ``constraints/goal_time``, a goal has DEFAULT_GOAL_TIME to come to rest;
     * without a goal tolerance, a joint must come within DEFAULT_GOAL_TOLERANCE;
-    * goals are rejected as in ``goal_check``;
+    * goals are also rejected for the reasons in ``goal_check``;
     * the stop ramp does not end beyond a joint's limits.
 
-    As in ROS, each joint that was within its goal tolerances once counts as arrived.
+    As in ROS, a joint counts as arrived once it has been within its goal tolerances.
     """
 
     def __init__(
@@ -117,7 +118,7 @@ class JointTrajectoryController:
     # ---- the tick -----------------------------------------------------------------
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return the commands: desired positions, or velocities or efforts to them."""
+        """Return the commands: desired positions, or efforts or speeds towards them."""
         tracking, monitor, time = self._tracking, self._monitor, state.time
         tracking.state = state
         sampler = tracking.sampler
@@ -156,12 +157,12 @@ class JointTrajectoryController:
         is_first: bool,
         has_points: bool,
     ) -> None:
-        """Continue with the motions of joints, by number, that the kernel started."""
+        """Continue with the motions of joints, by index, that the kernel started."""
         self._end_goal(PREEMPTED)
         self._tracking.follow(self._tracking.merged(splines), now)
 
     def _end_goal(self, result: GoalResult) -> None:
-        """End the active goal, if there is one; if it is aborted, stop."""
+        """End the active goal, if there is one, and stop if it is aborted."""
         monitor, self._monitor = self._monitor, None
         if result.status is GoalStatus.ABORTED:
             now = self._tracking.state.time
@@ -174,10 +175,11 @@ class JointTrajectoryController:
     def follow(self, goal: TrajectoryGoal | MotionPlan, now: float) -> Goal:
         """Replace the motion by ``goal`` and return its handle, or reject it.
 
-        A plan starts with the desired motion ``now``.
+        A plan starts with the desired motion at ``now``.
 
         Raises:
-            GoalRejectedError: With ROS's code; the previous motion then continues.
+            GoalRejectedError: If the goal is rejected, with ROS's code; the previous
+                motion then continues.
         """
         handle = Goal(self.spec.name)
         self._accept(goal, now, handle)
@@ -186,12 +188,12 @@ class JointTrajectoryController:
     def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
         """Replace the motion by ``goal``, without tolerances, or reject it.
 
-        This is ROS's topic ``~/command``: it reports no result.
+        This corresponds to ROS's topic ``~/command``, which reports no result.
         """
         self._accept(goal, now, None)
 
     def cancel(self, goal: Goal, now: float) -> None:
-        """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
+        """Stop if ``goal`` is the active one, which then ends PREEMPTED."""
         if self._monitor is not None and goal is self._monitor.goal:
             self._tracking.follow(self._stop_splines(now, None), now)
             self._end_goal(PREEMPTED)
@@ -230,7 +232,7 @@ class JointTrajectoryController:
             self._monitor.watch(tracking.sampler)
 
     def _stop_splines(self, now: float, handle: Goal | None) -> list[JointSpline]:
-        """Return the splines to rest; drives that push at their limit release."""
+        """Return splines to rest; joints at their effort limit back off."""
         state, select = self._tracking.state, self._tracking.select
         positions = list(select(state.position))
         for k, effort in enumerate(select(state.effort)):

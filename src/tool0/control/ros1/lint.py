@@ -1,4 +1,4 @@
-"""Unused parameters of ros_control, which ROS ignores silently."""
+"""Linting of ros_control's YAML: unused parameters, which ROS silently ignores."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ from tool0.description.yaml_tree import Tree, YamlEntry
 from tool0.errors import nearest_name
 
 OF_TOOL0 = ("gazebo-only", "not-enforced")
-"""Rules about differences between tool0 and Gazebo, which are no fault of the file."""
+"""Rules about differences between tool0 and Gazebo, which are not errors of the
+file."""
 _GAZEBO_GAINS = "gazebo_ros_control/pid_gains"
 
 
 def gain_parameters() -> frozenset[str]:
-    """Return the parameters of a joint's gains that are used."""
+    """Return the parameters that are read from a joint's gains."""
     read = ROS1.parameters_of("effort_controllers/JointTrajectoryController")
     return frozenset(p.rpartition("/")[2] for p in read if p.startswith("gains/"))
 

@@ -1,4 +1,4 @@
-"""Broadcasters of wrenches, poses and the speed: which state interfaces they read."""
+"""State interfaces that broadcasters of wrenches, poses and speed scaling read."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def _speed_scaling(parameters: Namespace) -> Sequence[str]:
 
 
 def _filled(parameters: Namespace, path: str) -> str:
-    """Return a text that must not be empty."""
+    """Return the string at ``path``, which must not be empty."""
     text = parameters.text(path)
     if not text:
         entry = parameters.find(path) or parameters.entry

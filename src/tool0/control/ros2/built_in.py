@@ -1,8 +1,8 @@
 """The built-in controllers of a robot whose drives come from ``<ros2_control>`` tags.
 
-As for ROS 1, there is a file that all arms share, and one that all grippers share, in
-``tool0_description/config``; a folder may have its own.  Each controller names its
-type; the section of the manager is put together from them.
+As for ROS 1, ``tool0_description/config`` contains a file that all arms share and one
+that all grippers share; the folder of an arm or a gripper may contain its own.  Each
+controller names its type; the manager's section is assembled from these types.
 """
 
 from __future__ import annotations
@@ -40,24 +40,25 @@ from tool0.errors import ConfigError, SourceLocation
 _FILE: Final = "controllers_ros2.yaml"
 _STARTED_FILE: Final = "started_controllers_ros2.yaml"
 _ACTIVATION: Final = "robotiq_activation_controller:"
-"""The last controller of a gripper; several would claim the same interface."""
+"""The last controller in a gripper's file.  Several of them would claim the same
+interface."""
 _RATE: Final = 500
-"""Updates per second of an arm whose folder does not state them [Hz]."""
+"""Update rate for arms whose folder does not specify one [Hz]."""
 _ROTARY: Final = {"$tolerance": "0.02"}
-"""Settings of a gripper whose driven joint turns [rad]."""
+"""Settings of a gripper with a revolute driven joint [rad]."""
 _LINEAR: Final = {"$tolerance": "0.0005"}
-"""Settings of one whose driven joint slides [m]: 1 mm of opening."""
+"""Settings of a gripper with a prismatic driven joint [m]: 1 mm of opening."""
 
 
 class StartedControllers(NamedTuple):
-    """The controllers that a bring-up starts, if the YAML defines them."""
+    """The controllers that a bring-up starts if the YAML defines them."""
 
     always: tuple[str, ...]
     built_in: tuple[str, ...]
-    """Further controllers that are started if they are the built-in ones."""
+    """Further controllers that are started if the built-in ones are used."""
     loaded: tuple[str, ...]
-    """Built-in controllers that are only loaded, as by the launch file of UR's driver:
-    their actions answer, and ``ros2 control`` can switch to them."""
+    """Built-in controllers that are only loaded, as the launch file of UR's driver
+    does: their actions respond, and ``ros2 control`` can switch to them."""
 
 
 def started() -> StartedControllers:
@@ -74,7 +75,7 @@ def _config(name: str) -> Path:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Piece:
-    """The text of a part, for one robot."""
+    """The text of a part for one robot."""
 
     text: str
     location: SourceLocation
@@ -87,9 +88,9 @@ class _Piece:
 
 
 def built_in_yaml(description: RobotDescription, period: float) -> str:
-    """Return the built-in controllers as YAML; empty if none fit your own robot file.
+    """Return the built-in controllers as YAML; empty if none fit the user's robot.
 
-    ``period`` is the time between steps of the physics [s]: updates take a multiple.
+    ``period`` is the physics step [s]; the update period is a multiple of it.
     """
     pieces = _pieces(description, period)
     if not pieces:
@@ -111,7 +112,7 @@ def built_in_tree(description: RobotDescription, period: float) -> Tree:
 
 
 def _manager(description: RobotDescription, pieces: Sequence[_Piece]) -> str:
-    """Return the manager's parameters: the rate, the types, and limits of joints."""
+    """Return the manager's parameters: update rate, types and joint limits."""
     rates = [rating(robot.arm, "update_rate") for robot in description.robots]
     rate = max((round(rate) for rate in rates if rate), default=_RATE)
     types = {
@@ -131,7 +132,7 @@ def _manager(description: RobotDescription, pieces: Sequence[_Piece]) -> str:
 
 
 def _pieces(description: RobotDescription, period: float) -> list[_Piece]:
-    """Return the parts of all robots; none if your own file fits none."""
+    """Return the parts of all robots; empty if none fit the user's own file."""
     parts = [
         piece
         for robot in description.robots
@@ -158,7 +159,7 @@ def _pieces(description: RobotDescription, period: float) -> list[_Piece]:
 def _joint_states(
     description: RobotDescription, robot: CatalogueRobot, text: str
 ) -> str:
-    """Return the YAML of a broadcaster for the joints of one robot."""
+    """Return the YAML of a joint state broadcaster for one robot's joints."""
     states = {
         joint.name
         for component in description.model.hardware
@@ -175,15 +176,15 @@ def _joint_states(
 @final
 @dataclass(frozen=True, slots=True)
 class _Composer:
-    """Makes the parts of one robot."""
+    """Builds the parts of one robot."""
 
     description: RobotDescription
     robot: CatalogueRobot | None
-    """None for your own file, whose names are those of a robot without prefix."""
+    """None for the user's own file, whose names have no prefix."""
     period: float
 
     def pieces(self) -> Iterator[_Piece]:
-        """Yield the parts of an arm and a gripper of the catalogue."""
+        """Yield the parts of a catalogue arm and its gripper."""
         model, robot = self.description.model, self.robot
         assert robot is not None
         self._refuse_own_file()
@@ -198,9 +199,9 @@ class _Composer:
             yield self._gripper(hand[0])
 
     def own_pieces(self, arm: OwnArm) -> Iterator[_Piece]:
-        """Yield the parts of an arm of your own file, and of a gripper on it.
+        """Yield the parts of an arm in the user's own file, and of its gripper.
 
-        There is none unless its joints follow positions.
+        There are none unless the arm's joints have position interfaces.
         """
         model, wanted = self.description.model, (Interface.POSITION,)
         if common_interface(model, arm.joints, wanted) is None:
@@ -216,7 +217,7 @@ class _Composer:
             yield replace(piece, text=arm.written(text))
 
     def own_gripper(self, joints: Sequence[str]) -> Iterator[_Piece]:
-        """Yield the part of a gripper of your own file with one driven joint."""
+        """Yield the part of a gripper in the user's file, if one joint drives it."""
         wanted = (Interface.POSITION,)
         if len(joints) == 1 and common_interface(
             self.description.model, joints, wanted
@@ -234,7 +235,7 @@ class _Composer:
                 )
 
     def _written(self, text: str) -> str:
-        """Return a part's text with the names of this robot."""
+        """Return a part's text with this robot's names."""
         prefix = self.robot.prefix if self.robot else ""
         text = renamed(self.description, self.robot, text)
         return text.replace("$prefix", prefix)
@@ -266,7 +267,7 @@ class _Composer:
 
 
 def _without_unknown(text: str, joint: str, model: RobotModel) -> str:
-    """Return YAML with blank lines for command interfaces that ``joint`` lacks."""
+    """Return YAML with blank lines in place of interfaces that ``joint`` lacks."""
     known = {name for item in model.hardware for name in item.command_interfaces}
     lines = text.splitlines(keepends=True)
     for number, line in enumerate(lines):
@@ -277,7 +278,7 @@ def _without_unknown(text: str, joint: str, model: RobotModel) -> str:
 
 
 def _joints_in(text: str, path: Path) -> list[str]:
-    """Return the joints of the first controller with joints."""
+    """Return the joints of the first controller that names joints."""
     tree = Tree()
     tree.load(text, SourceLocation(path, 1))
     for controller in declared(tree.root).values():

@@ -1,4 +1,4 @@
-"""forward_command_controller of ROS 2: its parameters."""
+"""The parameters of ROS 2's forward_command_controller."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def parse(
 
 
 def _interface(parameters: Namespace, path: str, names: Sequence[str]) -> Interface:
-    """Return the one command interface that is named."""
+    """Return the only command interface that the parameters name."""
     entry = parameters.find(path) or parameters.entry
     for name in names:
         if name not in INTERFACE_OF_NAME:

@@ -1,8 +1,8 @@
-"""Grippers of ROS 2: the parameters of their three controllers.
+"""The parameters of ROS 2's three gripper controllers.
 
-Its ``GripperActionController`` are those of ROS 1, by position or by effort.
-The parallel one commands positions, and sets speed and effort of the drive through
-command interfaces of their own.
+The two called ``GripperActionController`` work like those of ROS 1, by position or by
+effort.  The parallel gripper's controller commands positions, and sets the drive's
+speed and effort through separate command interfaces.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def _settings(parameters: Namespace, robot: RobotJoints, joint: Joint) -> DriveS
 
 
 def _interface(parameters: Namespace, robot: RobotJoints, path: str) -> str:
-    """Return the command interface that is named, if any; the hardware must have it."""
+    """Return the named command interface, if any; the hardware must have it."""
     name = parameters.text(path, "")
     known = [item for each in robot.hardware for item in each.command_interfaces]
     if name and known and name not in known:

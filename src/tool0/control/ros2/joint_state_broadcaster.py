@@ -1,4 +1,4 @@
-"""joint_state_broadcaster: which joints and interfaces are published."""
+"""The parameters of joint_state_broadcaster: what it publishes of which joints."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ def parse(
 ) -> PassiveSpec:
     """Return the checked parameters of a JointStateBroadcaster.
 
-    It publishes the given ``interfaces`` of the given ``joints``; all that the robot
-    has, if one of the two lists is empty.
+    It publishes the given ``interfaces`` of the given ``joints``.  If either list is
+    empty, it publishes all interfaces that the robot has.
     """
     joints = parameters.texts("joints", ())
     interfaces = parameters.texts("interfaces", ())

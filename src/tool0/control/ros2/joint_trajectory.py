@@ -64,25 +64,27 @@ class JointTrajectorySpec:
     further_interfaces: tuple[str, ...] = ()
     state_interfaces: tuple[str, ...] = ()
     gains: tuple[Gains, ...] = ()
-    """Gains of each joint; none if positions are commanded."""
+    """Gains of each joint; empty if positions are commanded."""
     velocity_ff: tuple[float, ...] = ()
-    """Command per desired velocity, one per joint; none if positions are."""
+    """Feed-forward factors from desired velocity to command, one per joint; empty if
+    positions are commanded."""
     judges_velocity: bool = False
-    """Whether tolerances of velocities count."""
+    """Whether velocity tolerances are checked."""
     reads_velocity: bool = True
-    """Whether trajectories start with the measured velocity; otherwise with 0."""
+    """Whether trajectories start with the measured velocity, not with 0."""
     acceptance: Acceptance
     tolerances: TrajectoryTolerances
     deceleration: tuple[float, ...] = ()
-    """Deceleration of a stop by joint [rad/s² | m/s²]; none holds still at once."""
+    """Deceleration of each joint in a stop [rad/s² | m/s²]; if empty, the joints hold
+    their measured positions at once."""
     command_timeout: float = math.inf
-    """Time after a trajectory until the measured position is held [s]."""
+    """Time after the end of a trajectory at which the measured position is held [s]."""
     replacement: Replacement
     speed: SpeedSource
     state_publish_rate: float = 50.0
-    """Rate of the published state [Hz]; only Humble has it."""
+    """Rate of the published state [Hz]; only Humble has this parameter."""
     action_monitor_rate: float = 20.0
-    """Rate of feedback in ROS [Hz]."""
+    """Rate of the action's feedback in ROS [Hz]."""
 
     waits_for_command: ClassVar[bool] = False
 
@@ -101,30 +103,30 @@ class JointTrajectorySpec:
 
 
 class _PendingTrajectory(NamedTuple):
-    """A trajectory that ends everything before it."""
+    """A trajectory that waits for the next tick, and then replaces all motion."""
 
     course: Course
     held: Mapping[str, float]
-    """Positions at which the joints that it does not name stay [rad | m]."""
+    """Positions at which joints that the trajectory does not name stay [rad | m]."""
 
 
 class JointTrajectoryController:
     """Track a joint trajectory; velocity and effort joints by PID and feed-forward.
 
-    The command is the desired motion one period ahead, and errors are against the
-    present one.  A trajectory that comes between ticks starts with the coming one, from
-    the motion that is measured then.
+    The command is the desired motion one period ahead, whereas errors refer to the
+    current desired motion.  A trajectory that arrives between ticks starts in the next
+    tick, from the motion that is measured then.
 
-    It behaves as ROS 2's controller of that name, but for these of its faults:
+    It behaves like ROS 2's controller of that name, with these improvements:
 
     * a goal whose command timed out is aborted; ROS reports it as reached;
     * without a goal tolerance, a joint must come within DEFAULT_GOAL_TOLERANCE;
-    * after the end of a trajectory with a velocity there, the joints are to rest;
+    * if a trajectory ends with a velocity, the joints are to rest afterwards;
     * continuous joints go to the nearest turn of a point, instead of jumping to the
       point's own turn;
-    * goals are also refused as in ``trajectory_check``.
+    * goals are also rejected for the reasons in ``trajectory_check``.
 
-    Plans of the simulator's own motions start with the desired motion.
+    Plans for the simulator's own motions start from the desired motion.
     """
 
     def __init__(
@@ -139,14 +141,15 @@ class JointTrajectoryController:
         self._monitor: TrajectoryMonitor | None = None
         """Monitor of the trajectory; None while the joints hold still."""
         self._factor = spec.speed.initial
-        """The factor that the topic set last."""
+        """Speed factor that the topic set last."""
         self._factor_used = 1.0
         self._clock = TrajectoryClock()
         self._period = 0.0
         self._pending: _PendingTrajectory | None = None
-        """A trajectory that starts with the next tick, from the measured motion."""
+        """Trajectory that starts in the next tick, from the measured motion; None
+        without one."""
         self._is_first = True
-        """Whether the coming tick is the first one of a trajectory."""
+        """Whether the next tick is the first one of a trajectory."""
         self._has_points = False
         """Whether the motion has several points, so that another one can follow it."""
         self._execute(self._tracking.sampler.splines)
@@ -154,7 +157,7 @@ class JointTrajectoryController:
     # ---- the tick -----------------------------------------------------------------
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return the commands: desired positions, or velocities or efforts to them."""
+        """Return the commands: desired positions, or efforts or speeds towards them."""
         tracking, self._period = self._tracking, period
         tracking.state = state
         factor = self.speed_scaling
@@ -188,11 +191,11 @@ class JointTrajectoryController:
         return commands
 
     def _start_pending(self, time: float) -> None:
-        """Start the trajectory that was accepted, from the measured motion."""
+        """Start the pending trajectory, if there is one, from the measured motion."""
         self._is_first = False
         pending, self._pending = self._pending, None
         if pending is not None:
-            # Rounding apart, it is as plausible as when it was accepted.
+            # Apart from rounding, it is as plausible as when it was accepted.
             joints, origins = self.spec.joint_models, self._measured()
             with contextlib.suppress(GoalRejectedError):
                 splines = splines_at_once(joints, pending[0], time, origins, pending[1])
@@ -214,13 +217,13 @@ class JointTrajectoryController:
         self._tracking.state = state
 
     def adjust(self, spec: JointTrajectorySpec) -> None:
-        """Continue with other parameters; tolerances hold from the next goal on."""
+        """Continue with changed parameters; tolerances apply from the next goal on."""
         self.spec = spec
         self._tracking.set_feed_forward(spec.velocity_ff)
         self._take_tolerances(self._tolerances)
 
     def _take_tolerances(self, tolerances: TrajectoryTolerances) -> None:
-        """Judge trajectories from the next one on by these tolerances."""
+        """Use these tolerances from the next trajectory on."""
         spec, self._tolerances = self.spec, tolerances
         path, at_goal = active_tolerances(
             tolerances, spec.joints, by_velocity=spec.judges_velocity
@@ -249,14 +252,14 @@ class JointTrajectoryController:
         self._is_first, self._has_points = is_first, has_points
 
     def _execute(self, splines: Sequence[JointSpline]) -> None:
-        """Follow other splines; the samplers look at them with the coming tick."""
+        """Follow other splines; the samplers first use them in the next tick."""
         self._tracking.follow(splines, -math.inf)
         self._ahead = TrajectorySampler(splines, -math.inf)
 
     def _end(
         self, result: GoalResult, time: float, errors: Sequence[float] = ()
     ) -> None:
-        """End the trajectory, and its goal: stay at its end, or stop."""
+        """End the trajectory and its goal: stay at its end if reached, or stop."""
         goal = None if self._monitor is None else self._monitor.goal
         if result.is_violation and errors:
             result = self._with_joint(result, errors)
@@ -272,7 +275,7 @@ class JointTrajectoryController:
             self._monitor.goal.finish(result)
 
     def _with_joint(self, result: GoalResult, errors: Sequence[float]) -> GoalResult:
-        """Return a violation with the joint that is farthest off; ROS only logs it."""
+        """Add the joint with the largest error to a violation; ROS only logs it."""
         error, joint = max(zip(map(abs, errors), self.spec.joints, strict=True))
         text = f"{result.error_string}; {joint} is off by {error:.6f}"
         return replace(result, error_string=text)
@@ -304,7 +307,7 @@ class JointTrajectoryController:
     def follow(self, goal: TrajectoryGoal | MotionPlan, now: float) -> Goal:
         """Replace the motion by ``goal`` and return its handle, or reject it.
 
-        A plan starts with the desired motion ``now``.
+        A plan starts with the desired motion at ``now``.
 
         Raises:
             GoalRejectedError: The previous motion then continues.
@@ -321,13 +324,13 @@ class JointTrajectoryController:
         return handle
 
     def _tolerances_of(self, goal: TrajectoryGoal) -> TrajectoryTolerances:
-        """Return the tolerances that hold during a goal."""
+        """Return the tolerances that apply during a goal."""
         return override_tolerances(goal, self.spec.tolerances, self.spec.name)
 
     def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
-        """Replace the motion as the topic ``~/joint_trajectory`` does, or reject it.
+        """Replace the motion like the topic ``~/joint_trajectory``, or reject it.
 
-        An active goal stays so: it is judged by the new motion.
+        An active goal stays active, and is judged by the new motion.
         """
         replacement = self.spec.replacement
         if replacement.upsamples and isinstance(goal, TrajectoryGoal):
@@ -336,7 +339,7 @@ class JointTrajectoryController:
         self._start(splines, None if self._monitor is None else self._monitor.goal)
 
     def cancel(self, goal: Goal, now: float) -> None:
-        """Stop, if ``goal`` is the active one; it ends PREEMPTED."""
+        """Stop if ``goal`` is the active one, which then ends PREEMPTED."""
         if self._monitor is not None and goal is self._monitor.goal:
             self._end(CANCELED, self._clock.at(now))
 
@@ -346,14 +349,14 @@ class JointTrajectoryController:
 
     @property
     def speed_scaling(self) -> float:
-        """Trajectory time per simulated time."""
+        """Ratio of trajectory time to simulated time."""
         return self.spec.speed.factor(self._factor)
 
     def scale_speed(self, factor: float) -> None:
-        """Scale the speed of trajectories, as the topic ``~/speed_scaling_input`` does.
+        """Scale the speed of trajectories, like the topic ``~/speed_scaling_input``.
 
         Raises:
-            ControlError: If the factor is negative, or comes from elsewhere.
+            ControlError: If the factor is negative, or the topic cannot set it.
         """
         self.spec.speed.check(factor, self.spec.name)
         self._factor = factor
@@ -394,7 +397,7 @@ class JointTrajectoryController:
         return splines
 
     def _can_follow(self, course: Course) -> bool:
-        """Return whether a trajectory follows the one that is executed."""
+        """Return whether a trajectory can continue the one that is being executed."""
         is_whole = len(course.names) == len(self.spec.joints)
         return (
             self.spec.replacement.is_spliced
@@ -414,7 +417,7 @@ class JointTrajectoryController:
         check_limits(course.goal, joints, 0, starts)
 
     def _desired(self, time: float) -> dict[str, Motion]:
-        """Return the desired motion of each joint at a time of the trajectory [s]."""
+        """Return the desired motion of each joint at a trajectory time [s]."""
         splines = self._tracking.sampler.splines
         return {
             joint: Motion(*spline.sample(time))
@@ -431,7 +434,7 @@ class JointTrajectoryController:
         return {joint: Motion(q, qd, 0.0) for joint, q, qd in motion}
 
     def _start(self, splines: Sequence[JointSpline], handle: Goal | None) -> None:
-        """Execute accepted splines with the coming tick."""
+        """Execute accepted splines from the next tick on."""
         coming = self._coming
         self._execute(splines)
         self._is_first = True

@@ -1,8 +1,8 @@
-"""The layout of a YAML for ROS 2: parameters below ``ros__parameters`` of nodes.
+"""The layout of YAML for ROS 2: parameters below the ``ros__parameters`` of nodes.
 
-A node's name may have a namespace, written as levels or with slashes, and wildcards:
-``*`` is one level, ``**`` any number.  What stands later in the text overrides.  A dot
-in the name of a parameter is a level.
+A node's name may contain a namespace, written as levels or with slashes, and wildcards:
+``*`` stands for one level, ``**`` for any number of levels.  Later entries override
+earlier ones.  A dot in a parameter's name separates levels.
 """
 
 from __future__ import annotations
@@ -21,27 +21,27 @@ _WILDCARDS: Final = ("*", "**")
 
 
 class Node(NamedTuple):
-    """The section of a YAML for nodes of one name, or of names with wildcards."""
+    """The section of a YAML for nodes whose name matches a pattern."""
 
     path: tuple[str, ...]
-    """Namespace and name; either may be a wildcard."""
+    """Namespace and name; each part may be a wildcard."""
     entry: YamlEntry
-    """The entry of the name."""
+    """The entry with the node's name."""
     parameters: YamlEntry
 
     @property
     def is_single(self) -> bool:
-        """Whether it is for one node."""
+        """Whether the section is for a single node."""
         return not any(part in _WILDCARDS for part in self.path)
 
 
 def is_ros2(root: YamlEntry) -> bool:
-    """Return whether a YAML has parameters of nodes."""
+    """Return whether a YAML contains parameters of nodes."""
     return any(nodes(root))
 
 
 def nodes(root: YamlEntry) -> Iterator[Node]:
-    """Yield every name with parameters, in the order of the text."""
+    """Yield every section with parameters, in the order of the text."""
     return _nodes(root, ())
 
 
@@ -55,19 +55,20 @@ def _nodes(entry: YamlEntry, path: tuple[str, ...]) -> Iterator[Node]:
 
 
 Place = tuple[str, ...] | None
-"""A namespace of nodes; None if a YAML does not say which."""
+"""A namespace of nodes; None if the YAML does not specify it."""
 
 
 def places(root: YamlEntry) -> tuple[Place, ...]:
-    """Return the namespaces with a manager: (None,) if no manager is written."""
+    """Return the namespaces that have a manager; (None,) if none has one."""
     found = [n.path[:-1] for n in nodes(root) if n.path[-1] == MANAGER and n.is_single]
     return tuple(dict.fromkeys(found)) or (None,)
 
 
 def declared(root: YamlEntry) -> Mapping[str, Declared]:
-    """Return the controllers: those with a ``type``, of the manager or of their own.
+    """Return the controllers with a ``type``, in the manager's or their own parameters.
 
-    The manager's type counts, as for the spawner.  tool0 has one manager: the first.
+    As with the spawner, the manager's type takes precedence.  tool0 uses only the first
+    manager.
     """
     return declared_in(root, places(root)[0])
 
@@ -95,14 +96,14 @@ def declared_in(root: YamlEntry, place: Place) -> Mapping[str, Declared]:
 
 
 def parameters(root: YamlEntry, name: str) -> YamlEntry | None:
-    """Return the parameters of a node beside the manager; None without any."""
+    """Return the parameters of a node in the manager's namespace, if there are any."""
     return parameters_in(root, places(root)[0], name)
 
 
 def parameters_in(root: YamlEntry, place: Place, name: str) -> YamlEntry | None:
-    """Return the parameters of a node in a namespace, with levels instead of dots.
+    """Return a node's parameters in a namespace, with levels instead of dots.
 
-    A name that is written without a namespace is that node, too.
+    Parameters under the name without a namespace apply to the node, too.
     """
     result: YamlEntry | None = None
     for node in nodes(root):
@@ -122,7 +123,7 @@ def joint_limits(root: YamlEntry) -> Namespace | None:
 
 
 def control_period(root: YamlEntry) -> float | None:
-    """Return 1 / the manager's ``update_rate`` [s]; None without one."""
+    """Return 1 / the manager's ``update_rate`` [s]; None without a rate."""
     manager = parameters(root, MANAGER)
     entry = None if manager is None else manager.children.get("update_rate")
     if manager is None or entry is None:
@@ -136,9 +137,9 @@ def control_period(root: YamlEntry) -> float | None:
 
 
 def _is_for(node: Node, place: Place, name: str) -> bool:
-    """Return whether parameters are for node ``name`` in the namespace ``place``."""
+    """Return whether a section is for the node ``name`` in the namespace ``place``."""
     if place is None:
-        # The file of a spawner may be for any namespace.
+        # A spawner's file may be for any namespace.
         return node.path[-1] == name or (
             node.path[-1] in _WILDCARDS and not node.is_single
         )
@@ -155,7 +156,7 @@ def _matches(pattern: Sequence[str], path: Sequence[str]) -> bool:
 
 
 def _overlay(target: YamlEntry, source: YamlEntry) -> None:
-    """Set the parameters of ``source``; a value replaces a mapping, and vice versa."""
+    """Copy the parameters of ``source``; values replace mappings, and vice versa."""
     for name, child in source.children.items():
         *outer, last = name.split(".")
         here = target

@@ -1,7 +1,8 @@
-"""Findings about a YAML of ros2_control: keys that no node reads, wrong types.
+"""Linting of ros2_control's YAML: keys that no node reads, and wrong types.
 
-ROS 2 ignores an unknown parameter silently.  One of another type, such as ``1`` where a
-double is declared, stops the controller; tool0 takes it, and reports it.
+ROS 2 ignores an unknown parameter silently.  A parameter of the wrong type, such as
+``1`` where a double is declared, keeps the controller from loading; tool0 accepts and
+reports it.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ _OF_MANAGER: Final = (
     *("defaults", "diagnostics", "overruns", "qos_overrides", "services"),
     *("start_type_description_service", "joint_limits"),
 )
-"""Parameters of the manager itself; the last one is tool0's."""
+"""Parameters of the manager itself; the last one is specific to tool0."""
 
 
 def lint(tree: Tree, joints: Collection[str] | None = None) -> tuple[Finding, ...]:
@@ -98,7 +99,7 @@ def _lint_controller(
 
 
 def _misnamed(root: YamlEntry) -> Iterator[Finding]:
-    """Yield parameters that no declared controller gets, though one has no others."""
+    """Yield parameters under wrong names, if a declared controller lacks parameters."""
     everything = [(place, declared_in(root, place)) for place in places(root)]
     known = {name for _, controllers in everything for name in controllers}
     for place, controllers in everything:
@@ -108,7 +109,7 @@ def _misnamed(root: YamlEntry) -> Iterator[Finding]:
 
 
 def _is_bare(root: YamlEntry, place: tuple[str, ...] | None, name: str) -> bool:
-    """Return whether a YAML has no parameters for a controller by its name."""
+    """Return whether a YAML has no parameters under a controller's exact name."""
     return not any(
         node.path in ((name,), (*(place or ()), name)) for node in nodes(root)
     )

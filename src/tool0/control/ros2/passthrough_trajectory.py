@@ -1,9 +1,9 @@
-"""PassthroughTrajectoryController of Universal Robots: the arm executes the points.
+"""Universal Robots' PassthroughTrajectoryController: the arm executes the points.
 
-It commands positions as the trajectory controller does, and follows splines: quintics
-between points with accelerations, cubics between points with velocities; points of
-positions alone are each reached at rest.  It takes one goal after another, and judges
-only where the arm is at the end.
+Like the trajectory controller, it commands positions and follows splines: quintics
+between points with accelerations, and cubics between points with velocities.  If points
+only have positions, the arm comes to rest at each of them.  The controller accepts one
+goal at a time, and only checks where the arm is at the end.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ from tool0.hardware.engine import JointState
 from tool0.protocol.goals import Goal, GoalResult, GoalStatus
 
 STOP_DECELERATION: Final = 4.0
-"""Deceleration of each joint after a cancel [rad/s²]."""
+"""Deceleration of each joint after a cancellation [rad/s²]."""
 MOST_JUMP: Final = 0.05
-"""Largest distance of a first point at time 0 from where the arm is [rad]."""
+"""Largest distance between the arm and a first point at time 0 [rad]."""
 _NUMBERS: Final = ("positions", "velocities", "accelerations")
 _DEACTIVATED: Final = GoalResult(
     status=GoalStatus.ABORTED,
@@ -52,7 +52,7 @@ _DEACTIVATED: Final = GoalResult(
 def parse(
     name: str, type_name: str, parameters: Namespace, robot: RobotJoints
 ) -> PassthroughTrajectorySpec:
-    """Return the checked parameters of such a controller."""
+    """Return the checked parameters of a PassthroughTrajectoryController."""
     prefix = parameters.text("tf_prefix", "")
     joints = controlled_joints(robot, parameters, Interface.POSITION)
     states = read_states(parameters, robot, joints, Interface.POSITION)
@@ -99,7 +99,7 @@ class PassthroughTrajectorySpec(JointTrajectorySpec):
 
 @final
 class PassthroughTrajectoryController(JointTrajectoryController):
-    """Follow one trajectory at a time; its goal decides what is judged at the end."""
+    """Follow one trajectory at a time; its goal sets the tolerances at the end."""
 
     _duration = 0.0
     """Duration of the goal's trajectory [s]."""
@@ -108,7 +108,8 @@ class PassthroughTrajectoryController(JointTrajectoryController):
         """Execute ``goal`` and return its handle, or reject it.
 
         Raises:
-            GoalRejectedError: Also if another goal is being executed.
+            GoalRejectedError: If the goal is invalid, or another goal is being
+                executed.
         """
         if isinstance(goal, TrajectoryGoal):
             if self._monitor is not None and self._monitor.goal is not None:
@@ -122,7 +123,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
         return handle
 
     def stop_where_it_is(self, state: JointState, reason: str) -> None:
-        """Slow the joints down from their measured motion; abort the goal."""
+        """Slow the joints down from their measured motion, and abort the goal."""
         self.observe(state)
         self._finish(
             GoalResult(
@@ -139,7 +140,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
         super().stop()
 
     def _checked(self, goal: TrajectoryGoal, now: float) -> TrajectoryGoal:
-        """Return a goal as the arm executes it, or reject it."""
+        """Return a goal in the form that the arm executes, or reject it."""
         joints = self.spec.joints
         if goal.points:
             _check_sizes(goal, len(joints))
@@ -153,7 +154,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
         return replace(goal, points=points, stamp=None)
 
     def _check_first(self, goal: TrajectoryGoal, now: float) -> None:
-        """Reject a goal that starts elsewhere: the arm cannot jump."""
+        """Reject a goal that starts elsewhere, since the arm cannot jump."""
         names = goal.joint_names or self.spec.joints
         place = dict(
             zip(self.spec.joints, self.query_state(now).positions, strict=True)
@@ -166,7 +167,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
                 )
 
     def _tolerances_of(self, goal: TrajectoryGoal) -> TrajectoryTolerances:
-        """Return those of the goal: the controller has none, and none of the path."""
+        """Return the goal's own tolerances at its end; the controller has no others."""
         return TrajectoryTolerances(
             joints={
                 name: JointTolerances(goal=as_tolerance(given))
@@ -181,7 +182,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
         super()._end(self._worded(result), time, errors)
 
     def _worded(self, result: GoalResult) -> GoalResult:
-        """Return a result in the words of this controller."""
+        """Return a result with this controller's wording."""
         text = result.error_string
         if result.status is GoalStatus.SUCCEEDED:
             text = (
@@ -194,7 +195,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
 
 
 def _check_sizes(goal: TrajectoryGoal, n_joints: int) -> None:
-    """Reject points without a number for every joint, or with other kinds of them."""
+    """Reject points with missing values, or with other kinds than the first point."""
     first = goal.points[0]
     for number, point in enumerate(goal.points, 1):
         for kind in _NUMBERS:

@@ -1,8 +1,8 @@
-"""The substitutions of ROS 2's launch files in a YAML: ``$(var NAME)`` and others.
+"""Substitutions of ROS 2's launch files in YAML: ``$(var NAME)`` and others.
 
-ROS 2 replaces them in files that a launch file passes with ``allow_substs``, in the
-text, before it is read as YAML.  A bring-up has no launch file, and replaces them in
-every file for ROS 2; its variables are the arguments of the robot.
+ROS 2 replaces them in files that a launch file passes with ``allow_substs``, before the
+text is parsed as YAML.  A bring-up has no launch file, so it replaces them in every
+file for ROS 2; the variables are the robot's arguments.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ _COMMENT: Final = re.compile(r"(?:^|\s)#.*")
 def substituted(text: str, variables: Mapping[str, str], start: SourceLocation) -> str:
     """Return a YAML text for ROS 2 with values instead of ``$(var NAME [DEFAULT])``.
 
-    So are ``$(env NAME [DEFAULT])`` and ``$(find-pkg-share PACKAGE)`` replaced, outside
-    of comments.  A text for ROS 1 stays as it is.
+    ``$(env NAME [DEFAULT])`` and ``$(find-pkg-share PACKAGE)`` are replaced, too.
+    Comments and texts for ROS 1 stay as they are.
 
     Raises:
-        ConfigError: If one has neither a value nor a default; ``start`` is the location
-            of the first line.
+        ConfigError: If a substitution has neither a value nor a default.  ``start`` is
+            the location of the first line.
     """
     if PARAMETERS not in text:
         return text

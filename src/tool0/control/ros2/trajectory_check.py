@@ -1,8 +1,8 @@
-"""Checks of a trajectory for a controller of ROS 2, and its tolerances.
+"""Checks of a trajectory for a ROS 2 controller, and its tolerances.
 
-Wordings and their order are those of ROS 2's joint_trajectory_controller.  Beyond it,
-which accepts them, these are refused: numbers that are not finite, joints named twice,
-and positions beyond the joint's limits.
+Messages and their order are those of ROS 2's joint_trajectory_controller.  Unlike it,
+these checks also reject numbers that are not finite, joints named twice, and positions
+beyond the joint's limits.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from tool0.protocol.trajectories import TrajectoryPoint
 logger = logging.getLogger(__name__)
 
 EPSILON = 1.1920929e-07
-"""A number counts as 0 or as -1 within the rounding of single precision, as in ROS."""
+"""Tolerance within which a number counts as 0 or -1: single precision, as in ROS."""
 ERASED = -1.0
-"""A goal's tolerance that switches the controller's off."""
+"""Tolerance in a goal that switches off the controller's tolerance."""
 
 
 class Acceptance(NamedTuple):
@@ -32,17 +32,17 @@ class Acceptance(NamedTuple):
 
     joints: tuple[str, ...]
     allows_partial: bool = False
-    """Goals that name some of the joints only."""
+    """Whether goals may name only some of the joints."""
     allows_moving_end: bool = False
-    """A last point with velocities."""
+    """Whether the last point may have velocities other than 0."""
     allows_integration: bool = False
-    """Points without positions."""
+    """Whether points may lack positions."""
 
 
 def check_goal(goal: TrajectoryGoal, rules: Acceptance, now: float) -> tuple[str, ...]:
-    """Return the joints of the goal's numbers, or reject the goal.
+    """Return the joints that the points' values belong to, or reject the goal.
 
-    ``now`` [s] is the time of the coming update.
+    ``now`` [s] is the time of the next update.
     """
     joints = rules.joints
     names = joints if goal.joint_names is None else tuple(goal.joint_names)
@@ -143,10 +143,10 @@ def _invalid_joints(text: str) -> GoalRejectedError:
 def override_tolerances(
     goal: TrajectoryGoal, defaults: TrajectoryTolerances, controller: str
 ) -> TrajectoryTolerances:
-    """Return the tolerances of a controller with those of a goal.
+    """Return a controller's tolerances, with those of a goal applied.
 
-    A goal's tolerance replaces the default if it is positive, and erases it if it is
-    -1; 0 keeps it.  After anything else all defaults hold, which is logged.
+    A positive tolerance in the goal replaces the default, -1 switches it off, and 0
+    keeps it.  If there is any other value, an error is logged, and all defaults apply.
     """
     grace = _resolved(defaults.goal_time, goal.goal_time_tolerance or 0.0)
     if grace is None:
@@ -195,7 +195,7 @@ def _override(default: Tolerance, override: ToleranceOverride) -> Tolerance | No
 
 
 def _resolved(default: float, wanted: float) -> float | None:
-    """Return the tolerance that holds, or None for an illegal one."""
+    """Return the tolerance that applies, or None for an illegal value."""
     if wanted > 0.0:
         return wanted
     if abs(wanted - ERASED) < EPSILON:
@@ -206,9 +206,10 @@ def _resolved(default: float, wanted: float) -> float | None:
 def active_tolerances(
     tolerances: TrajectoryTolerances, joints: Sequence[str], *, by_velocity: bool
 ) -> tuple[tuple[Tolerance, ...], tuple[Tolerance, ...]]:
-    """Return the tolerances that are checked: on the path and at the goal, by joint.
+    """Return the tolerances to check, on the path and at the goal, of each joint.
 
-    Velocities count only where they or efforts are commanded.
+    Velocities are checked only if ``by_velocity`` is set, as for controllers that
+    command velocities or efforts.
     """
     all_of = [tolerances.of(joint) for joint in joints]
     path, at_goal = [one.path for one in all_of], [one.goal for one in all_of]

@@ -1,4 +1,4 @@
-"""The gains of ROS 2's JointTrajectoryController: those of control_toolbox."""
+"""The gains of ROS 2's JointTrajectoryController, which uses control_toolbox."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ _UNWINDING = {
     "back_calculation": Unwinding.BACK_CALCULATION,
     "legacy": Unwinding.NONE,
 }
-"""Strategy against windup by the parameter; the first is the default.  Only Jazzy has
-``legacy``."""
+"""Values of the parameter for the anti-windup strategy; the first is the default.  Only
+Jazzy has ``legacy``."""
 _OTHER_GAINS = (
     *("u_clamp_min", "u_clamp_max", "saturation", "error_deadband", "save_i_term"),
     *("antiwindup", "antiwindup_strategy", "tracking_time_constant"),
     *("angle_wraparound", "normalize_error"),
 )
-"""Gains that some version of ROS 2 reads besides."""
+"""Further gains that some versions of ROS 2 read."""
 
 
 def read_joint_gains(
     parameters: Namespace, joints: Sequence[Joint]
 ) -> tuple[tuple[Gains, ...], tuple[float, ...]]:
-    """Return the gains of each joint, and its feed-forward of the velocity."""
+    """Return the gains of each joint, and its velocity feed-forward factor."""
     found = [_gains_of(parameters, f"gains/{joint.name}") for joint in joints]
     feed_forward = [
         parameters.number(f"gains/{joint.name}/ff_velocity_scale", 0.0)
@@ -43,7 +43,7 @@ def read_joint_gains(
 
 
 def _gains_of(parameters: Namespace, path: str) -> Gains:
-    """Return the gains at ``path``; the integral is clamped itself, as in ROS 2."""
+    """Return the gains at ``path``; as in ROS 2, the integral itself is clamped."""
     number = parameters.number
     p, i, d = (number(f"{path}/{gain}", 0.0) for gain in ("p", "i", "d"))
     symmetric = abs(_bound(parameters, f"{path}/i_clamp", UNLIMITED))
@@ -76,7 +76,7 @@ def _gains_of(parameters: Namespace, path: str) -> Gains:
 
 
 def _tracking_time(p: float, i: float, d: float) -> float:
-    """Return the default of control_toolbox for a tracking time constant of 0 [s]."""
+    """Return control_toolbox's tracking time constant if the parameter is 0 [s]."""
     ratio = (math.sqrt(d / i) if d / i > 0.0 else p / i) if i else 1.0
     return ratio if ratio > 0.0 else 1.0
 
@@ -90,7 +90,7 @@ def _bound(parameters: Namespace, path: str, default: float) -> float:
 
 
 def choice(parameters: Namespace, path: str, valid: tuple[str, ...]) -> str:
-    """Return the text at ``path``, one of the valid ones; the first by default."""
+    """Return the string at ``path``, one of ``valid``; the first is the default."""
     text = parameters.text(path, valid[0])
     entry = parameters.find(path)
     if entry is not None and text not in valid:

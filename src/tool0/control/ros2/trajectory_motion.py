@@ -1,6 +1,6 @@
-"""The motion of the joints along a trajectory of ROS 2, and to rest.
+"""The motion of joints along a trajectory of ROS 2, and to rest.
 
-Times are those of the trajectory: simulated time, or less where its speed was scaled.
+Times are trajectory times, which lag behind simulated time if the speed was scaled.
 """
 
 from __future__ import annotations
@@ -34,29 +34,29 @@ from tool0.description.model import Joint
 
 
 class Course(NamedTuple):
-    """A trajectory and when it starts."""
+    """A trajectory and its start time."""
 
     goal: TrajectoryGoal
     names: tuple[str, ...]
-    """The joints of its numbers."""
+    """The joints that the points' values belong to."""
     start: float
     """Start time [s]."""
     is_stepped: bool
-    """Whether the points are sent as they are."""
+    """Whether points are commanded as they are, without interpolation."""
 
     def integrated(self, origins: Mapping[str, Motion]) -> Course:
-        """Return it with positions that follow from velocities or accelerations."""
+        """Return the course with positions integrated where points lack them."""
         return self._replace(goal=_integrated(self.goal, self.names, origins))
 
     def first_ahead(self, leave: float) -> int:
-        """Return the number of the first point later than ``leave`` [s]."""
+        """Return the index of the first point later than ``leave`` [s]."""
         return bisect_right(self.goal.times, leave, key=self.start.__add__)
 
     def section(self, joint: Joint, leave: float, origin: Motion) -> SplineSection:
         """Return a joint's motion from its ``origin`` at ``leave`` [s] to the end.
 
-        It glides to the first point that is ahead, unless that is not the first of
-        all: then it is on its way between two points already.
+        If the next point is the first of the trajectory, the joint moves there from its
+        ``origin``.  Otherwise, it is already on its way between two points.
 
         Raises:
             GoalRejectedError: If a segment is implausible.
@@ -67,7 +67,7 @@ class Course(NamedTuple):
         return self._through(motion_at(points, column, turn), leave, origin, turn)
 
     def rest(self, position: float, leave: float, origin: Motion) -> SplineSection:
-        """Return the motion of a joint that it does not name, and that is to rest."""
+        """Return the motion to rest of a joint that the trajectory does not name."""
 
         def held(number: int) -> Motion:
             point = self.goal.points[number]
@@ -104,14 +104,15 @@ def splines_at_once(
     origins: Mapping[str, Motion],
     held: Mapping[str, float],
 ) -> list[JointSpline]:
-    """Return the splines of a trajectory that ends everything before it.
+    """Return the splines of a trajectory that replaces all previous motion.
 
     Args:
         joints: Joints of the controller.
         course: The trajectory.
-        time: When its execution starts [s].
-        origins: The motion of each joint then.
-        held: Positions at which joints that it does not name stay [rad | m].
+        time: Time at which its execution starts [s].
+        origins: Motion of each joint at that time.
+        held: Positions at which joints that the trajectory does not name stay [rad |
+            m].
 
     Raises:
         GoalRejectedError: If a segment is implausible.
@@ -132,10 +133,10 @@ def splines_at_once(
 def splines_spliced(
     joints: Sequence[Joint], running: Splines, course: Course, now: float
 ) -> list[JointSpline]:
-    """Return the splines of a trajectory that follows the ``running`` ones.
+    """Return the splines of a trajectory that continues the ``running`` ones.
 
-    These are executed from ``now`` [s] until it starts, and by joints that it does not
-    name for good.
+    The running splines are executed from ``now`` [s] until the trajectory starts.
+    Joints that it does not name keep following them.
 
     Raises:
         GoalRejectedError: If a segment is implausible.
@@ -173,9 +174,10 @@ def decelerated(
 def _integrated(
     goal: TrajectoryGoal, names: Sequence[str], origins: Mapping[str, Motion]
 ) -> TrajectoryGoal:
-    """Return the goal with the positions that follow from velocities, accelerations.
+    """Return the goal with positions integrated where points lack them.
 
-    Between two points these count with their mean, as in ROS.
+    They follow from the velocities or accelerations; between two points, the mean of
+    both is used, as in ROS.
     """
     if all(point.positions for point in goal.points):
         return goal
@@ -206,10 +208,10 @@ def _integrated(
 
 
 def upsampled(goal: TrajectoryGoal, frequency: float) -> TrajectoryGoal:
-    """Return a goal of positions with the velocities of a smooth cubic spline.
+    """Return a goal of positions with velocities from a smooth cubic spline.
 
-    It starts and ends at rest, and its accelerations are continuous.  Points without
-    times get those of the ``frequency`` [Hz], if that is not 0.
+    The spline starts and ends at rest, and its accelerations are continuous.  If the
+    points have no times, and ``frequency`` [Hz] is not 0, it determines their times.
     """
     points = list(goal.points)
     is_plain = map(attrgetter("velocities", "accelerations"), points)
@@ -238,8 +240,8 @@ def upsampled(goal: TrajectoryGoal, frequency: float) -> TrajectoryGoal:
 def _smooth_velocities(q: Sequence[float], steps: Sequence[float]) -> list[float]:
     """Return the velocities of the cubic spline through ``q`` that rests at both ends.
 
-    Each inner knot has one equation: the accelerations on both sides are equal.  They
-    are solved by elimination from the front and substitution from the back.
+    Each inner knot gives one equation: the accelerations on both sides are equal.  The
+    system is solved by forward elimination and back substitution.
     """
     upper, right = [0.0], [0.0]
     for k in range(1, len(q) - 1):

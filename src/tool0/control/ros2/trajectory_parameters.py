@@ -1,7 +1,7 @@
-"""The parameters of ROS 2's JointTrajectoryController, as it declares them.
+"""The parameters that ROS 2's JointTrajectoryController declares.
 
-``allow_trajectory_replacement`` has the default of ROS 2 Lyrical; ``false`` behaves as
-Jazzy and Kilted, which do not have it.
+``allow_trajectory_replacement`` has the default of ROS 2 Lyrical; ``false`` behaves
+like Jazzy and Kilted, which do not have this parameter.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ logger = logging.getLogger(__name__)
 _STATES = ("position", "velocity", "acceleration")
 _COMMANDS = (*_STATES, "effort")
 SPEED_SCALING = "speed_scaling/speed_scaling_factor"
-"""The state interface of an arm with its factor, after the arm's prefix."""
+"""Name, without the arm's prefix, of the state interface with its speed factor."""
 _ADJUSTABLE = (
     "allow_partial_joints_goal",
     "allow_trajectory_replacement",
@@ -63,9 +63,9 @@ def parse(
     goal_time = parameters.not_negative("constraints/goal_time", 0.0)
     tolerances = TrajectoryTolerances(
         joints=read_tolerances(parameters, joints, robot),
-        goal_time=goal_time or math.inf,  # 0 waits for ever
+        goal_time=goal_time or math.inf,  # 0 means to wait for ever
     )
-    # Between two controllers the brakes hold the measured position anyway.
+    # Between two controllers, the brakes hold the measured position anyway.
     parameters.boolean("set_last_command_interface_value_as_state_on_activation", True)
     parameters.mark_adjustable(
         *_ADJUSTABLE,
@@ -121,7 +121,7 @@ def parse(
 
 
 def _choices(parameters: Namespace, path: str, valid: Sequence[str]) -> tuple[str, ...]:
-    """Return the kinds of interfaces that a parameter lists, each of them once."""
+    """Return the kinds of interfaces in a parameter, which must list each only once."""
     kinds = parameters.texts(path)
     entry = parameters.find(path)
     for kind, item in zip(kinds, entry.items if entry else (), strict=True):
@@ -137,7 +137,7 @@ def _choices(parameters: Namespace, path: str, valid: Sequence[str]) -> tuple[st
 
 
 def _command_interface(parameters: Namespace, kinds: tuple[str, ...]) -> Interface:
-    """Return the interface that drives the joints; others are only claimed."""
+    """Return the interface that drives the joints; the others are only claimed."""
     for offered in (("position", "velocity"), *((kind,) for kind in INTERFACE_OF_NAME)):
         if sorted(kinds) == sorted(offered):
             return INTERFACE_OF_NAME[offered[0]]
@@ -158,8 +158,8 @@ def read_states(
     """Return the kinds of state interfaces that ``state_interfaces`` lists.
 
     Raises:
-        ConfigError: If a joint lacks one, or it lacks what a controller of
-            ``interface`` needs.
+        ConfigError: If a joint lacks a listed interface, or the list lacks one that a
+            controller of ``interface`` needs.
     """
     kinds = _choices(parameters, "state_interfaces", _STATES)
     entry = parameters.find("state_interfaces") or parameters.entry
@@ -201,7 +201,7 @@ def _check_command_joints(parameters: Namespace, joints: Sequence[Joint]) -> Non
 def _speed_interface(
     type_name: str, parameters: Namespace, robot: RobotJoints
 ) -> str | None:
-    """Return the prefix of the arm whose speed scaling counts; None for none."""
+    """Return the prefix of the arm whose speed scaling applies; None without one."""
     path, default = "speed_scaling/state_interface", ""
     if type_name.endswith("/ScaledJointTrajectoryController"):
         path = "speed_scaling_interface_name"
@@ -217,8 +217,8 @@ def speed_prefix(
     """Return the prefix of the arm whose speed scaling has this state interface.
 
     Raises:
-        ConfigError: If no arm has one of this ``name``, which the parameter at ``path``
-            gives.
+        ConfigError: If no arm has a state interface with this ``name``, which is the
+            value of the parameter at ``path``.
     """
     valid = [f"{prefix}{SPEED_SCALING}" for prefix in robot.speed_scaling or ("",)]
     if name not in valid:
@@ -237,7 +237,7 @@ def speed_prefix(
 def _deceleration(
     parameters: Namespace, joints: Sequence[Joint], states: Sequence[str]
 ) -> tuple[float, ...]:
-    """Return the deceleration of a stop by joint; nothing if positions are held."""
+    """Return each joint's deceleration in a stop; empty if positions are held."""
     rates = tuple(
         parameters.not_negative(
             f"constraints/{joint.name}/max_deceleration_on_cancel", 0.0
@@ -265,7 +265,7 @@ def _deceleration(
 
 
 def _command_timeout(parameters: Namespace, goal_time: float) -> float:
-    """Return after which time without a command the robot holds [s]; inf is never."""
+    """Return the time after which the position is held [s]; inf means never."""
     timeout = parameters.number("cmd_timeout", 0.0)
     if timeout > goal_time:
         return timeout

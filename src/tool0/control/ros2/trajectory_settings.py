@@ -1,4 +1,4 @@
-"""Replacement and speed of the trajectories of a controller of ROS 2."""
+"""Replacement and speed of trajectories of a ROS 2 controller."""
 
 from __future__ import annotations
 
@@ -13,37 +13,41 @@ from tool0.errors import ControlError
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Replacement:
-    """Rules by which a trajectory replaces the one in execution."""
+    """Rules by which a trajectory replaces the one that is being executed."""
 
     is_spliced: bool = True
-    """``allow_trajectory_replacement``: it follows the desired motion where it starts,
-    and joints that it does not name go on.  Otherwise everything ends at once."""
+    """``allow_trajectory_replacement``: whether a new trajectory continues the desired
+    motion from its start on, while joints that it does not name continue theirs.
+    Otherwise, all previous motion ends at once."""
     from_desired: bool = False
-    """``interpolate_from_desired_state``, not from the measured motion."""
+    """``interpolate_from_desired_state``: whether motions start from the desired
+    instead of the measured motion."""
     is_stepped: bool = False
-    """``interpolation_method: none``: the points are sent as they are."""
+    """``interpolation_method: none``: whether points are commanded as they are."""
     upsamples: bool = False
-    """``positions_upsampling.enable``: positions of the topic become smooth."""
+    """``positions_upsampling.enable``: whether positions from the topic are
+    smoothed."""
     policy_frequency: float = 0.0
-    """Rate of points without times [Hz]; 0 is none."""
+    """Rate that determines the times of points without times [Hz]; 0 for none."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpeedSource:
-    """Source of the factor of the trajectories' speed."""
+    """Source of the speed factor of trajectories."""
 
     initial: float = 1.0
-    """The factor until the topic sets another one."""
+    """Factor until the topic sets another one."""
     is_settable: bool = True
-    """Whether the topic may: only if nothing but positions is commanded."""
+    """Whether the topic may set the factor, which requires that only positions are
+    commanded."""
     factors: Mapping[str, float] = field(default_factory=dict)
-    """The present factors of the arms, by prefix."""
+    """Current factors of the arms, by prefix."""
     prefix: str | None = None
-    """Prefix of the arm whose factor counts; None for the topic's factor."""
+    """Prefix of the arm whose factor applies; None for the topic's factor."""
 
     def factor(self, settable: float) -> float:
-        """Return trajectory time per simulated time; ``settable`` is the topic's."""
+        """Return the factor in effect; ``settable`` is the factor of the topic."""
         return settable if self.prefix is None else self.factors.get(self.prefix, 1.0)
 
     def check(self, factor: float, controller: str) -> None:
