@@ -56,8 +56,8 @@ FADE_SPEED: Final = 0.05
 """Largest speed that a fading difference adds to a joint [rad/s], so that an arm that
 catches up is hardly faster than the speed slider allows."""
 FAR: Final = 0.1
-"""Time by which the last knot is ahead for a curve, except near its end, but never for
-a stream [s]."""
+"""Time that tells curves from streams [s]: only a curve's last knot is ever further
+ahead than this."""
 MOST_JUMP: Final = (0.1, 1.5)
 """Largest difference between new knots and the present motion [rad, rad/s]; if it is
 larger, the arm slows down to rest instead of following the knots."""
