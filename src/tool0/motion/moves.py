@@ -10,9 +10,9 @@ The rules are those of the URScript manual (e-Series 5.x; CB3 3.x has the same o
 * Speed is a trapezoid over time, or a triangle.  A time ``t`` replaces ``a`` and ``v``;
   the manual does not say how; here each ramp from or to rest takes a quarter of ``t``.
 * A move with a radius ``r`` ends where the tool comes within ``r`` of its target, and
-  the next one begins no farther than that from it.  The speed at which the blend begins
-  does not depend on the next move, so the arm can still stop at the target; it does if
-  there is no next move.
+  the next move is entered no farther away than that.  The speed at which the blend
+  begins does not depend on the next move, so the arm can still stop at the target; it
+  does if there is no next move.
 * Between two movej the blend is a smooth curve of the joints, otherwise of the tool;
   between two movep it is an arc at constant speed.
 * If blends overlap, UR skips the waypoint with a warning; here both become smaller,

@@ -318,7 +318,7 @@ class _Record:
 
     def path(self, joint_names: tuple[str, ...]) -> Path:
         times, q, qd = (np.concatenate(rows) for rows in zip(*self._parts, strict=True))
-        # Phases may be shorter than the times of a simulation can tell apart.
+        # Phases may be shorter than the resolution of simulated times.
         keep = np.append(np.diff(times) > _SAME_TIME, True)
         keep[0] = True
         return Path(

@@ -239,7 +239,7 @@ class RosNode:
         uri = self.uri
         rospy.signal_shutdown("the bring-up ended")
         with contextlib.suppress(RosUnavailableError):
-            # A name that a thread of rospy's registers meanwhile would stay.
+            # Names that a rospy thread registers meanwhile would remain.
             self.master.unregister_all(uri)
 
 

@@ -57,7 +57,8 @@ class MimicConstraint:
     multiplier: float
     """Ratio of the mimic joint's position to the other joint's position."""
     is_gearbox: bool
-    """Whether a gearbox joint is exact, as both links keep the same orientation."""
+    """Whether a gearbox joint couples the two joints exactly; otherwise the bridge does
+    it."""
 
 
 def mimic_constraints(

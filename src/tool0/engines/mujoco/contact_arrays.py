@@ -19,7 +19,7 @@ AXES = np.arange(6)
 class ContactArrays(NamedTuple):
     """m contacts, each the resultant of all contact points of a pair in one world.
 
-    Names and order of the fields are those of ``Contact``.
+    The fields have the names and the order of ``Contact``.
     """
 
     world: NDArray[np.intp]
@@ -162,8 +162,8 @@ def _points(world: MujocoWorld, first: Names | None, second: Names | None) -> _P
     """Return the contact points between ``first`` and ``second``."""
     rows, is_reversed = _rows(world, first, second)
     contacts, forces = world.data.contact, world.data.efc_force
-    # The cone is elliptic: rows of constraints are the normal force, those along the
-    # other axes of the frame, and the torques about its axes, as many as ``dim`` says.
+    # The cone is elliptic: the first ``dim`` of these constraint rows exist, namely the
+    # normal force, the forces along the frame's other axes and the torques about them.
     is_there = contacts.dim[rows, None] > AXES
     places = np.where(is_there, contacts.efc_address[rows, None] + AXES, 0)
     return _Points(

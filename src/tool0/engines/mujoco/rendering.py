@@ -319,8 +319,8 @@ def _furnish(spec: Any, width: int, height: int) -> None:
     spec.visual.quality.shadowsize = shadow_size(width, height)
     if max(width, height) <= SMALL:
         spec.visual.quality.numslices, spec.visual.quality.numstacks = ROUND
-    # With several samples per pixel, the depth would be that of an off-centre sample:
-    # millimetres wrong on a steep face.  Rendering would also take twice as long.
+    # With several samples per pixel, the depth would come from an off-centre sample and
+    # be wrong by millimetres on a steep face.  Rendering would also take twice as long.
     spec.visual.quality.offsamples = 0
     spec.visual.map.shadowscale = 0.3  # of the lamp's cone: 1.8 m around on the ground
     spec.visual.headlight.specular = [0.1, 0.1, 0.1]
@@ -332,8 +332,7 @@ def _have_same_kinds(
 ) -> bool:
     """Return whether two scenes differ only in sizes and colours, if at all.
 
-    Mass and friction are ignored, as they are not visible, and poses, as they are
-    states.
+    This ignores mass and friction, which are not visible, and poses, which are states.
     """
     return len(some) == len(others) and all(
         one.name == other.name

@@ -41,7 +41,7 @@ def excluded_pairs(
     for link in at_rest:
         for body in bodies:
             child = body.joint.child
-            # MuJoCo itself leaves out bodies at one joint, but for those at rest
+            # MuJoCo itself excludes bodies that share a joint, except bodies at rest
             is_adjacent = body.joint.parent == link.name
             if is_adjacent or not (link.name in colliding and child in colliding):
                 yield body_at_rest(link.name), child

@@ -112,8 +112,8 @@ class WarpWorlds:
                 kind = getattr(self._model, name).dtype
                 setattr(self._model, name, wp.array(rows, dtype=kind))
             # All worlds share the memory of contacts.  It has room for all contacts
-            # that one of them can have, beside those of the others; the rows of
-            # constraints, of which each world has its own, overflow before that.
+            # that one world can have in addition to the usual number of the others.
+            # The constraint rows, which each world has separately, overflow earlier.
             most = CONTACTS_PER_PAIR * len(self._model.nxn_geom_pair_filtered)
             self._data = data = mujoco_warp.make_data(
                 model,

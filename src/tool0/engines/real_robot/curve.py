@@ -113,7 +113,7 @@ class CurveSender:
             self._send_anew(wanted, now, step)
             return
         if self._has_changed(wanted, now, step):
-            # What changes all the time, as with the slider, is not sent all the time.
+            # Continual changes, such as from the slider, are not sent continually.
             is_due = step - self._renewed >= self._renewal
             if is_due or not self._is_close(wanted, now, step):
                 self._send_anew(wanted, now, step)

@@ -75,7 +75,7 @@ class DeclaredWorld:
 
 
 def _still(item: SceneObject) -> SceneObject:
-    """Return an object, or raise EngineError if it could move, as this is not seen."""
+    """Return an object, or raise EngineError if it has a mass and could move unseen."""
     if item.mass is not None:
         raise EngineError(
             f"{UNKNOWN}'{item.name}' has a mass and could move; declare it without"

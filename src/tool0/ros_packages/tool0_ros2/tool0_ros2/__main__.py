@@ -66,7 +66,7 @@ def _run(options: argparse.Namespace, rest: list[str]) -> int:
         connection = Connection(options.name, wait=options.wait)
         robot.start(connection, options)
         gc.collect()
-        gc.freeze()  # what exists now stays: nothing to look through 500 times a second
+        gc.freeze()  # do not scan present objects 500 times a second
         _report(ready=True, node=robot.node.get_fully_qualified_name())
         robot.has_ended.wait()
     except (TransportError, RequestFailedError) as error:

@@ -91,8 +91,8 @@ class Rate:
         period, elapsed = self._period, now - self._last
         if period is None or 0.0 <= elapsed < period - 1e-6:
             return False
-        # Multiples of the period: so does a rate hold that the updates' is no multiple
-        # of.
+        # Stay on multiples of the period, so that the mean rate is right even if the
+        # rate of updates is not a multiple of it.
         is_regular = 0.0 <= elapsed < 2.0 * period
         self._last = self._last + period if is_regular else now
         return True

@@ -32,7 +32,7 @@ class FreedrivePart:
             clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
         self._timer.cancel()
-        self._end()  # that which an earlier node has left
+        self._end()  # end what an earlier node has left on
 
     def wants(self) -> Sequence[str]:
         return ()
