@@ -45,20 +45,20 @@ class EngineDefinition:
     create: Callable[[RobotDescription, EngineSettings, Any], Engine]
     """Start the engine with a robot, from settings and an instance of ``options``.
 
-    It imports the simulator.  It raises ConfigError for unsupported settings, and
+    This imports the simulator, and raises ConfigError for unsupported settings or
     EngineUnavailableError if the simulator is missing.
     """
     package: str | None = None
-    """The Python package whose version decides the results; None if none does."""
+    """The Python package whose version affects the results; None without one."""
     is_deterministic: bool = False
-    """Whether equal input gives bit-identical results."""
+    """Whether the same input gives bit-identical results."""
     is_real: bool = False
-    """Whether it is a real robot, and no physics."""
+    """Whether the engine is a real robot rather than physics."""
     runs_batches: bool = False
     """Whether ``tool0.Batch`` simulates its copies with this engine."""
 
     def versions(self) -> dict[str, str]:
-        """Return the version of ``package`` by its name; empty without a package."""
+        """Return ``package`` with its version; empty without a package."""
         if self.package is None:
             return {}
         return {self.package: python_package_version(self.package) or "not installed"}
@@ -73,7 +73,7 @@ class MujocoEngineOptions:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GazeboEngineOptions:
-    """The options of Gazebo only."""
+    """Options that only Gazebo has."""
 
     world: Path | str | None = None
     """A world file; None for an empty world with the ground at z = 0."""
@@ -194,7 +194,7 @@ def make_engine(
         options: Fields of the engine's own options that differ from their defaults.
 
     Raises:
-        EngineUnavailableError: If there is no such engine, or it cannot start here.
+        EngineUnavailableError: If there is no such engine, or if it cannot start here.
         ConfigError: If the engine has no such option, or cannot simulate the robot.
         ModelError: If the engine rejects the robot or an object.
     """

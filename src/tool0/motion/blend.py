@@ -21,10 +21,10 @@ from tool0.description.transform_arrays import (
 from tool0.kinematics.chain import Array
 
 TURN_RATIO = 4.0
-"""Angular speed of a tool for each speed [rad/m]; see ``moves``."""
+"""Angular speed of a tool per linear speed [rad/m]; see ``moves``."""
 _METRIC = np.array([1.0, 1.0, 1.0, *[1.0 / TURN_RATIO] * 3])
 _SHARPEST_ARC = -0.5
-"""Cosine of the largest turn of an arc, which is 120°."""
+"""Cosine of the largest angle by which an arc turns (120°)."""
 
 
 class ToolState(NamedTuple):
@@ -38,7 +38,7 @@ class ToolState(NamedTuple):
 
 @final
 class BlendPath:
-    """Blend from one path into another; s is the part of its time, from 0 to 1."""
+    """Blend from one path into another; s is the fraction of its time, 0 … 1."""
 
     noun = "blend"
 
@@ -56,9 +56,9 @@ class BlendPath:
             start: State in which the first path is left.
             end: State in which the second path is entered.
             T_base_waypoint: Pose of the tool where the two paths meet.
-            is_arc: Whether the tool follows a circular arc, and s is the part of its
-                length; start and end must be equally far from the waypoint, on
-                straight lines.
+            is_arc: Whether the tool follows a circular arc, with s as the fraction of
+                its length; start and end must then lie on straight lines, equally far
+                from the waypoint.
         """
         self._R, self._p = T_base_waypoint[:3, :3], T_base_waypoint[:3, 3]
         here, there = self._relative(start), self._relative(end)
@@ -72,18 +72,18 @@ class BlendPath:
             ways = np.linalg.norm([here[0] * _METRIC, there[0] * _METRIC], axis=1)
             speeds = np.linalg.norm([here[1] * _METRIC, there[1] * _METRIC], axis=1)
             self.duration = 2.0 * float(ways.sum() / speeds.sum())
-            """[s], at the mean of both speeds."""
+            """Duration [s], at the mean of the two speeds."""
             scales = np.full(2, self.duration)
             self.length = float(
                 np.linalg.norm([here[0][:3], there[0][:3]], axis=1).sum()
             )
-            """Roughly [m]."""
+            """Approximate length of the blend [m]."""
         self._controls = np.array(
             [here[0], here[1] * scales[0], there[0], there[1] * scales[1]]
         )
         turns = np.linalg.norm([here[0][3:], there[0][3:]], axis=1)
         self.angle = float(turns.sum())
-        """Roughly [rad]."""
+        """Approximate angle by which the tool turns [rad]."""
 
     def tool(self, s: Array) -> Array:
         """Return the tool's pose at each s, shape (n, 4, 4)."""
@@ -145,7 +145,7 @@ class BlendPath:
 
 @final
 class _Arc:
-    """The arc that touches two lines which meet at the origin."""
+    """The arc tangent to two lines that meet at the origin."""
 
     def __init__(self, start: Array, entry: Array, exit: Array) -> None:
         """Take the start [m] and the directions of both lines there, shape (3,)."""
@@ -175,7 +175,7 @@ class _Arc:
 def has_arc(entry: Array, exit: Array) -> bool:
     """Return whether lines with these directions are joined by an arc.
 
-    In sharper corners its acceleration would be far above that of the parabola.
+    In sharper corners, an arc needs far more acceleration than a parabola.
     """
     cosine = float(entry @ exit) / float(np.linalg.norm(entry) * np.linalg.norm(exit))
     return cosine > _SHARPEST_ARC

@@ -11,7 +11,7 @@ from tool0.errors import UnreachableError
 from tool0.kinematics.chain import Array
 
 _STRAIGHT = 1e-4
-"""Sine of the angle at the start, below which three points are on a line."""
+"""Sine of the angle at the start below which three points count as collinear."""
 
 
 @final
@@ -37,8 +37,8 @@ class CirclePath:
             start: Pose of the tool at the start.
             via: A point of the arc between start and end.
             end: Pose of the tool at the end; in mode 1 only its position is used.
-            mode: 0: the orientation is interpolated, turning about one axis; 1: it
-                keeps its angle to the arc's tangent, as at the start.
+            mode: 0: the orientation is interpolated by turning about one axis; 1: the
+                tool keeps the angle to the arc's tangent that it has at the start.
 
         Raises:
             UnreachableError: If the three points are on a line.

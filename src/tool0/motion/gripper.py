@@ -11,8 +11,8 @@ from tool0.description.model import ParallelGripper
 from tool0.motion.path import Path
 
 RAMP_TIME = 1.0 / 15.0
-"""Time in which the pads reach their full speed, and stop from it [s]: a guess, for
-lack of a datasheet; it keeps the fingers from overshooting."""
+"""Time in which the pads accelerate to full speed, and in which they stop [s]: a guess,
+as datasheets do not give it; it keeps the fingers from overshooting."""
 SPACING = 0.005
 """Distance between the knots of a planned motion [m]."""
 
@@ -22,9 +22,9 @@ def opening_path(
 ) -> Path:
     """Return a path of the driven joint along which the pads ramp up, cruise and stop.
 
-    A linkage turns a steady opening into an unsteady angle, so its knots lie close.
-    ``start`` and ``end`` are distances between the pads [m], ``end`` within 0 …
-    ``geometry.max_opening``; ``speed`` is that of the pads towards each other [m/s].
+    A linkage turns a steady opening into an unsteady angle, so knots are closely
+    spaced.  ``start`` and ``end`` are distances between the pads [m], ``end`` within 0
+    … ``geometry.max_opening``; ``speed`` is that of the pads towards each other [m/s].
     """
     widest, longest_ramp = geometry.max_opening, geometry.speed[1] * RAMP_TIME / 2.0
     start = min(start, widest)
@@ -48,9 +48,9 @@ def opening_path(
 def direct_path(
     geometry: ParallelGripper, start: float, end: float, speed: float, shortest: float
 ) -> Path:
-    """Return a path to rest that is a single cubic of the driven joint.
+    """Return a path that brings the driven joint to rest along a single cubic.
 
-    The arguments are those of ``direct_duration``.
+    For the arguments see ``direct_duration``.
     """
     duration = direct_duration(geometry, start, end, speed, shortest)
     ends = [start, geometry.position(end)]
@@ -72,7 +72,7 @@ def direct_duration(
         end: Distance between the pads at the end [m], within 0 …
             ``geometry.max_opening``.
         speed: Speed of the pads towards each other [m/s].
-        shortest: Least duration [s].
+        shortest: Shortest duration that is returned [s].
     """
     distance = abs(end - geometry.opening(start))
     cruise = 1.5 * distance / speed
@@ -97,9 +97,10 @@ def _path(
 def _ramped(
     done: float, distance: float, ramp: float, speed: float
 ) -> tuple[float, float]:
-    """Return when [s] ``done`` of ``distance`` [m] is travelled, and the speed then.
+    """Return the time [s] and the speed [m/s] after ``done`` of ``distance`` [m].
 
-    Constant acceleration over ``ramp`` at both ends, reaching ``speed`` between.
+    The acceleration is constant over ``ramp`` at both ends; the speed between is
+    ``speed``.
     """
     if ramp <= 0.0:
         return 0.0, 0.0

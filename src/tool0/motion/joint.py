@@ -20,17 +20,18 @@ if TYPE_CHECKING:
 SLOWEST = 0.01
 """Smallest fraction of the joints' largest velocities that can be requested."""
 SPACING = 1e-4
-"""Changes nearer to each other than this are one [s]: too short for jerk to show."""
+"""Changes of jerk closer together than this are merged [s]; they have no visible
+effect."""
 _DOUBLINGS = 10
 _ROUNDING = 1e-6
-"""Tolerance by which a joint may be beyond a limit [rad | m]; for speeds, relative to
-it."""
+"""Tolerance by which a joint may be beyond a position limit [rad | m], or relative to a
+velocity limit."""
 _LEAST_ROOM = 0.01
-"""Part of a velocity limit by which a joint may exceed it while it stops speeding up:
-less would take an infinite jerk."""
+"""Fraction by which a joint may exceed its velocity limit while its acceleration
+decays: without it, the jerk would be infinite."""
 _MARGIN = 1.01
-"""Factor that keeps planned motions away from those that just reach a limit, for which
-the planner's equations have no numerical solution."""
+"""Factor that keeps planned motions from just reaching a limit, where the planner's
+equations have no numerical solution."""
 
 
 class MovingJoints(Protocol):
@@ -63,12 +64,14 @@ def plan_joints(
     A joint that moves too fast to stop before its limit brakes harder than the others.
 
     Args:
-        joints: The joints of the numbers, with their limits.
-        start: Their motion at time 0, as desired by a trajectory controller.
+        joints: The joints to move, with their limits.
+        start: The joints' motion at time 0, such as a trajectory controller's desired
+            state.
         targets: Targets [rad | m], within the limits; a continuous joint goes the
             shortest way round.
-        speed: Fraction of each joint's largest velocity, SLOWEST … 1.  Acceleration and
-            jerk stay, so that motions at any speed can follow each other.
+        speed: Fraction of each joint's largest velocity, SLOWEST … 1.  The limits of
+            acceleration and jerk do not change, so that motions at different speeds can
+            follow each other.
 
     Raises:
         ControlError: If ``speed`` is out of range.
@@ -87,7 +90,7 @@ def plan_cubic(
     targets: Sequence[float],
     duration: float,
 ) -> Path:
-    """Return the cubic to rest at ``targets`` [rad | m] that takes ``duration`` [s].
+    """Return the cubic that comes to rest at ``targets`` [rad | m] in ``duration`` [s].
 
     Raises:
         ControlError: If a joint would exceed its velocity limit.
@@ -116,7 +119,7 @@ def require_speed(speed: float) -> None:
 
 
 def import_planner() -> None:
-    """Import the planner, which takes some milliseconds, before a tick needs it."""
+    """Import the planner before a tick needs it, as that takes some milliseconds."""
     import ruckig  # noqa: F401
 
 
@@ -218,8 +221,9 @@ def _solve(
 def _jerk_to_stay_below(limit: float, qd: float, qdd: float) -> float:
     """Return the jerk that ends an acceleration before the velocity is too large.
 
-    A goal of a user may accelerate far more than a planned motion.  Were that to end
-    with the usual jerk, the joint would gain qdd² / (2 jerk) until then.
+    A user's goal may accelerate far more than a planned motion.  If such an
+    acceleration ended with the usual jerk, the joint would gain a speed of qdd² / (2
+    jerk) meanwhile.
     """
     most = max(limit, abs(qd))
     room = max(most - math.copysign(qd, qd * qdd), _LEAST_ROOM * most)
@@ -283,7 +287,7 @@ def _check_peak(joint: Joint, way: float, qd: float, duration: float) -> None:
 def _peak_speed(way: float, qd: float, duration: float) -> float:
     """Return the largest speed of a cubic from a velocity to rest [rad/s | m/s].
 
-    It is at the start, or where the acceleration is 0.
+    The speed is largest at the start, or where the acceleration is 0.
     """
     slope = 6.0 * way / duration - 4.0 * qd
     bend = 3.0 * qd - 6.0 * way / duration

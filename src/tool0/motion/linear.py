@@ -27,7 +27,7 @@ def plan_line(
     """Return the motion of a tool from rest along a straight line to rest.
 
     Args:
-        kinematics: The arm's.
+        kinematics: The arm's kinematics.
         start: Joint positions at the start [rad], shape (6,).
         T_base_end: Pose of the tool at the end, shape (4, 4).
         T_tip_tool: Pose of the tool in the flange, shape (4, 4).
@@ -38,7 +38,8 @@ def plan_line(
         angular_speed: Largest angular speed of the tool [rad/s].
 
     Raises:
-        UnreachableError: If the arm cannot follow the line, with reason and place.
+        UnreachableError: If the arm cannot follow the line; the message gives the
+            reason and the place.
         ControlError: If the line has no length.
     """
     planner = MovePlanner(

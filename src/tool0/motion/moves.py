@@ -2,21 +2,22 @@
 
 The rules are those of the URScript manual (e-Series 5.x; CB3 3.x has the same ones):
 
-* movej turns all joints in proportion; ``a`` and ``v`` are those of the joint that
-  turns most.  The others move the tool on a line or an arc, with ``a`` and ``v`` of the
-  TCP.  On a line the tool turns at most at 4 rad/s for each m/s of ``v``, the same for
-  ``a``; the slower of displacement and turn sets the pace
+* movej moves all joints synchronously; ``a`` and ``v`` apply to the joint that turns
+  most.  The others move the tool on a line or an arc; ``a`` and ``v`` apply to the TCP.
+  On a line, the tool turns at no more than 4 rad/s per m/s of ``v``, and likewise for
+  ``a``; the slower of translation and rotation sets the pace
   (https://forum.universal-robots.com/t/movel-tool-angular-speed/15912).
-* Speed is a trapezoid over time, or a triangle.  A time ``t`` replaces ``a`` and
-  ``v``; the manual does not say how: each ramp from or to rest takes a quarter of it.
-* A move with a radius ``r`` is left where the tool comes within ``r`` of its target,
-  and the next one is entered as far away at most.  Speed at the entry does not depend
-  on the next move: the arm can still stop at the target.  Without a next move it does.
+* Speed is a trapezoid over time, or a triangle.  A time ``t`` replaces ``a`` and ``v``;
+  the manual does not say how; here each ramp from or to rest takes a quarter of ``t``.
+* A move with a radius ``r`` ends where the tool comes within ``r`` of its target, and
+  the next move is entered no farther away than that.  The speed at which the blend
+  begins does not depend on the next move, so the arm can still stop at the target; it
+  does if there is no next move.
 * Between two movej the blend is a smooth curve of the joints, otherwise of the tool;
   between two movep it is an arc at constant speed.
-* Overlapping blends: UR skips the waypoint with a warning; here both become smaller,
-  with a warning.
-* Where a joint would be too fast, the whole move is slower than asked.
+* If blends overlap, UR skips the waypoint with a warning; here both become smaller,
+  also with a warning.
+* Where a joint would be too fast, the whole move is slower than requested.
 """
 
 from __future__ import annotations
@@ -44,21 +45,21 @@ FUNCTIONS: dict[MoveKind, str] = {
 }
 """The functions of URScript."""
 WarningKind = Literal["blend", "stop", "speed"]
-"""A blend is smaller, or a stop instead; a speed is lower."""
+"""Deviations: a smaller blend, a stop instead of a blend, a lower speed."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Move:
-    """One motion; poses are p[x, y, z, rx, ry, rz] of the TCP in a frame of choice."""
+    """One motion; poses of the TCP are p[x, y, z, rx, ry, rz] in any one frame."""
 
     kind: MoveKind
     q: Sequence[float] | None = None
-    """Target positions of the joints [rad]; either these or a pose."""
+    """Target positions of the joints [rad]; give either these or a pose."""
     pose: Sequence[float] | None = None
     """Target pose."""
     via: Sequence[float] | None = None
-    """Pose on the way, of an arc; only its position is used."""
+    """Pose through which an arc passes; only its position is used."""
     a: float
     """Acceleration of the leading joint [rad/s²], or of the TCP [m/s²]."""
     v: float
@@ -68,11 +69,11 @@ class Move:
     r: float = 0.0
     """Blend radius [m]."""
     w: float | None = None
-    """Angular speed of the tool on a line [rad/s]; TURN_RATIO times ``v``, if left
+    """Angular speed of the tool on a line [rad/s]; TURN_RATIO times ``v`` if left
     out."""
     mode: int = 0
-    """Orientation on an arc.  0: it is interpolated to the target's; 1: it keeps its
-    angle to the arc, and the target's is not used."""
+    """Orientation on an arc.  0: interpolated to the target's orientation; 1: at a
+    constant angle to the arc, ignoring the target's orientation."""
 
     def __post_init__(self) -> None:
         if (self.q is None) == (self.pose is None):
@@ -98,22 +99,22 @@ class Move:
 
     @property
     def turn_ratio(self) -> float:
-        """Angular speed of the tool on a line for each speed [rad/m]."""
+        """Angular speed of the tool on a line per linear speed [rad/m]."""
         return TURN_RATIO if self.w is None else self.w / self.v
 
     def __str__(self) -> str:
-        """Return the function of URScript."""
+        """Return the name of the URScript function."""
         return FUNCTIONS[self.kind]
 
 
 def pose_numbers(T: Array) -> tuple[float, ...]:
-    """Return a pose, shape (4, 4), as moves have it: with a rotation vector."""
+    """Return a pose, shape (4, 4), in the form of moves: p[x, y, z, rx, ry, rz]."""
     return (*T[:3, 3].tolist(), *rotation_vector(T[:3, :3]).tolist())
 
 
 @final
 class MoveError(UnreachableError):
-    """A move of a sequence that cannot be done."""
+    """A move in a sequence that cannot be executed."""
 
     def __init__(self, number: int, move: Move, reason: object) -> None:
         super().__init__(f"move {number} ({move}): {reason}")
@@ -123,7 +124,7 @@ class MoveError(UnreachableError):
 
 
 class MoveWarning(NamedTuple):
-    """Deviation of a move of a sequence from what was requested."""
+    """Deviation of a move in a sequence from the request."""
 
     number: int
     """Number of the move in the sequence, from 1 on."""
@@ -132,24 +133,24 @@ class MoveWarning(NamedTuple):
     text: str
 
     def __str__(self) -> str:
-        """Return it with the number and the function of URScript."""
+        """Return the message with the move's number and its URScript function."""
         return f"move {self.number} ({self.move}): {self.text}"
 
 
 class Tail(NamedTuple):
-    """The end of a plan: within the radius of its last target."""
+    """The end of a plan, within the blend radius of its last target."""
 
     segment: PathSegment
     kind: MoveKind
     radius: float
     """Radius around the last target [m]."""
     remaining: float
-    """Distance to the target, in x of the segment."""
+    """Distance to the target, in units of the segment's x."""
     speed: float
     acceleration: float
     """Acceleration of the move."""
     T_tip_tool: Array
-    """Pose of its tool in the flange, shape (4, 4)."""
+    """Pose of the tool in the flange, shape (4, 4)."""
     entry: float
     """Path time at which the tool comes within the radius [s]."""
 
@@ -165,15 +166,15 @@ class MovePlan:
     """The path through a sequence of moves."""
 
     path: Path
-    """Cubics."""
+    """Joint positions over time, as cubics."""
     begins: tuple[float, ...]
     """Path time at which each move begins, with the blend into it [s]."""
     zones: tuple[float, ...]
     """Path time at which each move comes within its blend radius, or ends [s]."""
     warnings: tuple[MoveWarning, ...]
     tail: Tail | None
-    """End of the path within the radius of the last move, from which it goes on into
-    another move; None without a radius."""
+    """End of the path, within the blend radius of the last move, from which it can
+    blend into another move; None without a radius."""
 
     @property
     def duration(self) -> float:

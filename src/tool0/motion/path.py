@@ -21,7 +21,7 @@ _QUINTIC = np.array(
         [0, 0, 0, 0.5, -1, 0.5],
     ]
 )
-"""Quintics over 0 … 1 of which one end value is 1 and the others are 0: position,
+"""Quintics over 0 … 1, each with one end value of 1 and the others 0: position,
 velocity and acceleration at the start, then at the end; coefficients from u⁰ to u⁵."""
 _POWERS = np.arange(6)
 
@@ -30,15 +30,15 @@ class Cubics(NamedTuple):
     """Joint positions over time, or over a path parameter; cubics between the knots."""
 
     times: Array
-    """Times [s], or values of the parameter, shape (n,)."""
+    """Times [s], or values of the path parameter, shape (n,)."""
     q: Array
     """Joint positions [rad], shape (n, n_joints)."""
     qd: Array
-    """Joint velocities [rad/s], or derivatives by the parameter, shape (n,
+    """Joint velocities [rad/s], or derivatives with respect to the parameter, shape (n,
     n_joints)."""
 
     def at(self, times: Array) -> Cubics:
-        """Return the motion at other times within it."""
+        """Return the motion sampled at other times within its duration."""
         k, h, u = _intervals(self.times, times)
         here, there = self.q[k], self.q[k + 1]
         out, into = h * self.qd[k], h * self.qd[k + 1]
@@ -59,10 +59,10 @@ class Cubics(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Path:
-    """A motion of joints to rest, at knots: every planner returns one.
+    """A motion of joints to rest, given at knots; every planner returns one.
 
-    Between two knots is the cubic that meets both, or the quintic if there are
-    accelerations.  Arrays have shape (n_knots, n_joints).
+    A cubic connects each two knots, or a quintic if there are accelerations.  Arrays
+    have shape (n_knots, n_joints).
     """
 
     joint_names: tuple[str, ...]
@@ -104,7 +104,7 @@ class Path:
         return self._at(times, *found)
 
     def since(self, time: float) -> Path:
-        """Return the path without the knots before ``time`` [s]; the last one stays."""
+        """Return the path from ``time`` [s] on; it keeps at least its last knot."""
         keep = self.times >= time
         keep[-1] = True
         a = self.accelerations
@@ -116,9 +116,9 @@ class Path:
         )
 
     def beside(self, standing: Mapping[str, float]) -> Path:
-        """Return the path with the joints of ``standing``, in their order.
+        """Return the path extended to all joints of ``standing``, in their order.
 
-        Those that do not move stay at its positions [rad | m].
+        Joints that do not move stay at their positions in ``standing`` [rad | m].
         """
         if tuple(standing) == self.joint_names:
             return self
@@ -150,7 +150,7 @@ class Path:
 
 
 def _intervals(knots: Array, times: Array) -> tuple[NDArray[np.intp], Array, Array]:
-    """Return interval, its duration and the part of it that has passed, by time.
+    """Return the interval of each time, its duration, and the fraction of it elapsed.
 
     The last two have shape (n, 1).
     """

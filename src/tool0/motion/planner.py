@@ -23,13 +23,13 @@ from tool0.motion.timing import ArmLimits, TimedSegment, is_straight, timed_segm
 from tool0.motion.tool_path import ToolOfArm
 
 _SMALLEST_MOVE = 1e-7
-"""Moves shorter than this do nothing [m, rad]."""
+"""Moves shorter than this have no effect [m, rad]."""
 _ENTRY_SPEEDS = (1.0, 0.7, 0.4, 0.2)
-"""Parts of the speed after a blend that are tried."""
+"""Fractions of the speed after a blend that are tried."""
 _EXCESS = 1.0 + 1e-6
 _ROUNDING = 1e-6
 _SAME_TIME = 1e-7
-"""Cubics closer to each other than this are one [s]."""
+"""Knots closer together than this are merged [s]."""
 _BLEND_KNOTS = 9
 _CONSTANT_SPEED = ("process", "servo_circular")
 
@@ -49,10 +49,10 @@ class MovePlanner:
         """Plan for a tool.
 
         Args:
-            kinematics: The arm's.
+            kinematics: The arm's kinematics.
             tcp: Pose of the TCP in the flange, p[x, y, z, rx, ry, rz].
-            T_base_frame: The frame of all poses in the link that carries the arm; that
-                link, if left out.
+            T_base_frame: Pose, in the link that carries the arm, of the frame in which
+                all poses are given; that link itself if left out.
             rules: Rules of the moves.
         """
         self._kinematics = kinematics
@@ -78,8 +78,9 @@ class MovePlanner:
     ) -> MovePlan | None:
         """Return the motion that leaves ``plan`` at a path time to blend into moves.
 
-        Its own time starts there.  The time must be within the last radius of the plan;
-        None if it is too late to blend, so that the moves start from rest at the end.
+        The new motion starts at time 0 there.  The path time must be within the last
+        blend radius of the plan.  Returns None if it is too late to blend; the moves
+        then start from rest at the end of the plan.
 
         Raises:
             UnreachableError: If a move cannot be done, with its number and the reason.
@@ -99,7 +100,7 @@ class MovePlanner:
         return self._planned(rest, plan.end, moves)
 
     def _planned(self, tail: Tail | None, q: Array, moves: Sequence[Move]) -> MovePlan:
-        """Plan from rest at ``q``, or from the tail of a motion that ends there."""
+        """Plan from rest at ``q``, or from the tail of a motion that ends at ``q``."""
         at_rest = Cubics(np.zeros(1), q[None], np.zeros((1, 6)))
         record = _Record(at_rest if tail is None else _entry(tail))
         begins: list[float] = []
@@ -161,7 +162,7 @@ class MovePlanner:
     # ---- where a move goes ----------------------------------------------------------
 
     def _segment(self, q: Array, move: Move) -> PathSegment | None:
-        """Return the way of a move from rest at ``q``; None if it is there."""
+        """Return the path of a move from rest at ``q``; None if ``q`` is its target."""
         if move.kind == "joint":
             end = self._joint_target(q, move)
             if np.abs(end - q).max() < _SMALLEST_MOVE:
@@ -215,7 +216,8 @@ class MovePlanner:
     ) -> tuple[list[Cubics], TimedSegment] | None:
         """Return the blend from a tail into a segment, and the segment after it.
 
-        None if the joints cannot follow any: then the arm stops at the waypoint.
+        Returns None if the joints cannot follow any blend; the arm then stops at the
+        waypoint.
         """
         is_arc = (
             tail.kind in _CONSTANT_SPEED
@@ -247,7 +249,7 @@ class MovePlanner:
         return None
 
     def _joint_blend(self, tail: Tail, timed: TimedSegment) -> Cubics:
-        """Return a cubic of the joints; its duration is that of the mean speed."""
+        """Return a cubic blend of the joints; its mean speed sets its duration."""
         start = _entry(tail)
         q, rate = timed.segment.at(np.array([timed.zone_in]))
         ends = np.stack([start.q[0], q[0]])
@@ -262,7 +264,7 @@ class MovePlanner:
         return motion
 
     def _tool_blend(self, tail: Tail, timed: TimedSegment) -> Cubics:
-        """Return a cubic of the tool; its duration is that of the mean speed."""
+        """Return a cubic blend of the tool; its mean speed sets its duration."""
         x = tail.segment.length - tail.remaining
         start = tail.segment.tool_state(x, tail.speed)
         end = timed.segment.tool_state(timed.zone_in, timed.speed_in)
@@ -271,7 +273,7 @@ class MovePlanner:
         return self._along(path, tail, timed, SpeedProfile.steady(path.duration))
 
     def _arc(self, tail: Tail, timed: TimedSegment) -> list[Cubics]:
-        """Return an arc from line to line, after the rest of the first line."""
+        """Return an arc between two lines, after the remainder of the first line."""
         first = tail.segment
         x = first.length - tail.remaining
         rest = tail.remaining - timed.zone_in
@@ -302,7 +304,7 @@ class MovePlanner:
 
 @final
 class _Record:
-    """Motions one after another."""
+    """Consecutive motions."""
 
     def __init__(self, start: Cubics) -> None:
         self._parts = [start]
@@ -316,7 +318,7 @@ class _Record:
 
     def path(self, joint_names: tuple[str, ...]) -> Path:
         times, q, qd = (np.concatenate(rows) for rows in zip(*self._parts, strict=True))
-        # Phases may be shorter than the times of a simulation can tell apart.
+        # Phases may be shorter than the resolution of simulated times.
         keep = np.append(np.diff(times) > _SAME_TIME, True)
         keep[0] = True
         return Path(

@@ -1,4 +1,4 @@
-"""Speed along a path over time: ramps of constant acceleration and steady speed."""
+"""Speed along a path over time: ramps of constant acceleration, and constant speed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _COPIES = 8
 
 
 class Phase(NamedTuple):
-    """A time of constant acceleration."""
+    """A phase of constant acceleration."""
 
     duration: float
     """Duration of the phase [s]."""
@@ -29,7 +29,7 @@ class Phase(NamedTuple):
 class SpeedProfile:
     """The distance x as a function of time; it never goes back.
 
-    Distances are in metres or radians, as the path's.
+    Distances are in metres or radians, like those of the path.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class SpeedProfile:
         self.times = np.array(times)
         """Times at which the phases meet, from 0 to the end [s]."""
         self.distances = np.array(distances)
-        """x there."""
+        """Distances x at these times."""
         self.speeds = np.array(speeds)
         """Speeds at these times [1/s]."""
         self._accelerations = np.array([a for _, a in lasting] or [0.0])
@@ -56,7 +56,7 @@ class SpeedProfile:
 
     @classmethod
     def steady(cls, duration: float) -> SpeedProfile:
-        """Return the profile whose x is the time itself."""
+        """Return the profile in which x equals the time."""
         return cls([Phase(duration, 0.0)], 1.0, 1.0, duration)
 
     @property
@@ -65,7 +65,7 @@ class SpeedProfile:
         return float(self.speeds.max())
 
     def at(self, times: Array) -> Array:
-        """Return x, its speed and acceleration at times within it, shape (n, 3)."""
+        """Return x, speed and acceleration at times in the profile, shape (n, 3)."""
         last = len(self._accelerations) - 1
         k = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, last)
         t, a, v = times - self.times[k], self._accelerations[k], self.speeds[k]
@@ -79,7 +79,7 @@ class SpeedProfile:
         return np.asarray(np.sqrt(np.maximum(square, 0.0)))
 
     def times_at(self, distances: Array) -> Array:
-        """Return when each x is reached [s], shape (n,)."""
+        """Return the time at which each x is reached [s], shape (n,)."""
         k, beyond = self._phase(distances)
         mean = (self.speeds[k] + self.speed_at(distances)) / 2.0
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -87,7 +87,7 @@ class SpeedProfile:
         return np.asarray(np.minimum(self.times[k] + t, self.times[-1]))
 
     def _phase(self, distances: Array) -> tuple[NDArray[np.intp], Array]:
-        """Return the phase of each x, and how far in it x is."""
+        """Return the phase that contains each x, and the distance from its start."""
         phases = np.searchsorted(self.distances, distances, side="right") - 1
         k = np.clip(phases, 0, len(self._accelerations) - 1)
         return k, np.maximum(distances - self.distances[k], 0.0)
@@ -102,8 +102,9 @@ def trapezoid(
 ) -> SpeedProfile:
     """Return the fastest profile over ``length`` within a speed and an acceleration.
 
-    It starts with the speed ``before`` and ends with ``after``, which must be within
-    reach: |after² - before²| <= 2 acceleration length.  A short one is a triangle.
+    It starts with the speed ``before`` and ends with ``after``, which must be
+    reachable: |after² - before²| <= 2 acceleration length.  A short profile is a
+    triangle.
     """
     top = math.sqrt(acceleration * length + (before**2 + after**2) / 2.0)
     top = max(min(speed, top), before, after)
@@ -132,7 +133,7 @@ def braking(length: float, speed: float, acceleration: float) -> SpeedProfile:
 
 
 def ramp(length: float, before: float, after: float) -> SpeedProfile:
-    """Return the profile of constant acceleration between two speeds."""
+    """Return the profile with constant acceleration between two speeds."""
     duration = 2.0 * length / (before + after)
     phase = Phase(duration, (after - before) / duration)
     return SpeedProfile([phase], before, after, length)
@@ -141,8 +142,8 @@ def ramp(length: float, before: float, after: float) -> SpeedProfile:
 def smoothed(profile: SpeedProfile, duration: float) -> SpeedProfile:
     """Return a profile from rest to rest without sudden changes of acceleration.
 
-    It is the mean of copies with delays of 0 … ``duration`` [s]: as much longer, no
-    faster, and its acceleration changes in small steps.
+    It is the mean of copies delayed by 0 … ``duration`` [s]: longer by ``duration``, no
+    faster, and with an acceleration that changes in small steps.
     """
     delays = np.linspace(0.0, duration, _COPIES)
     times = np.sort((profile.times + delays[:, None]).ravel())

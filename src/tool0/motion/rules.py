@@ -1,4 +1,4 @@
-"""Rules of the plans of moves, beside the joints' positions and velocities."""
+"""Rules for planning moves, in addition to limits of joint position and velocity."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Final, final
 from tool0.description.model import Joint
 
 TIME_TO_FULL_ACCELERATION: Final = 0.1
-"""Time to the full acceleration where the jerk is limited [s]; a guess: shorter makes
-the arm ring, longer feels slow."""
+"""Time to reach full acceleration where the jerk is limited [s]; a guess: with less the
+arm rings, with more it feels slow."""
 
 
 @final
@@ -21,21 +21,24 @@ class MoveRules:
     accelerations: tuple[float, ...]
     """Largest accelerations of the joints [rad/s²], shape (6,)."""
     step: float
-    """Distance between the poses that are solved [m]; less where the joints need it."""
+    """Distance between poses for which inverse kinematics is solved [m]; less where the
+    joints need it."""
     step_angle: float
-    """The same for rotations of the tool [rad]."""
+    """Rotation of the tool between these poses [rad]."""
     tolerance: float
-    """Largest distance of the flange from its path between two of them [m]."""
+    """Largest distance of the flange from its path between two solved poses [m]."""
     unchecked_steps: int
-    """The end of a path of more steps is solved first: it may be far out of reach."""
+    """Number of steps above which a path's end is solved first, as it may be out of
+    reach."""
     smoothing: float
     """Time in which the acceleration along a move from rest to rest changes [s]."""
     excess: float
     """Fraction by which an acceleration may exceed its limit."""
     slowest: float
-    """A move that must be slower than this part of its speed passes a singularity."""
+    """Fraction of its speed below which a slowed move counts as passing a
+    singularity."""
     remedy: str
-    """The end of the messages of errors."""
+    """Text at the end of error messages."""
 
 
 UR_RULES: Final = MoveRules(
@@ -50,14 +53,14 @@ UR_RULES: Final = MoveRules(
     slowest=0.02,
     remedy="choose another pose or via pose, start in another posture, or use movej",
 )
-"""Rules of programs and of Universal Robots' moves."""
+"""Rules for programs and Universal Robots' moves."""
 
 
 def trajectory_rules(joints: Sequence[Joint]) -> MoveRules:
-    """Return the rules of lines that a trajectory controller follows.
+    """Return the rules for lines that a trajectory controller follows.
 
-    The joints keep to their accelerations, and the line is as slow as they need.  The
-    tool stays within 0.01 mm of it.
+    The joints keep within their acceleration limits, and the line is as slow as this
+    requires.  The tool stays within 0.01 mm of the line.
     """
     return MoveRules(
         accelerations=tuple(joint.max_acceleration for joint in joints),

@@ -1,7 +1,7 @@
 """Pieces of a motion: joint positions over a distance x along a path.
 
-For a joint segment x is the angle of the joint that turns most [rad], for a tool
-segment it is the distance along the tool's path [m].
+For a joint segment, x is the angle of the joint that turns most [rad]; for a tool
+segment, x is the distance along the tool's path [m].
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from tool0.motion.profile import SpeedProfile
 from tool0.motion.tool_path import PathFollower, ToolOfArm, ToolPath
 
 MAX_STEPS = 20_000
-"""Poses of the longest path: 80 m, which is far out of reach of any arm."""
+"""Largest number of poses of a path: 80 m, far beyond any arm's reach."""
 _ROUNDS = 6
 _SAME = 1e-9
-"""Distances closer to each other than this, relative to the length, are the same."""
+"""Difference, relative to the length, below which two distances count as equal."""
 
 
 class PathSegment(Protocol):
@@ -48,7 +48,7 @@ class PathSegment(Protocol):
 
 @final
 class JointSegment:
-    """Straight in the space of the joints: all turn in proportion."""
+    """Segment that is straight in joint space: all joints move in proportion."""
 
     def __init__(self, tool: ToolOfArm, start: Array, end: Array) -> None:
         self._tool = tool
@@ -86,7 +86,7 @@ class JointSegment:
 
 @final
 class ToolSegment:
-    """Segment along a path of the tool."""
+    """Segment along a tool path."""
 
     def __init__(
         self, tool: ToolOfArm, path: ToolPath, start: Array, length: float
@@ -100,7 +100,8 @@ class ToolSegment:
             length: x at its end.
 
         Raises:
-            UnreachableError: If the arm cannot follow it, with reason and place.
+            UnreachableError: If the arm cannot follow the path; the message gives the
+                reason and the place.
         """
         self._kinematics, self._rules = tool.kinematics, tool.rules
         self.path, self.length = path, length
@@ -170,7 +171,7 @@ class ToolSegment:
 
 
 def passage(segment: PathSegment, profile: SpeedProfile, start: float = 0.0) -> Cubics:
-    """Return the motion along a segment that is passed from x = ``start`` on."""
+    """Return the motion along a segment from x = ``start`` on."""
     within = profile.distances
     margin = _SAME * segment.length
     inner = segment.grid - start
@@ -187,7 +188,8 @@ def passage(segment: PathSegment, profile: SpeedProfile, start: float = 0.0) -> 
 def distance_within(segment: PathSegment, radius: float, *, at_end: bool) -> float:
     """Return how far along a segment its tool stays within ``radius`` [m] of an end.
 
-    From its start or, backwards, from its end; the whole length if it never leaves.
+    The length counts from the segment's start or, backwards, from its end; it is the
+    whole length if the tool never leaves the radius.
     """
     centre = segment.tool_points(np.array([segment.length if at_end else 0.0]))
     inside, outside = 0.0, segment.length

@@ -1,4 +1,4 @@
-"""Moves with their timing: which part of a segment is passed at which speed."""
+"""Timing of moves: the speed in each part of a segment."""
 
 from __future__ import annotations
 
@@ -24,16 +24,17 @@ from tool0.motion.segments import (
 )
 
 _RAMP_SHARE = 0.25
-"""Part of a given time for each ramp from or to rest."""
+"""Fraction of a given duration for each ramp from or to rest."""
 LONGEST = 1e6
 """Longest duration of a move [s]: 11 days."""
 _ROUNDS = 16
 _ROUNDING = 1e-9
 _SPEED_SHARE = 0.999
-"""Part of a joint's largest velocity that is planned with: between two knots it may be
-a little faster."""
+"""Fraction of a joint's largest velocity that plans use, as the joint may be a little
+faster between two knots."""
 _SHORTEST = 2e-4
-"""Intervals whose acceleration is judged [s]: in shorter ones it is rounding."""
+"""Shortest intervals whose acceleration is checked [s]; in shorter ones, rounding
+errors dominate."""
 
 
 @final
@@ -49,10 +50,11 @@ class ArmLimits:
         self.strongest = np.array(rules.accelerations)
         """Largest accelerations of the joints [rad/s²], shape (6,)."""
         self.braking = np.array([joint.max_acceleration for joint in joints])
-        """Accelerations where moves blend, at least [rad/s²], shape (6,)."""
+        """Accelerations that are always allowed where moves blend [rad/s²], shape
+        (6,)."""
 
     def excess(self, motion: Cubics) -> tuple[float, float, int]:
-        """Return velocity and acceleration relative to the limits, and the joint."""
+        """Return velocity and acceleration relative to limits, and the worst joint."""
         times, q, qd = motion
         ratios = (np.abs(qd) / self.fastest).max(axis=0)
         h = np.diff(times)
@@ -81,11 +83,11 @@ class _Speeds(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TimedSegment:
-    """A segment between the blends at its ends."""
+    """Timing of the part of a segment between the blends at its ends."""
 
     segment: PathSegment
     zone_in: float
-    """Length of the blend from the move before, in x; 0 from rest."""
+    """Length of the blend from the previous move, in x; 0 from rest."""
     zone_out: float
     """Length of the blend into the next move, in x; 0 to rest."""
     profile: SpeedProfile
@@ -94,7 +96,7 @@ class TimedSegment:
     motion: Cubics
     """Motion between the blends."""
     radius: float
-    """The blend radius at its end, which may have been reduced [m]."""
+    """Blend radius at the end of the move, which may have been reduced [m]."""
     warnings: tuple[TimingWarning, ...]
 
     @property
@@ -119,14 +121,15 @@ def timed_segment(
 
     Args:
         segment: Path of the move.
-        move: Its speeds and its radius.
-        tail: The end of the move before, to blend with; None from rest.
+        move: The move's speeds and blend radius.
+        tail: The end of the previous move, to blend with; None from rest.
         limits: Limits of the joints.
-        entry: Part of the speed that it may have after the blend.
+        entry: Fraction of its speed that the move may have after the blend.
         is_symmetric: Whether the blend may not be longer than the tail.
 
     Raises:
-        UnreachableError: If it would have to be extremely slow, or take days.
+        UnreachableError: If the move would have to be extremely slow, or would take
+            days.
     """
     warnings: list[TimingWarning] = []
     zone_in, zone_out, scale = _zones(segment, move, tail)
@@ -198,7 +201,7 @@ def timed_segment(
 
 
 def is_straight(segment: PathSegment) -> bool:
-    """Return whether the tool goes on a line."""
+    """Return whether the tool moves on a line."""
     return (
         isinstance(segment, ToolSegment)
         and isinstance(segment.path, LinePath)
@@ -209,7 +212,7 @@ def is_straight(segment: PathSegment) -> bool:
 def _zones(
     segment: PathSegment, move: Move, tail: Tail | None
 ) -> tuple[float, float, float]:
-    """Return the lengths of both blends, and how much the radius is reduced."""
+    """Return the lengths of both blends, and the factor that reduces the radius."""
     length = segment.length
     into = out = 0.0
     if tail is not None:
@@ -225,7 +228,7 @@ def _zones(
 def _speeds(
     segment: PathSegment, move: Move, n_rests: int, limits: ArmLimits
 ) -> _Speeds:
-    """Return speed and acceleration that a move asks for."""
+    """Return the speed and acceleration that a move requests."""
     speed, acceleration = move.v, move.a
     if move.t > 0.0:
         speed = segment.length / (move.t * (1.0 - _RAMP_SHARE * n_rests / 2.0))

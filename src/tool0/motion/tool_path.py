@@ -15,8 +15,9 @@ from tool0.kinematics.inverse import InverseKinematics
 from tool0.motion.rules import MoveRules
 
 MAX_JOINT_STEP = 0.3
-"""A joint that turns more in a step [rad] jumps: at 2 mm a step, that is 150 rad/m,
-so that a line at 20 mm/s would take the joint to its largest velocity."""
+"""Rotation of a joint in one step [rad] above which it counts as a jump: at 2 mm per
+step this is 150 rad/m, so that a line at 20 mm/s would need the joint's largest
+velocity."""
 
 
 class ToolPath(Protocol):
@@ -27,11 +28,11 @@ class ToolPath(Protocol):
 
     @property
     def noun(self) -> str:
-        """Noun for messages: ``line``."""
+        """Noun for messages, such as ``line``."""
 
     @property
     def length(self) -> float:
-        """Length of the tool's way [m]."""
+        """Length of the tool's path [m]."""
 
     @property
     def angle(self) -> float:
@@ -43,14 +44,15 @@ class ToolPath(Protocol):
     def twist(self, s: Array, T_base_tip: Array) -> Array:
         """Return the motion per s of a frame fixed to the tool, shape (n, 6).
 
-        Linear above angular; the frame is where ``T_base_tip`` is, shape (n, 4, 4).
+        Linear components come before angular ones; the frame's pose is ``T_base_tip``,
+        shape (n, 4, 4).
         """
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ToolOfArm:
-    """An arm with its tool, and the rules of its moves."""
+    """An arm with its tool and the rules for its moves."""
 
     kinematics: InverseKinematics
     T_tip_tool: Array
@@ -78,22 +80,22 @@ class PathFollower:
         return np.asarray(self._path.tool(s) @ self._T_tool_tip)
 
     def place(self, s: float) -> str:
-        """Return the place of s on the path, as text."""
+        """Return the position of s on the path, as text."""
         pose = from_matrix(self._T_root_base @ self._path.tool(np.array([s]))[0])
         return f"at {s:.0%} of the {self._path.noun}, where the tool is at {pose}"
 
     def check_end(self, start: Array) -> None:
-        """Raise UnreachableError, before solving a long path, if its end is too far."""
+        """Raise UnreachableError if the path's end is out of reach."""
         end = self.tip(np.ones(1))[0]
         if not len(self._kinematics.postures(end, start)):
             raise self._no_solution(1.0, start)
 
     def follow(self, s: Array, start: Array) -> Array:
-        """Return joint positions at every s, each nearest to the ones before, (n, 6).
+        """Return joint positions at every s, each closest to the previous ones, (n, 6).
 
         Raises:
-            UnreachableError: If a pose cannot be reached, a joint jumps or leaves its
-                limits, with the place.
+            UnreachableError: If a pose cannot be reached, or a joint jumps or leaves
+                its limits; the message gives the place.
         """
         kinematics, noun = self._kinematics, self._path.noun
         poses = self.tip(s)

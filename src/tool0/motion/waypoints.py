@@ -13,13 +13,13 @@ from tool0.motion.path import Path
 from tool0.motion.rules import TIME_TO_FULL_ACCELERATION
 
 _DEVIATION: Final = 3.0 / 16.0
-"""Distance of a blend from its corner, relative to its length on each side and to the
-difference of the two directions."""
+"""Distance of a blend from its corner, relative to the product of its length on each
+side and the difference between the two directions."""
 _SHARE: Final = 0.5
-"""Part of the joints' accelerations for the curvature of a blend; the rest is for the
-change of speed along it."""
+"""Fraction of the joints' acceleration limits that a blend's curvature may use; the
+rest is for changes of speed along the blend."""
 _GRID: Final = 16
-"""Intervals of each piece of the path, for its speed."""
+"""Number of intervals per piece of the path when its speed is computed."""
 _KNOT: Final = 0.02
 """Time between two knots of the motion [s]."""
 _STILL: Final = 1e-9
@@ -33,15 +33,15 @@ class _Piece(NamedTuple):
 
     start: Array
     before: Array
-    """Direction at its start, a unit vector."""
+    """Direction at the start, a unit vector."""
     after: Array
-    """Direction at its end."""
+    """Direction at the end, a unit vector."""
     length: float
 
     def at(self, u: Array) -> tuple[Array, Array, Array]:
-        """Return positions, and first and second derivative by the way, (n, m) each.
+        """Return positions and both derivatives by the path length, shape (n, m) each.
 
-        The direction changes by a smoothstep in ``u``, 0 … 1: the curvature is
+        The direction changes by a smoothstep in ``u``, 0 … 1, so that the curvature is
         continuous.
         """
         turn = self.after - self.before
@@ -55,16 +55,16 @@ class _Piece(NamedTuple):
 
 @final
 class SmoothWay:
-    """A way through waypoints whose corners are replaced by blends."""
+    """A path through waypoints, with blends in place of corners."""
 
     def __init__(self, poses: Array, deviations: Sequence[float]) -> None:
         """Cut the corners.
 
         Args:
-            poses: The waypoints [rad | m], shape (n, n_joints); no two in a row are the
-                same, unless all are: then it stays there.
-            deviations: Largest distance of the way from each corner [rad | m], shape
-                (n - 2,); at 0, the motion stops there.
+            poses: The waypoints [rad | m], shape (n, n_joints); consecutive ones must
+                differ, unless all are equal, in which case the joints stay there.
+            deviations: Largest distance of the path from each corner [rad | m], shape
+                (n - 2,); where it is 0, the motion stops at the corner.
         """
         if not np.abs(poses - poses[0]).max() > _STILL:  # a motion needs a length
             poses = np.stack([poses[0], poses[0] + _LEAST])
@@ -79,9 +79,9 @@ class SmoothWay:
             trims[k] = min(room, wanted)
         self._pieces: list[_Piece] = []
         self._stops: list[int] = []
-        """The number of the piece before which the motion rests."""
+        """Numbers of the pieces before which the motion comes to rest."""
         self._corners: list[int] = []
-        """The corner of each piece; -1 of straight ones."""
+        """Number of each piece's corner; -1 for straight pieces."""
         for k, (direction, length) in enumerate(zip(directions, lengths, strict=True)):
             rest = length - trims[k] - trims[k + 1]
             if rest > _STILL:
@@ -102,16 +102,16 @@ class SmoothWay:
         self._corners.append(corner)
 
     def blends(self, n: int) -> Iterator[tuple[int, Array]]:
-        """Yield the corner of each blend, and poses along it: ``n`` chords."""
+        """Yield each blend's corner, and ``n`` + 1 poses along the blend."""
         u = np.linspace(0.0, 1.0, n + 1)
         for piece, corner in zip(self._pieces, self._corners, strict=True):
             if corner >= 0:
                 yield corner, piece.at(u)[0]
 
     def sampled(self) -> tuple[Array, Array, Array, set[int]]:
-        """Return the way, and both derivatives of the positions, at a grid of it.
+        """Return a grid of path lengths, and both derivatives of the positions there.
 
-        Also the indices of the grid at which the motion rests.
+        The last value contains the grid indices at which the motion is at rest.
         """
         u = np.linspace(0.0, 1.0, _GRID + 1)
         ways, rows, begun, rests = [np.zeros(1)], [], 0.0, {0}
@@ -127,7 +127,7 @@ class SmoothWay:
         return s, slope, bend, rests | {len(s) - 1}
 
     def at(self, s: Array) -> tuple[Array, Array, Array]:
-        """Return positions and both derivatives at places on the way."""
+        """Return positions and both derivatives at distances along the path."""
         starts = np.cumsum([0.0, *(piece.length for piece in self._pieces)])
         number = np.searchsorted(starts, s, side="right") - 1
         number = np.clip(number, 0, len(self._pieces) - 1)
@@ -141,11 +141,12 @@ class SmoothWay:
 
 
 def time_way(joints: Sequence[Joint], way: SmoothWay, *, speed: float) -> Path:
-    """Return a fast motion along a way, from rest to rest.
+    """Return a fast motion along a path, from rest to rest.
 
-    It is the fastest by parts of the accelerations for curvature and for speeding up,
-    smoothed over ``TIME_TO_FULL_ACCELERATION``, and slower as a whole where a joint
-    would exceed its limits of velocity, acceleration or jerk.
+    Curvature and changes of speed each get a share of the acceleration limits.  The
+    fastest such motion is smoothed over ``TIME_TO_FULL_ACCELERATION``; it is slowed
+    down as a whole if a joint would exceed its limits of velocity, acceleration or
+    jerk.
 
     Args:
         joints: Joints of the positions, with their limits.
@@ -193,7 +194,7 @@ class _Limits(NamedTuple):
     slope: Array
     """First derivative of the positions by the way, shape (n, n_joints)."""
     bend: Array
-    """The second one."""
+    """Second derivative, shape (n, n_joints)."""
     fastest: Array
     """Largest velocities of the joints [rad/s | m/s], shape (n_joints,)."""
     strongest: Array
@@ -201,7 +202,7 @@ class _Limits(NamedTuple):
 
 
 def _profile(s: Array, limits: _Limits, rests: set[int]) -> tuple[Array, Array]:
-    """Return time and speed at each place of a grid."""
+    """Return the time and speed at each point of a grid."""
     slope, bend, fastest, strongest = limits
     curved = np.abs(bend).max(axis=1) > _STILL
     share = np.where(curved, _SHARE, 1.0)[:, None]
@@ -227,10 +228,10 @@ def _profile(s: Array, limits: _Limits, rests: set[int]) -> tuple[Array, Array]:
 def _smoothed(
     times: Array, s: Array, speeds: Array, at: Array
 ) -> tuple[Array, Array, Array]:
-    """Return place, speed and acceleration of the mean of delayed copies.
+    """Return distance, speed and acceleration of the mean of delayed copies.
 
-    The delays are 0 … ``TIME_TO_FULL_ACCELERATION``.  Between the ``times`` the
-    acceleration is constant.
+    The delays are 0 … ``TIME_TO_FULL_ACCELERATION``.  The acceleration is constant
+    between the ``times``.
     """
     window = TIME_TO_FULL_ACCELERATION
     h = np.diff(times)
@@ -239,7 +240,7 @@ def _smoothed(
     sums = np.concatenate([np.zeros(1), np.cumsum(areas)])
 
     def values(t: Array) -> tuple[Array, Array, Array]:
-        """Return the integral of the place, the place and the speed."""
+        """Return the integral of the distance, the distance and the speed."""
         inside = np.clip(t, 0.0, times[-1])
         k = np.clip(np.searchsorted(times, inside, side="right") - 1, 0, len(h) - 1)
         u = inside - times[k]

@@ -1,6 +1,6 @@
-"""The ROS 1 interface of a running robot, put together.
+"""The complete ROS 1 interface of a running robot.
 
-The modules that it imports late need ROS; this one and ``options`` do not.
+The modules that are imported late need ROS; this module and ``options`` do not.
 """
 
 from __future__ import annotations
@@ -27,14 +27,15 @@ logger = logging.getLogger(__name__)
 _MASTER_PERIOD = 1.0
 """Period of checks of the master [wall s]."""
 _SNAPSHOT_TIMEOUT = 0.2
-"""Longest wait for a snapshot before checking for the end [wall s]."""
+"""Longest wait for a snapshot before the next check whether to end [wall s]."""
 
 
 @final
 class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
-    """Presents one robot as ros_control and gazebo_ros do.  A context manager.
+    """Context manager that presents one robot as ros_control and gazebo_ros do.
 
-    A process can have one bridge in its lifetime, since rospy allows one node.
+    A process can have only one bridge in its lifetime, since rospy allows only one
+    node.
     """
 
     def __init__(
@@ -47,13 +48,15 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
         """Register with the master and present the robot.
 
         Args:
-            robot: The robot, in this process.  The caller closes it, after this.
+            robot: The robot, which runs in this process.  The caller closes it, after
+                the bridge.
             options: The namespace and rates.
             on_shutdown: Called by a rospy thread when the node is shut down from
-                outside: ``rosnode kill``, or another node of the same name.
+                outside, by ``rosnode kill`` or by another node of the same name.
 
         Raises:
-            RosUnavailableError: If there is no ROS or no master, or the name is taken.
+            RosUnavailableError: If there is no ROS or no master, or if the name is
+                taken.
         """
         options = options or Ros1Options()
         keep_to_this_machine()
@@ -148,7 +151,7 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
                         self.node.log_error(f"{type(publisher).__name__}: {error}")
 
     def _watch_master(self) -> None:
-        """Check that the master knows this node, and that one node publishes /clock."""
+        """Check that the master knows this node and that one node publishes /clock."""
         node = self.node
 
         def register() -> None:
@@ -184,10 +187,10 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
 
 
 def with_mesh_files(urdf: str) -> str:
-    """Return the URDF with ``file://`` URIs for the meshes that tool0 bundles.
+    """Return the URDF with ``file://`` URIs for meshes bundled with tool0.
 
-    ROS does not know the packages inside tool0: RViz would show no robot unless their
-    folder were in ``ROS_PACKAGE_PATH``.  Other ``package://`` URIs stay as they are.
+    ROS does not know the packages inside tool0, so RViz would show no robot unless
+    their folder were in ``ROS_PACKAGE_PATH``.  Other ``package://`` URIs do not change.
     """
     for folder in BUNDLED.iterdir():
         if (folder / "package.xml").is_file():
@@ -196,7 +199,7 @@ def with_mesh_files(urdf: str) -> str:
 
 
 def _to_xmlrpc(value: object) -> object:
-    """Return ``value`` in a form for XML-RPC: no null, and integers of 32 bits."""
+    """Return ``value`` for XML-RPC, which lacks nulls and integers above 32 bits."""
     match value:
         case dict():
             items = ((str(name), _to_xmlrpc(item)) for name, item in value.items())

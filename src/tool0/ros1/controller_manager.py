@@ -1,4 +1,4 @@
-"""controller_manager: its six services, and the topics of loaded controllers."""
+"""The six services of controller_manager, and the topics of loaded controllers."""
 
 from __future__ import annotations
 
@@ -31,29 +31,29 @@ from tool0.ros1.namespace import RosNamespace
 from tool0.ros1.node import SnapshotPublisher, WorkerThread
 
 STRICT = 2
-"""Strictness as in controller_manager_msgs/SwitchController; anything else is best
-effort."""
+"""Value of STRICT in controller_manager_msgs/SwitchController; any other value means
+best effort."""
 _CLOSE_TIMEOUT = 10.0
-"""Timeout for the topics of one controller at a busy master [wall s]; a dead one
-refuses at once."""
+"""Timeout for registering one controller's topics with a busy master [wall s]; a dead
+master refuses immediately."""
 _BRIDGES: dict[type, Callable[..., SnapshotPublisher]] = {
     JointStateSpec: JointStatePublisher,
     JointTrajectorySpec: JointTrajectoryBridge,
     GripperActionSpec: GripperActionBridge,
     ForwardCommandSpec: ForwardCommandBridge,
 }
-"""ROS interfaces by the class of a controller's parameters."""
+"""Class of the controller's parameters → ROS interface."""
 _READ_ONLY = (("hardware_interface/JointStateInterface", ()),)
-"""Claims that ros_control reports of a controller that claims nothing."""
+"""Claims that ros_control reports for a controller that claims nothing."""
 
 
 @final
 class ControllerManagerBridge:
     """Acts as ros_control's controller_manager, and presents the loaded controllers.
 
-    Both are those of one namespace, with their names there.  It follows every change,
-    made from ROS, the panel or the command line.  As in ROS, a controller has its
-    topics from its loading to its unloading.
+    Manager and controllers belong to one namespace and have their names in it.  The
+    bridge follows every change, whether made in ROS, the panel or the command line.  As
+    in ROS, a controller has its topics from loading until unloading.
     """
 
     def __init__(self, ros: RosNamespace, robot: Robot) -> None:
@@ -74,7 +74,7 @@ class ControllerManagerBridge:
         self._offer_operation("ReloadControllerLibraries", self._reload)
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish for the running controllers; detect changes of the loaded ones."""
+        """Publish for running controllers, and detect loading and unloading."""
         names = (status.name for status in snapshot.controllers)
         loaded = tuple(filter(self._ros.owns, names))
         if loaded != self._loaded:
@@ -86,15 +86,16 @@ class ControllerManagerBridge:
                 bridges[status.name][1].publish(snapshot)
 
     def close(self) -> None:
-        """Stop following; the node itself unregisters everything.
+        """Stop following the controllers; the node itself unregisters everything.
 
-        This waits for a registration in progress, which would outlive the node.
+        This waits for a registration in progress, which would otherwise outlive the
+        node.
         """
         self._is_closing = True
         self._registrar.close(_CLOSE_TIMEOUT)
 
     def _update(self) -> None:
-        """Create bridges for new controllers, and close those of unloaded ones."""
+        """Create bridges for new controllers; close those of unloaded controllers."""
         with self._lock:
             loaded = {}
             for status in self._controllers():
@@ -120,7 +121,7 @@ class ControllerManagerBridge:
             self._bridges = bridges
 
     def _controllers(self) -> list[ControllerStatus]:
-        """Return the loaded controllers of the namespace."""
+        """Return the loaded controllers in the namespace."""
         loaded = self._robot.controllers()
         return [status for status in loaded if self._ros.owns(status.name)]
 
@@ -129,7 +130,7 @@ class ControllerManagerBridge:
         self._ros.service(f"controller_manager/{name}", getattr(srv, kind), handler)
 
     def _offer_operation(self, kind: str, operation: Callable[[Message], None]) -> None:
-        """Offer a service whose response is whether it succeeded."""
+        """Offer a service whose response says whether the operation succeeded."""
 
         def handle(request: Message) -> Message:
             response: Any = getattr(srv, f"{kind}Response")()
@@ -153,7 +154,7 @@ class ControllerManagerBridge:
         )
 
     def _load(self, request: Message) -> None:
-        """Load with the present parameters of the server, as the spawner expects."""
+        """Load with present values on the parameter server, as the spawner expects."""
         name = self._ros.to_model(request.name)
         text = self._controller_yaml(request.name)
         config = None if text is None else ControllerConfig.from_text(text)
@@ -172,9 +173,9 @@ class ControllerManagerBridge:
         )
 
     def _reload(self, request: Message) -> None:
-        """Unload all controllers, if they may be killed; there are no libraries here.
+        """Unload all controllers if ``force_kill`` is set; no libraries are reloaded.
 
-        As in ROS it is refused otherwise, unless none is loaded.
+        Otherwise, as in ROS, refuse unless no controller is loaded.
         """
         loaded = [status.name for status in self._controllers()]
         if loaded and not request.force_kill:
@@ -203,7 +204,7 @@ class ControllerManagerBridge:
         )
 
     def _controller_yaml(self, own: str) -> str | None:
-        """Return a controller's parameters as YAML, None if the server has none."""
+        """Return a controller's parameters as YAML; None if ROS has none."""
         ros = self._ros
         try:
             value: Any = ros.node.master.call("getParam", ros.name(own))

@@ -27,8 +27,8 @@ from tool0.ros1.messages import Message, point_message, to_points, to_tolerances
 from tool0.ros1.namespace import RosNamespace
 
 STATUS_RATE = 5.0
-"""Rate of the goals' status [Hz], as actionlib's own.  It is published here, in
-simulated time: actionlib's timer ends when time goes back."""
+"""Rate of the goals' status [Hz], the same as actionlib's.  The status is published
+here, in simulated time, since actionlib's timer ends when time goes back."""
 
 
 @final
@@ -49,7 +49,8 @@ class ControllerActionServer:
         """Start an action of class ``kind``, with feedback at ``monitor_rate`` [Hz].
 
         ``start`` sends a goal message to the controller, or raises Tool0Error.
-        ``rejection`` and ``result`` return the result messages of a goal.
+        ``rejection`` and ``result`` return a goal's result message after a rejection
+        and at its end.
         """
         self._ros = ros
         self._start, self._rejection, self._result = start, rejection, result
@@ -65,7 +66,7 @@ class ControllerActionServer:
             self._server.status_timer.shutdown()
 
     def publish(self, time: float, feedback: Callable[[], Message]) -> None:
-        """Publish status and feedback, if they are due at ``time`` [s]."""
+        """Publish status and feedback if they are due at ``time`` [s]."""
         if time < self._time:
             # The last cancellation may lie in the future now: actionlib would recall
             # every goal until then.
@@ -117,7 +118,7 @@ class ControllerActionServer:
 
 @final
 class JointTrajectoryBridge:
-    """``command``, ``state``, ``follow_joint_trajectory`` and ``query_state``."""
+    """Topics, action and ``query_state`` service of a JointTrajectoryController."""
 
     def __init__(
         self, ros: RosNamespace, spec: JointTrajectorySpec, controller: ControllerHandle
@@ -231,7 +232,7 @@ class JointTrajectoryBridge:
 
 @final
 class JointStatePublisher:
-    """``joint_states`` of a JointStateController."""
+    """Topic ``joint_states`` of a JointStateController."""
 
     def __init__(
         self, ros: RosNamespace, spec: JointStateSpec, controller: ControllerHandle
@@ -262,7 +263,7 @@ class JointStatePublisher:
 
 @final
 class ForwardCommandBridge:
-    """``command`` of a forwarding controller: Float64, or Float64MultiArray."""
+    """Topic ``command`` of a forwarding controller: Float64 or Float64MultiArray."""
 
     def __init__(
         self, ros: RosNamespace, spec: ForwardCommandSpec, controller: ControllerHandle
@@ -274,7 +275,7 @@ class ForwardCommandBridge:
         )
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish nothing: such a controller has no state topic here."""
+        """Publish nothing, as forwarding controllers have no state topic."""
 
     def close(self) -> None:
         self._subscriber.unregister()
@@ -282,7 +283,7 @@ class ForwardCommandBridge:
 
 @final
 class GripperActionBridge:
-    """``gripper_cmd`` of a GripperActionController."""
+    """Action ``gripper_cmd`` of a GripperActionController."""
 
     def __init__(
         self, ros: RosNamespace, spec: GripperActionSpec, controller: ControllerHandle

@@ -1,4 +1,4 @@
-"""The names of the robot, or of one robot of a cell, in ROS: topics, joints, frames."""
+"""ROS names of the robot, or of one robot of a cell: topics, joints, frames."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
     from tool0.ros1.node import RosNode
 
 _JOINT_LIMITS = "joint_limits"
-"""The entry of the YAML that is no controller, but has limits by joint."""
+"""The YAML entry that contains limits by joint and is not a controller."""
 
 
 @final
 class RosNamespace:
-    """A namespace in ROS, with the whole robot in it, or one robot of a cell.
+    """A ROS namespace that contains the whole robot, or one robot of a cell.
 
-    In a namespace of its own, a robot of a cell has the names that it has alone:
-    ``left_elbow_joint`` of the model is ``elbow_joint`` in ``/left``, and
-    ``left_tool0`` is the frame ``left/tool0``.  This class does all the translation:
-    *full* names are those of the model, *own* names those in ROS.  Without such a
-    namespace they are the same.
+    In its own namespace, a robot of a cell has the names that it has outside of a cell:
+    the model's ``left_elbow_joint`` is ``elbow_joint`` in ``/left``, and ``left_tool0``
+    is the frame ``left/tool0``.  This class translates all names: *full* names are the
+    model's names, and *own* names are the names in ROS.  Without such a namespace, they
+    are the same.
     """
 
     def __init__(
@@ -42,20 +42,20 @@ class RosNamespace:
         name: str = "",
         tf_prefix: str = "",
     ) -> None:
-        """Take the node, the robot of the bring-up, and the contents of the namespace.
+        """Create a namespace of a node, with the robot of the bring-up or a part of it.
 
         Args:
             node: The node of the process.
-            robot: The robot; its cell knows the prefixes of the others.
-            urdf: Contents of the namespace, by its own names; None for what belongs to
-                no single robot of a cell.
-            name: The robot's name in a cell, if it has a namespace of its own.
+            robot: The robot, with its cell, which knows the prefixes of all robots.
+            urdf: URDF of the namespace's robot, with own names; None for the namespace
+                of things that belong to no single robot of a cell.
+            name: The robot's name in a cell if the robot has its own namespace.
             tf_prefix: Prefix of every frame.
         """
         self.node = node
         self.urdf = urdf
         self.root = f"{node.options.root}/{name}" if name else node.options.root
-        """The namespace as the beginning of a name: ``""`` or ``/robot1``."""
+        """The namespace as the beginning of a name, such as ``""`` or ``/robot1``."""
         self.tf_prefix = tf_prefix.strip("/")
         """Prefix of every frame, without slashes around it."""
         self._prefix = prefix = f"{name}_" if name else ""
@@ -68,7 +68,7 @@ class RosNamespace:
         )
         model = robot.description.model
         self.joints = tuple(joint for joint in model.joints if self.owns(joint.name))
-        """The joints of the model that are in the namespace."""
+        """The model's joints that are in the namespace."""
         self._own_joints = {
             joint.name: self.to_ros(joint.name) for joint in self.joints
         }
@@ -76,38 +76,38 @@ class RosNamespace:
 
     @property
     def has_robot(self) -> bool:
-        """Whether there is a robot in it."""
+        """Whether the namespace contains a robot."""
         return self.urdf is not None
 
     def has_controllers(self, names: Iterable[str]) -> bool:
-        """Return whether there is a robot, or one of these controllers by full name."""
+        """Return whether the namespace contains a robot or one of these controllers."""
         return self.has_robot or any(map(self.owns, names))
 
     @property
     def is_of_cell(self) -> bool:
-        """Whether it has one robot of a cell, whose names are translated."""
+        """Whether the namespace is for one robot of a cell, with translated names."""
         return bool(self._prefix)
 
     # ---- the names of joints, links and controllers ----------------------------------
 
     def owns(self, full: str) -> bool:
-        """Return whether what has this full name is in the namespace."""
+        """Return whether the item with this full name is in the namespace."""
         return full.startswith(self._prefix) and not full.startswith(self._longer)
 
     def to_ros(self, full: str) -> str:
-        """Return a name of the model as ROS has it; others' names do not change."""
+        """Return the own name for a full name; other robots' names do not change."""
         return full.removeprefix(self._prefix) if self.owns(full) else full
 
     def to_model(self, own: str) -> str:
-        """Return a name in ROS as the model has it."""
+        """Return the full name for an own name."""
         return self._prefix + own
 
     def text(self, text: object) -> str:
-        """Return a message with ROS names."""
+        """Return a message with own names in place of full names."""
         return self._in_text.sub("", str(text)) if self._prefix else str(text)
 
     def own_parameters(self, yaml: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the part of the controllers' YAML that is in the namespace."""
+        """Return the part of the controllers' YAML that belongs to the namespace."""
         if not self._prefix:
             return {name: value for name, value in yaml.items() if self.owns(name)}
         found = {
@@ -131,18 +131,18 @@ class RosNamespace:
     # ---- frames and cameras ----------------------------------------------------------
 
     def frame(self, link: str) -> str:
-        """Return the frame of the link with a full name."""
+        """Return the frame of a link by its full name."""
         return self.own_frame(self.to_ros(link))
 
     def own_frame(self, own: str) -> str:
-        """Return the frame with an own name."""
+        """Return the frame with an own name, with ``tf_prefix``."""
         return f"{self.tf_prefix}/{own}" if self.tf_prefix else own
 
     def camera_names(self, cameras: Iterable[Camera]) -> dict[str, str]:
-        """Return the own names of the cameras in the namespace, by full names.
+        """Return the cameras in the namespace: full name → own name.
 
         A camera without a link belongs to no single robot of a cell.  A camera keeps
-        its full name if another one has the own one.
+        its full name if another camera already has its own name.
         """
         full = [item.name for item in cameras if self.owns(item.link or "")]
         own = {name: self.to_ros(name) for name in full}
@@ -151,7 +151,7 @@ class RosNamespace:
     # ---- topics and services ---------------------------------------------------------
 
     def name(self, relative: str) -> str:
-        """Return a name in the namespace; a leading slash makes it absolute."""
+        """Return the full ROS name; a name with a leading slash is already absolute."""
         return relative if relative[:1] == "/" else f"{self.root}/{relative}"
 
     def header(self, time: float, frame_id: str = "") -> Any:
@@ -161,11 +161,11 @@ class RosNamespace:
     def publisher(
         self, name: str, kind: Any, *, queue_size: int = 1, latch: bool = False
     ) -> Any:
-        """Return a rospy.Publisher; a slow subscriber does not delay the others."""
+        """Return a rospy.Publisher whose slow subscribers do not delay others."""
         return Publisher(self.name(name), kind, queue_size=queue_size, latch=latch)
 
     def subscriber(self, name: str, kind: Any, callback: Callable[[Any], None]) -> Any:
-        """Return a rospy.Subscriber; a Tool0Error of ``callback`` is logged."""
+        """Return a rospy.Subscriber that logs a Tool0Error from ``callback``."""
         full = self.name(name)
 
         def receive(message: Any) -> None:
@@ -177,7 +177,7 @@ class RosNamespace:
         return Subscriber(full, kind, receive, queue_size=1)
 
     def service(self, name: str, kind: Any, handler: Callable[[Any], Any]) -> Any:
-        """Return a rospy.Service; a Tool0Error is logged and makes the call fail."""
+        """Return a rospy.Service that logs a Tool0Error and lets the call fail."""
         full = self.name(name)
 
         def answer(request: Any) -> Any:
@@ -190,14 +190,14 @@ class RosNamespace:
         return Service(full, kind, answer)
 
     def log_error(self, where: str, error: Tool0Error) -> None:
-        """Log an error at ``where``, also on /rosout."""
+        """Log an error that occurred at ``where``, also on /rosout."""
         self.node.log_error(f"{where}: {self.text(error)}")
 
 
 def namespaces_of(node: RosNode, robot: Robot) -> list[RosNamespace]:
-    """Return the root with the whole robot, or the root and one for each robot.
+    """Return the root namespace and, in a cell with namespaces, one for each robot.
 
-    A robot of a cell with namespaces has the URDF of that robot alone.
+    In such a cell, each robot's namespace has the URDF of that robot alone.
     """
     cell = robot.description.cell
     if cell is None or not cell.namespaces:
@@ -220,7 +220,7 @@ def namespaces_of(node: RosNode, robot: Robot) -> list[RosNamespace]:
 
 
 def _renamed(value: Any, names: Mapping[str, str]) -> Any:
-    """Return plain values of YAML with other names in keys and texts."""
+    """Return plain YAML values with names replaced in keys and texts."""
     match value:
         case dict():
             return {names.get(k, k): _renamed(v, names) for k, v in value.items()}

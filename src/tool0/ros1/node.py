@@ -1,4 +1,4 @@
-"""The ROS node of a bring-up: its name, its clock, its topics and services, its log."""
+"""The ROS node of a bring-up: its name, clock, topics, services and log."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tool0.ros1.options import NODE_NAME, Ros1Options
 logger = logging.getLogger(__name__)
 
 MAX_DRIFT = 0.05
-"""Largest difference between two clocks before the offset is set again [s]; each is
+"""Largest difference between two clocks before the offset is updated [s]; each clock is
 published every 8 ms."""
 
 
@@ -36,8 +36,9 @@ published every 8 ms."""
 class RosClock:
     """Converts between simulated time and ROS time.
 
-    The first bring-up under a master publishes /clock.  A second one, with a namespace
-    of its own, follows it: its simulated time differs from ROS time by an offset.
+    The first bring-up under a master publishes /clock.  A second bring-up, in another
+    namespace, follows that clock; its simulated time differs from ROS time by an
+    offset.
     """
 
     def __init__(self, *, publish: bool) -> None:
@@ -54,7 +55,7 @@ class RosClock:
 
     @property
     def is_publisher(self) -> bool:
-        """Whether we publish /clock."""
+        """Whether this node publishes /clock."""
         return self._publisher is not None
 
     def follow_other(self) -> None:
@@ -102,13 +103,13 @@ _REPEAT_PERIOD = 1.0
 
 
 class SnapshotPublisher(Protocol):
-    """Publishes part of every snapshot.  One thread calls it."""
+    """Publishes part of every snapshot; only one thread calls it."""
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish due messages.  Simulated time may have gone back to zero."""
+        """Publish messages that are due; simulated time may have gone back to zero."""
 
     def close(self) -> None:
-        """Unregister its topics and services."""
+        """Unregister the publisher's topics and services."""
 
 
 @final
@@ -121,7 +122,7 @@ class WorkerThread:
         self._thread.start()
 
     def submit(self, task: Callable[[], None]) -> None:
-        """Queue ``task``; never waits."""
+        """Queue ``task`` without waiting."""
         self._tasks.put(task)
 
     def close(self, timeout: float = 1.0) -> None:
@@ -142,13 +143,13 @@ class WorkerThread:
 
 @final
 class RosoutHandler(logging.Handler):
-    """Passes warnings and errors on to rospy, which publishes them on /rosout.
+    """Forwards warnings and errors to rospy, which publishes them on /rosout.
 
-    A program without logging handlers still sees them on standard error.
+    In a program without logging handlers, they still appear on standard error.
     """
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Publish the record; print it if the program has no handler."""
+        """Publish the record, and print it if the program has no handler."""
         log = rospy.logerr if record.levelno >= logging.ERROR else rospy.logwarn
         if not rospy.is_shutdown():
             log("%s", record.getMessage())
@@ -158,13 +159,14 @@ class RosoutHandler(logging.Handler):
 
 @final
 class RosNode:
-    """The process's node.  rospy never allows a second one in a process."""
+    """The process's ROS node; rospy never allows a second one."""
 
     def __init__(self, options: Ros1Options, master: Master) -> None:
         """Register with the master.
 
         Raises:
-            RosUnavailableError: If the name is taken, or the process is a node already.
+            RosUnavailableError: If the name is taken, or if the process is already a
+                node.
         """
         if core.is_initialized() or core.is_shutdown():
             raise RosUnavailableError(
@@ -193,7 +195,7 @@ class RosNode:
         return str(core.get_node_uri())
 
     def log_error(self, text: str) -> None:
-        """Log an error, also on /rosout; the same one at most once a second."""
+        """Log an error, also on /rosout; repeated errors at most once a second."""
         last, when = self._last_error
         now = time.monotonic()
         if text != last or now - when >= _REPEAT_PERIOD:
@@ -209,7 +211,7 @@ class RosNode:
         )
 
     def arbitrate_clock(self) -> None:
-        """Publish /clock if no other node does; of two, the later name stops."""
+        """Publish /clock if no other node does; the later of two by name stops."""
         others = self.other_clock_publishers()
         if not self.clock.is_publisher and not others:
             self.clock.start_publishing()
@@ -231,13 +233,13 @@ class RosNode:
                 ourselves.publisherUpdate("/master", topic, found)
 
     def close(self) -> None:
-        """Unregister everything; no second node can follow in this process."""
+        """Unregister everything; this process cannot start another node."""
         logging.getLogger("tool0").removeHandler(self._rosout)
         self._results.close()
         uri = self.uri
         rospy.signal_shutdown("the bring-up ended")
         with contextlib.suppress(RosUnavailableError):
-            # A name that a thread of rospy's registers meanwhile would stay.
+            # Names that a rospy thread registers meanwhile would remain.
             self.master.unregister_all(uri)
 
 

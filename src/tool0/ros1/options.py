@@ -9,8 +9,8 @@ from typing import final
 from tool0.errors import ConfigError
 
 NODE_NAME = "gazebo"
-"""Name of the node on every engine: clients wait for /gazebo/…, as in the launch
-files."""
+"""Name of the node with every engine, as clients (including launch files) wait for
+/gazebo/…."""
 
 _NAMESPACE = re.compile(r"(/?[A-Za-z]\w*)(/[A-Za-z]\w*)*/?|/?")
 
@@ -47,7 +47,7 @@ class Ros1Options:
 
     @property
     def root(self) -> str:
-        """The namespace as the beginning of a name: ``""`` or ``/robot1``."""
+        """The namespace as the beginning of a name, such as ``""`` or ``/robot1``."""
         inner = self.ns.strip("/")
         return f"/{inner}" if inner else ""
 

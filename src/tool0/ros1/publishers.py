@@ -1,4 +1,4 @@
-"""Publishers of every snapshot: wrench, images, and the frames of links."""
+"""Publishers that run for every snapshot: wrenches, images and the frames of links."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ logger = logging.getLogger(__name__)
 def sensor_publishers(
     ros: RosNamespace, robot: Robot, renderer: WorkerThread
 ) -> list[SnapshotPublisher]:
-    """Return publishers of the cameras, and of the wrench at each link ``…tool0``."""
+    """Return publishers for the cameras, and for the wrench at each link ``…tool0``."""
     cameras = [
         CameraPublisher(ros, robot.cameras[full], own, frame, renderer)
         for full, (own, frame) in camera_frames(ros, robot).items()
@@ -63,10 +63,10 @@ def sensor_publishers(
 
 @final
 class WrenchPublisher:
-    """``wrench``, and a service that tares it, named as in Universal Robots' driver.
+    """Topic ``wrench``, and a service that tares it, named as in UR's driver.
 
-    Where there are several, both names start with a ``prefix``.
-    The first subscriber starts the sensor.  It continues without subscribers: stopping
+    If there are several, both names start with a ``prefix``.  The first subscriber
+    starts the sensor, which then continues even without subscribers, since stopping
     would lose the tare.
     """
 
@@ -81,7 +81,7 @@ class WrenchPublisher:
         self._last: int | None = None  # number of the last sample that was published
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish the filtered samples since the last call, if anyone subscribes."""
+        """Publish the filtered samples since the last call if there are subscribers."""
         if not self._publisher.get_num_connections():
             self._last = None
             return
@@ -107,7 +107,7 @@ class WrenchPublisher:
 
 
 def camera_frames(ros: RosNamespace, robot: Robot) -> dict[str, tuple[str, str]]:
-    """Return own name and optical frame of each camera of a namespace, by full name."""
+    """Return each camera's own name and optical frame in a namespace, by full name."""
     cameras = (handle.camera for handle in robot.cameras.values())
     description = robot.description
     prefix = description.prefix if description.cell is None else ""
@@ -118,7 +118,7 @@ def camera_frames(ros: RosNamespace, robot: Robot) -> dict[str, tuple[str, str]]
 
 
 def camera_transforms(ros: RosNamespace, robot: Robot) -> list[Message]:
-    """Return the pose of each camera on its link: geometry_msgs/TransformStamped."""
+    """Return each camera's pose on its link, as geometry_msgs/TransformStamped."""
     root = robot.description.model.root
     found = []
     for full, (_, frame) in camera_frames(ros, robot).items():
@@ -130,9 +130,10 @@ def camera_transforms(ros: RosNamespace, robot: Robot) -> list[Message]:
 
 @final
 class CameraPublisher:
-    """``image_raw`` and ``camera_info`` of one camera's colours and depth.
+    """Topics ``image_raw`` and ``camera_info`` for one camera's colours and depth.
 
-    Both belong to one image, so they share the optical frame of the colours.
+    Colours and depth belong to one image, so they share the optical frame of the
+    colours.
     """
 
     def __init__(
@@ -170,7 +171,7 @@ class CameraPublisher:
             self._renderer.submit(lambda: self._render(snapshot))
 
     def close(self) -> None:
-        """Unregister its topics, once the image in progress is published."""
+        """Unregister the topics once the image in progress is published."""
         self._renderer.close()
         for publisher in (self._colors, self._depths, *self._infos):
             publisher.unregister()
@@ -224,10 +225,10 @@ class CameraPublisher:
 
 @final
 class StaticFrames:
-    """``/tf_static``: the fixed frames that this node publishes, of all namespaces.
+    """Topic ``/tf_static`` with the fixed frames of all namespaces from this node.
 
-    A latched topic keeps one message for those who subscribe later, so each message
-    has all frames.
+    A latched topic keeps only one message for later subscribers, so each message
+    contains all frames.
     """
 
     def __init__(self, ros: RosNamespace) -> None:
@@ -235,7 +236,7 @@ class StaticFrames:
         self._transforms: list[Message] = []
 
     def add(self, transforms: Iterable[Message]) -> None:
-        """Publish further transforms."""
+        """Publish additional transforms."""
         self._transforms += transforms
         self._publisher.publish(self._transforms)
 
@@ -245,10 +246,10 @@ class StaticFrames:
 
 
 def fixed_frames(ros: RosNamespace, robot: Robot) -> list[Message]:
-    """Return the transforms of a namespace that robot_state_publisher does not know.
+    """Return the namespace's transforms that robot_state_publisher does not know.
 
-    They are those of the cameras, and in a cell the one from ``world`` to the
-    robot's own root.
+    These are the cameras' transforms and, in a cell, the transform from ``world`` to
+    the robot's own root.
     """
     transforms = camera_transforms(ros, robot)
     if ros.is_of_cell:
@@ -260,17 +261,17 @@ def fixed_frames(ros: RosNamespace, robot: Robot) -> list[Message]:
 
 NAME = "robot_state_publisher"
 _CHECK_RATE = 1.0
-"""Checks whether the child process is alive [Hz] of simulated time."""
+"""Rate of checks whether the child process is alive, in simulated time [Hz]."""
 _GRACE = 5.0
 """Time for the child process to end on its own [wall s]."""
 
 
 @final
 class RobotStatePublisher:
-    """The frames of links and cameras of a namespace.
+    """Publisher of the frames of links and cameras in a namespace.
 
-    The real robot_state_publisher runs as a child process.  If it is not installed, or
-    has ended, tool0's own kinematics publish the same frames.
+    The real robot_state_publisher runs as a child process.  If that program is not
+    installed or has ended, tool0's own kinematics publish the same frames.
     """
 
     def __init__(self, ros: RosNamespace, robot: Robot, static: StaticFrames) -> None:
@@ -286,7 +287,7 @@ class RobotStatePublisher:
             self._child = self._start()
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish the frames of movable joints if they are due; watch the child."""
+        """Publish the movable joints' frames if they are due; monitor the child."""
         child = self._child
         if child is None:
             if self._rate.is_due(snapshot.time):
@@ -307,7 +308,7 @@ class RobotStatePublisher:
             self._take_over()
 
     def register_again(self) -> None:
-        """Restart the child: roscpp nodes do not notice a new master."""
+        """Restart the child, as roscpp nodes do not notice a new master."""
         if self._child is not None:
             old, self._child = self._child, self._start()
             old.close()
@@ -329,7 +330,7 @@ class RobotStatePublisher:
         return ChildProcess(command, environment=environment, grace=_GRACE)
 
     def _take_over(self) -> None:
-        """Publish the fixed frames, and from now on the movable ones."""
+        """Publish the fixed frames now, and the movable frames from now on."""
         fixed = (joint for joint in self._ros.joints if not joint.is_movable)
         self._static.add(self._transforms(fixed, {}, self._robot.time))
         self._publisher = self._ros.publisher("/tf", TFMessage, queue_size=100)

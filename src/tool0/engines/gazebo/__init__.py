@@ -1,1 +1,1 @@
-"""Gazebo 11 as an engine: a real gzserver in lock-step with the loop."""
+"""Gazebo 11 as an engine: a real gzserver in lockstep with the control loop."""

@@ -18,11 +18,11 @@ from tool0.description.bodies import Matrix
 from tool0.errors import EngineError, EngineUnavailableError
 
 VERSION = 8
-"""Version of the packets, as ``kVersion`` in bridge.cc."""
+"""Version of the packets; equals ``kVersion`` in bridge.cc."""
 ANSWER_TIMEOUT = 1.5
-"""Timeout of an answer [s]: a hang is reported within two seconds."""
+"""Timeout for an answer [s], so that a hang is reported within two seconds."""
 SPAWN_TIMEOUT = 12.0
-"""Timeout of requests for which the bridge waits, 10 s at most [s]."""
+"""Timeout for requests during which the bridge itself waits, up to 10 s [s]."""
 _MAX_PACKET = 1 << 16  # [bytes]
 _FULL_SPEED_GAP = 1e-4  # [s] between an answer and the next request, at full speed
 _SPIN_POLLS = 400  # for an answer, at full speed; about 0.5 µs each
@@ -49,7 +49,7 @@ class RequestKind(IntEnum):
 
 @final
 class BridgeListener:
-    """A socket to which the bridge of one gzserver connects."""
+    """A socket to which one gzserver's bridge connects."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -65,12 +65,12 @@ class BridgeListener:
     def accept(
         self, dt: float, check: Callable[[], None], timeout: float
     ) -> socket.socket:
-        """Return the socket of a bridge with our version, for steps of ``dt`` [s].
+        """Return the socket of a bridge of our version, for steps of ``dt`` [s].
 
         ``check`` is called while waiting; it raises if the bridge will never connect.
 
         Raises:
-            EngineUnavailableError: If no bridge connects, or its version differs.
+            EngineUnavailableError: If no bridge connects, or if its version differs.
         """
         deadline = perf_counter() + timeout
         self._socket.settimeout(0.1)
@@ -152,7 +152,7 @@ class BridgeConnection:
         """Return the answer, valid until the next one comes.
 
         Raises:
-            EngineError: If the bridge refuses, or there is no answer.
+            EngineError: If the bridge refuses the request, or does not answer.
         """
         if self._is_at_full_speed:
             self._spin()
@@ -175,7 +175,7 @@ class BridgeConnection:
         """Send a request of ``parts`` and return its answer.
 
         Raises:
-            EngineError: If the bridge refuses, or there is no answer in time.
+            EngineError: If the bridge refuses the request, or does not answer in time.
         """
         if timeout != self._timeout:
             self._set_timeout(timeout)
@@ -193,7 +193,8 @@ class BridgeConnection:
     def _spin(self) -> None:
         """Poll for the answer, because waking up from a blocking call takes long.
 
-        If polling fails, as on busy processors, it is tried less and less often.
+        If polling finds no answer, as on busy processors, it is tried less and less
+        often.
         """
         if self._skip_spins:
             self._skip_spins -= 1
@@ -239,10 +240,10 @@ def pack_pose(pose: Matrix) -> bytes:
 
 
 def quat_wxyz(pose: Matrix) -> list[float]:
-    """Return the rotation of ``pose``, by the largest of the four components.
+    """Return the quaternion of ``pose``, computed from its largest component.
 
-    Not ``Transform.quat_wxyz``, which differs in the last bit: gzserver's state after a
-    reset, and with it every recording, depends on that.
+    ``Transform.quat_wxyz`` cannot be used: it differs in the last bit, on which
+    gzserver's state after a reset, and so every recording, depends.
 
     Source: S. W. Shepperd, "Quaternion from rotation matrix" (1978).
     """

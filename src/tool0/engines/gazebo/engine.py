@@ -38,12 +38,12 @@ from tool0.installation.gazebo.installation import find_installation
 from tool0.installation.gazebo.plugin import bridge_libraries
 
 _STRONGEST_BRAKE = 1e6
-"""Torque of the brake of a drive without an effort limit [N·m | N]."""
+"""Brake torque or force of a drive without an effort limit [N·m | N]."""
 
 
 @final
 class GazeboEngine:
-    """An ``Engine`` with its own gzserver, in lock-step with the loop."""
+    """An ``Engine`` with its own gzserver, in lockstep with the control loop."""
 
     name = "gazebo"
     stepper = None
@@ -64,7 +64,7 @@ class GazeboEngine:
         For the arguments see ``EngineSettings`` and ``GazeboEngineOptions``.
 
         Raises:
-            EngineUnavailableError: If there is no Gazebo, or it does not start.
+            EngineUnavailableError: If Gazebo is not installed, or does not start.
             EngineError: If Gazebo refuses the robot or an object.
         """
         check_dt(dt)
@@ -159,7 +159,7 @@ class GazeboEngine:
             raise EngineError("Gazebo's joints have no rotors")
 
     def step(self) -> None:
-        """Advance simulated time by ``dt``; ``read`` waits for the result."""
+        """Start a step of ``dt``; ``read`` waits for its result."""
         if self._is_stepping:
             self._finish_step()
         self._connection.send(self._pack_step(RequestKind.STEP, *self._effort))
@@ -167,7 +167,7 @@ class GazeboEngine:
         self._steps += 1
 
     def close(self) -> None:
-        """End gzserver, and gzclient; closing twice is allowed."""
+        """End gzserver and gzclient; closing twice is allowed."""
         self._connection.close()
         self.server.close()
 

@@ -1,17 +1,17 @@
-"""The robot's URDF for Gazebo, and the constraints of mimic joints.
+"""The robot's URDF for Gazebo, and the constraints for mimic joints.
 
-Gazebo's own libsdformat converts the URDF, as for any Gazebo user.  tool0 changes six
-things before: mesh paths, the joint that fixes the robot to the world, the constraints
-and the stops of mimic joints, colours, and controller managers of ROS 2, which it
-replaces.
+Gazebo's own libsdformat converts the URDF, as it does for any Gazebo user.  Before
+that, tool0 changes six things: mesh paths, the joint that fixes the robot to the world,
+the constraints and the stops of mimic joints, colours, and ROS 2 controller managers,
+which tool0 replaces.
 
-ODE's gearbox joint constrains a mimic joint where that is exact, otherwise teeth in the
-bridge.  The gearbox holds w_child + ratio · w_parent = 0 between the angular
-velocities of two bodies, without the carrier of both.  It is therefore exact only for
-ratio -1 and parallel axes, where the carrier's velocity cancels.  With any other ratio
-it resists the carrier's rotation, with no reaction on the carrier.
+Where ODE's gearbox joint is exact, it constrains the mimic joint; otherwise the bridge
+simulates teeth.  The gearbox holds w_child + ratio · w_parent = 0 between the angular
+velocities of two bodies, but ignores their common carrier.  It is therefore exact only
+for ratio -1 and parallel axes, where the carrier's velocity cancels.  With any other
+ratio, it resists the carrier's rotation without a reaction on the carrier.
 
-Two sliding joints of one carrier mesh, as racks, with a pinion of the bridge.
+Two sliding joints on one carrier are like racks that mesh with a pinion in the bridge.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ WORLD = "world"
 """The link that libsdformat fixes to the world if it is the URDF's root."""
 _PARALLEL = 1e-6  # [rad]
 STOP_SLACK = 0.02
-"""Offset of the stops of mimic joints [rad | m], beyond those of the URDF.
+"""Distance by which mimic joints' stops lie beyond those in the URDF [rad | m].
 
-A master's stop also stops its mimics: ODE's direct solver fails on redundant rows, and
-undamped fingers then oscillate at 6 rad/s.
+The stop of the mimicked joint also stops its mimics.  With redundant stops, ODE's
+direct solver fails, and undamped fingers oscillate at 6 rad/s.
 """
 _ROS2_CONTROL = "ros2_control"
-"""Text in the file names of Gazebo's controller managers of ROS 2."""
+"""Text in the file names of Gazebo plugins that run a ROS 2 controller manager."""
 _COLORED = "tool0_paint"
 """Prefix of the links of coloured shapes: libsdformat does not lump a link whose name
 begins with its parent's."""
@@ -50,13 +50,15 @@ class MimicConstraint:
     """Couples a mimic joint to an adjacent joint of its mechanism."""
 
     joint: int
-    """Index of the mimic joint among the movable ones."""
+    """Index of the mimic joint among the movable joints."""
     other: int
-    """Index of the joint that it is coupled to: of its parent body, or beside it."""
+    """Index of the joint coupled to it: the parent body's joint, or one on the same
+    parent."""
     multiplier: float
-    """Ratio of the joint's position to that of the other."""
+    """Ratio of the mimic joint's position to the other joint's position."""
     is_gearbox: bool
-    """Whether both turn the same way at the same speed, seen from the world."""
+    """Whether a gearbox joint couples the two joints exactly; otherwise the bridge does
+    it."""
 
 
 def mimic_constraints(
@@ -177,7 +179,8 @@ def _set_color(
 def body_poses(bodies: tuple[MovingBody, ...], position: list[float]) -> list[Matrix]:
     """Return each movable joint's child link in the robot's root, shape (4, 4).
 
-    Not by ``link_poses``, which differs in the last bit: see ``connection.quat_wxyz``.
+    ``link_poses`` cannot be used, as it differs in the last bit; see
+    ``connection.quat_wxyz``.
     """
     poses: list[Matrix] = []
     for body, q in zip(bodies, position, strict=True):
@@ -187,7 +190,7 @@ def body_poses(bodies: tuple[MovingBody, ...], position: list[float]) -> list[Ma
 
 
 def _motion(joint: Joint, q: float) -> Matrix:
-    """Return the displacement of the joint's child at ``q``, shape (4, 4)."""
+    """Return the displacement of the joint's child link at ``q``, shape (4, 4)."""
     motion = np.eye(4)
     axis = np.asarray(joint.axis)
     if joint.type is JointType.PRISMATIC:
@@ -202,7 +205,7 @@ def _motion(joint: Joint, q: float) -> Matrix:
 def _gearbox_sdf(
     model: RobotModel, bodies: tuple[MovingBody, ...], constraint: MimicConstraint
 ) -> ET.Element:
-    """Return the gearbox joint of ``constraint``, in SDF."""
+    """Return the gearbox joint for ``constraint``, in SDF."""
     joint, parent = bodies[constraint.joint].joint, bodies[constraint.joint].parent
     is_carried = parent == constraint.other
     turned = bodies[constraint.other].parent if is_carried else constraint.other
@@ -256,7 +259,7 @@ def _constraint(
 
 
 def _neighbours(bodies: tuple[MovingBody, ...], i: int, mimic: Mimic) -> Iterator[int]:
-    """Yield joints of the same mechanism: that of the parent body, those beside it."""
+    """Yield adjacent joints of the mechanism: the parent body's, then the siblings."""
     parent = bodies[i].parent
     for j in (parent, *range(i)):
         other = bodies[j].joint

@@ -1,4 +1,4 @@
-"""SDF: models of scene objects, inertia of solids, checks of the user's files."""
+"""SDF: models of scene objects, inertia of solids, and checks of the user's files."""
 
 from __future__ import annotations
 
@@ -29,18 +29,19 @@ from tool0.errors import DescriptionError, ModelError, SourceLocation
 Array = np.ndarray
 
 STIFFNESS, DAMPING = 1e5, 10.0
-"""Contact stiffness and damping [N/m, N·s/m], as for the pads: objects rest still."""
+"""Contact stiffness and damping [N/m, N·s/m], the same as the pads', so that objects at
+rest do not move."""
 MIN_DEPTH, MAX_VEL = 1e-5, 0.1
-"""Overlap that is not corrected [m], and the highest speed of correction [m/s].
+"""Overlap that is not corrected [m], and the largest speed of corrections [m/s].
 
-The direct solver ignores the second; preload.cc limits it instead.
+The direct solver ignores the largest speed; preload.cc limits it instead.
 """
 EMPTY_WORLD = Path(__file__).with_name("empty.world")
-"""A world with a sun, and the ground at z = 0."""
+"""A world with a sun and with the ground at z = 0."""
 
 
 def object_sdf(item: SceneObject) -> str:
-    """Return the object as an SDF document, at its model's origin.
+    """Return the object as an SDF document, placed at its model's origin.
 
     Raises:
         ModelError: If it has a mesh that cannot be read, or that has a mass but no
@@ -96,7 +97,7 @@ def _shape(
 
 
 def check_world(file: Path) -> None:
-    """Raise DescriptionError unless ``file`` is an SDF with a world in it."""
+    """Raise DescriptionError unless ``file`` is an SDF file that contains a world."""
     root = _root(file, "world")
     if root.tag != "sdf" or root.find("world") is None:
         raise DescriptionError(
@@ -106,7 +107,7 @@ def check_world(file: Path) -> None:
 
 
 def check_model(file: Path) -> None:
-    """Raise DescriptionError unless ``file`` is a URDF or an SDF with a model."""
+    """Raise DescriptionError unless ``file`` is a URDF, or an SDF file with a model."""
     root = _root(file, "model")
     if root.tag != "robot" and (root.tag != "sdf" or root.find("model") is None):
         raise DescriptionError(
@@ -144,7 +145,7 @@ def unit_inertia(solid: Solid) -> BodyInertia:
 
 
 def volume(geometry: Geometry) -> float:
-    """Return the volume of a shape [m³]; ModelError if a mesh cannot be read."""
+    """Return the volume of a shape [m³]; raise ModelError if a mesh cannot be read."""
     match geometry:
         case Box(size=size):
             return math.prod(size)
@@ -160,7 +161,7 @@ def volume(geometry: Geometry) -> float:
 def check_mesh(path: Path) -> None:
     """Raise ModelError unless the file is a mesh; Gazebo would silently ignore it.
 
-    Of a COLLADA file only the XML is checked: a broken one would end gzserver.
+    In a COLLADA file, only the XML is checked, as malformed XML would crash gzserver.
     """
     if path.suffix.lower() != ".dae":
         _triangles(path)
@@ -222,7 +223,7 @@ def _centred(*moments: float, over: float) -> BodyInertia:
 
 
 def _placed(unit: BodyInertia, mass: float, pose: Pose) -> BodyInertia:
-    """Return a solid, given as if of 1 kg, in the frame in which it has ``pose``."""
+    """Return the inertia of a solid, scaled from 1 kg and moved to ``pose``."""
     frame = pose_matrix(pose)
     R = frame[:3, :3]
     center = R @ unit.center + frame[:3, 3]
@@ -232,7 +233,7 @@ def _placed(unit: BodyInertia, mass: float, pose: Pose) -> BodyInertia:
 def _enclosed(triangles: Array, path: Path) -> BodyInertia:
     """Return the inertia of the solid that triangles, shape (n, 3, 3), enclose.
 
-    The signed sum of the tetrahedra between each triangle and the origin:
+    It is the signed sum over the tetrahedra between each triangle and the origin:
     F. Tonon, "Explicit exact formulas for the 3-D tetrahedron inertia tensor" (2004).
     """
     sixfold = np.linalg.det(triangles)  # volumes

@@ -1,4 +1,4 @@
-"""Our gzserver and gzclient: start, logs, crashes and shutdown."""
+"""The processes gzserver and gzclient: start, logs, crashes and shutdown."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ from tool0.user_data import locked
 logger = logging.getLogger(__name__)
 
 START_TIMEOUT = 30.0
-"""Timeout for gzserver to load the bridge [s]; with a cold disk it takes ten."""
+"""Timeout for gzserver to load the bridge [s]; this takes 10 s with a cold disk
+cache."""
 _EXIT_TIMEOUT: Final = 0.2
 """Timeout for a disconnected server to end on its own [wall s]."""
 _FOLDER: Final = "tool0-gazebo-"
@@ -35,7 +36,7 @@ _LOCK: Final = "lock"
 _NEW_LOCK: Final = "lock.new"
 _MAX_STARTS: Final = 3
 _DELIBERATE: Final = (0, -signal.SIGTERM, -signal.SIGINT, -signal.SIGKILL)
-"""Exit statuses of a gzclient that its user ended."""
+"""Exit statuses of a gzclient that the user closed."""
 _LAST_LINES: Final = 12
 _COLOUR: Final = re.compile(r"\x1b\[[0-9;]*m")
 _NOISE: Final = re.compile(
@@ -48,7 +49,7 @@ _ERROR: Final = re.compile(r"\[Err\]|Error|\[Wrn\] \[Server")
 
 
 def _window_program(installation: GazeboInstallation) -> Path:
-    """Return the program gzclient, or raise EngineUnavailableError."""
+    """Return the path of gzclient, or raise EngineUnavailableError."""
     if installation.client is None:
         raise EngineUnavailableError(
             "this Gazebo has no gzclient; run `tool0 gazebo install --gui`"
@@ -62,14 +63,14 @@ def _window_program(installation: GazeboInstallation) -> Path:
 
 
 _PORTS = range(12000, 32000)
-"""Below those that Linux gives to outgoing connections."""
+"""Ports for gzserver, below those that Linux assigns to outgoing connections."""
 
 
 @final
 class GazeboServer:
     """One gzserver with its own folder, port and HOME.
 
-    It ends with ``close`` or with this process, however that ends.
+    The server ends with ``close``, or when this process ends for any reason.
     """
 
     def __init__(
@@ -83,8 +84,8 @@ class GazeboServer:
     ) -> None:
         """Start gzserver with ``world`` and the bridge; ``open_window`` needs ``gui``.
 
-        ``renders`` lets gzserver itself draw, for its sensors.  Without it, gzserver
-        gets no display: an X error while it loads OGRE makes it hang.
+        ``renders`` lets gzserver render, which its sensors need.  Otherwise gzserver
+        gets no display, because an X error while it loads OGRE would make it hang.
 
         Raises:
             EngineUnavailableError: If a window is requested but impossible.
@@ -117,7 +118,7 @@ class GazeboServer:
 
     @property
     def master_uri(self) -> str:
-        """``GAZEBO_MASTER_URI`` for `gz` and for plugins."""
+        """Value of ``GAZEBO_MASTER_URI`` for ``gz`` and for plugins."""
         return f"http://127.0.0.1:{self._port}"
 
     @property
@@ -131,7 +132,8 @@ class GazeboServer:
         """Return the connection to the bridge, for steps of ``dt`` [s].
 
         Raises:
-            EngineUnavailableError: If gzserver does not start, or its bridge is wrong.
+            EngineUnavailableError: If gzserver does not start, or if its bridge has
+                another version.
         """
         peer = self._listener.accept(dt, self._check, START_TIMEOUT)
         self._listener.close()
@@ -148,7 +150,7 @@ class GazeboServer:
             )
 
     def new_errors(self) -> list[str]:
-        """Return the errors in the server's log since the last call."""
+        """Return the errors that the server has logged since the last call."""
         lines = _log_lines(self._log)
         new, self._lines_read = lines[self._lines_read :], len(lines)
         return [line for line in new if _ERROR.match(line)]
@@ -168,7 +170,7 @@ class GazeboServer:
             )
 
     def _lost(self, why: str) -> EngineUnavailableError:
-        """End the rest of the server, and return the error to report."""
+        """Clean up after a server that has ended, and return the error to report."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(_EXIT_TIMEOUT)
         error = EngineUnavailableError(_exit_report(why, self._process, self._log))
@@ -201,14 +203,14 @@ class GazeboServer:
 
 @final
 class ClientWindow:
-    """A gzclient, restarted if it crashes.
+    """A gzclient process, restarted if it crashes.
 
-    gzclient 11 has a segmentation fault in about one of 30 starts on two busy cores
-    with software GL.
+    On two busy cores with software GL, about one of 30 starts of gzclient 11 ends with
+    a segmentation fault.
     """
 
     def __init__(self, run: Callable[[], ChildProcess], log: Path) -> None:
-        """Start it with ``run``, its output in ``log``."""
+        """Start gzclient with ``run``; its output goes to ``log``."""
         self._run = run
         self._log = log
         self._lock = threading.Lock()
@@ -218,7 +220,7 @@ class ClientWindow:
         watch.start()
 
     def close(self) -> None:
-        """End it; closing twice is allowed."""
+        """End gzclient; closing twice is allowed."""
         with self._lock:
             self._is_closed = True
             self.process.close()
@@ -239,7 +241,7 @@ class ClientWindow:
 
 @contextlib.contextmanager
 def _own_folder() -> Iterator[Path]:
-    """Create a folder, removed at the end; remove folders of killed processes."""
+    """Create a temporary folder, and remove those that killed processes have left."""
     parent = Path(tempfile.gettempdir())
     for left in parent.glob(f"{_FOLDER}*/{_LOCK}"):
         # The folder of a running server is locked; a starting one has no lock yet.
@@ -255,7 +257,7 @@ def _own_folder() -> Iterator[Path]:
 
 
 def _free_port() -> int:
-    """Return a free port that no outgoing connection gets before gzserver binds it."""
+    """Return a free port that no outgoing connection can take before gzserver does."""
     while True:
         port = random.choice(_PORTS)  # several servers may start at once
         with (
@@ -267,7 +269,7 @@ def _free_port() -> int:
 
 
 def _exit_report(why: str, process: ChildProcess, log: Path) -> str:
-    """Return ``why``, how ``process`` ended if it did, and the end of its log."""
+    """Return ``why`` with the exit status of ``process``, if any, and its log's end."""
     status = process.exit_status
     if status is None:
         how = ""
@@ -281,7 +283,7 @@ def _exit_report(why: str, process: ChildProcess, log: Path) -> str:
 
 
 def _log_lines(log: Path) -> list[str]:
-    """Return the lines of a log, without colours and ``_NOISE``."""
+    """Return the lines of a log, without colour codes and ``_NOISE``."""
     try:
         text = log.read_text(errors="replace")
     except OSError:

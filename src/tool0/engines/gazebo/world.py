@@ -1,4 +1,4 @@
-"""The models in Gazebo's world, and contacts with the names of URDF and scene.
+"""The models in Gazebo's world, and contacts with names from the URDF and scene.
 
 libsdformat lumps fixed links into the link that they are fixed to, and names each shape
 by its original link.
@@ -56,12 +56,12 @@ logger = logging.getLogger(__name__)
 _WORLD_REPLACED = "Falling back on"
 _INCOMPLETE_MODEL = "Loading model from factory message failed"
 _MESH_MISSING = "Unable to load mesh"
-"""Errors in gzserver's log, after which gzserver itself continues."""
+"""Errors in gzserver's log that do not make gzserver stop."""
 
 
 @final
 class GazeboServerWorld:
-    """A ``World`` in one gzserver, through the bridge."""
+    """A ``World`` in one gzserver, accessed through the bridge."""
 
     def __init__(
         self,
@@ -79,10 +79,10 @@ class GazeboServerWorld:
     ) -> None:
         """Spawn the robot and the scene, and bind the bridge to the robot.
 
-        ``urdf`` is the robot for libsdformat, without the ``gears``, which the bridge
-        holds; ``root`` its root in the world, shape (4, 4): moved, not rotated.
-        ``world_file`` is None for our own world.  ``finish_step`` is called before each
-        request: it receives the answer to a pending step.
+        ``urdf`` is the robot for libsdformat; the bridge simulates the ``gears``.
+        ``root`` is the pose of the robot's root in the world, shape (4, 4), a pure
+        translation.  ``world_file`` is None for tool0's own world.  ``finish_step`` is
+        called before each request, to receive the answer to a pending step.
 
         Raises:
             DescriptionError: If Gazebo cannot read the world.
@@ -132,7 +132,8 @@ class GazeboServerWorld:
     def object_states(self) -> tuple[ObjectState, ...]:
         """Return the current state of each object.
 
-        If Gazebo is gone, these are the last known states; the next step reports it.
+        If Gazebo has ended, these are the last known states; the next step reports the
+        end.
         """
         if not self._objects:
             return ()
@@ -192,9 +193,10 @@ class GazeboServerWorld:
         )
 
     def contacts(self) -> tuple[Contact, ...]:
-        """Return the contacts of the last step, one per pair.
+        """Return the contacts of the last step, one per pair of links or objects.
 
-        Gazebo records them from the first call on, so that call returns none.
+        Gazebo starts to record contacts with the first call, which therefore returns
+        none.
         """
         packed, n, left = b"", 0, 1
         while left:  # the size of an answer is limited
@@ -223,7 +225,7 @@ class GazeboServerWorld:
         )
 
     def _packed_body(self, name: str) -> bytes:
-        """Return model and link of what a link or object is part of, for the bridge."""
+        """Return the packed names of a link's or object's model and link in Gazebo."""
         if name in self._names.body_of_link:
             body = self._names.body_of_link[name]
             if not body:
@@ -303,11 +305,12 @@ class GazeboServerWorld:
 
 _NUMBERS = struct.Struct("=10d")
 _REVERSED = np.array([1.0] * 4 + [-1.0] * 6)
-"""Factors of the numbers when the two names are swapped."""
+"""Factors of the ten numbers of a contact when its two names are swapped."""
 _GROUND = ("ground_plane", "ground")
 """The name of the model in our own world, and the name that tool0 uses."""
 _LUMP = "_fixed_joint_lump__"
-"""Separates the names of a lump and its link, unless the link name starts with it."""
+"""Text between a lump's name and its link's name, unless the latter starts with the
+former."""
 _NUMBERED = re.compile(r"_collision(_\d+)?$")
 
 
@@ -318,7 +321,7 @@ class LinkNames:
     def __init__(
         self, model: RobotModel, bodies: tuple[MovingBody, ...], *, own_world: bool
     ) -> None:
-        """Name the links of ``model``, and the ground if the world is ours."""
+        """Name the links of ``model``, and the ground in tool0's own world."""
         self._robot = model.name
         self._ground = dict([_GROUND]) if own_world else {}
         self.body_of_link = {link: "" for link, _ in fixed_to_world(model)}
@@ -328,7 +331,7 @@ class LinkNames:
                 self.body_of_link[link] = body.joint.child
 
     def owner(self, model: str, shape: str) -> str:
-        """Return the link or object of one of Gazebo's shapes."""
+        """Return the link or object that one of Gazebo's shapes belongs to."""
         if model == self._robot:
             link = _NUMBERED.sub("", shape.rpartition(_LUMP)[2])
             return link if link in self.body_of_link else shape
@@ -340,8 +343,8 @@ def unpack_contacts(
 ) -> tuple[Contact, ...]:
     """Return one contact for each pair, in the axes of the robot's root.
 
-    ``packed`` has all pairs of shapes, as the bridge sends them; ``root`` is the
-    robot's root in the world, shape (4, 4): moved, not rotated.
+    ``packed`` contains all pairs of shapes, as the bridge sends them; ``root`` is the
+    pose of the robot's root in the world, shape (4, 4), a pure translation.
     """
     sums: dict[tuple[str, str], Matrix] = {}
     for (first, second), numbers in _unpack(packed, names):

@@ -19,26 +19,27 @@ AXES = np.arange(6)
 class ContactArrays(NamedTuple):
     """m contacts, each the resultant of all contact points of a pair in one world.
 
-    As ``Contact``, whose words and order these are.
+    The fields have the names and the order of ``Contact``.
     """
 
     world: NDArray[np.intp]
     """Number of the world, shape (m,)."""
     first: NDArray[np.str_]
-    """A link, an object or the ground, shape (m,)."""
+    """First link, object or ground of each pair, shape (m,)."""
     second: NDArray[np.str_]
-    """The touched one, shape (m,)."""
+    """Second link, object or ground of each pair, shape (m,)."""
     point: Array
-    """Mean of the points, weighted by their normal forces [m], shape (m, 3)."""
+    """Mean of the contact points, weighted by normal force [m], shape (m, 3)."""
     force: Array
     """Force of ``first`` on ``second`` [N], shape (m, 3)."""
     torque: Array
     """Torque of ``first`` on ``second`` about ``point`` [N·m], shape (m, 3)."""
     normal: Array
-    """Mean normal from ``first`` to ``second``, weighted alike, of length 1, or 0 if
-    normals cancel, shape (m, 3)."""
+    """Mean normal from ``first`` to ``second``, also weighted by normal force; of unit
+    length, or zero if the normals cancel, shape (m, 3)."""
     distance: Array
-    """Least distance of the surfaces, negative if they overlap [m], shape (m,)."""
+    """Smallest distance between the surfaces [m], negative if they overlap, shape
+    (m,)."""
 
 
 def contact_arrays(
@@ -46,7 +47,7 @@ def contact_arrays(
 ) -> ContactArrays:
     """Return the contacts in the last step between ``first`` and ``second``.
 
-    None is everything.  If one of them is given, it is ``first`` in each pair.
+    None stands for everything.  If ``first`` is given, it comes first in each pair.
     """
     points = [_points(world, first, second) for world in worlds]
     numbers = np.repeat(np.arange(len(worlds)), [len(each.geoms) for each in points])
@@ -99,7 +100,8 @@ def _groups(
 
     Args:
         numbers: Numbers of the points' worlds, shape (p,).
-        pairs: Numbers below ``count`` of what touches there, in either order, (p, 2).
+        pairs: Numbers, below ``count``, of the two things that touch, in either order,
+            shape (p, 2).
         count: Number of the things that can touch.
     """
     key = (numbers * count + pairs.min(axis=1)) * count + pairs.max(axis=1)
@@ -111,17 +113,17 @@ def _groups(
 def are_touching(
     worlds: Sequence[MujocoWorld], first: Names, second: Names | None
 ) -> NDArray[np.bool_]:
-    """Return whether there is such a contact in each world, shape (n_worlds,)."""
+    """Return whether each world has such a contact, shape (n_worlds,)."""
     return np.array([len(_rows(world, first, second)[0]) > 0 for world in worlds])
 
 
 class _Points(NamedTuple):
-    """The p contact points of one world, with a normal force."""
+    """The p contact points of one world that have a normal force."""
 
     geoms: NDArray[np.intp]
     """Shapes that touch, shape (p, 2)."""
     is_reversed: NDArray[np.bool_]
-    """Whether the second one is of the first name, shape (p,)."""
+    """Whether the second shape, not the first one, belongs to ``first``, shape (p,)."""
     frame: Array
     """Rows are the axes of the contact in the root, shape (p, 9); x points from the
     first shape to the second."""
@@ -134,7 +136,7 @@ class _Points(NamedTuple):
 def _rows(
     world: MujocoWorld, first: Names | None, second: Names | None
 ) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Return the numbers of the contacts, and which are the other way around."""
+    """Return the numbers of the contacts, and whether each one is reversed."""
     contacts = world.data.contact
     addresses = contacts.efc_address
     if not len(addresses) or world.has_no_contact:
@@ -157,11 +159,11 @@ def _is_of(world: MujocoWorld, names: Names | None) -> NDArray[np.bool_]:
 
 
 def _points(world: MujocoWorld, first: Names | None, second: Names | None) -> _Points:
-    """Return the points of the contacts of ``first`` with ``second``."""
+    """Return the contact points between ``first`` and ``second``."""
     rows, is_reversed = _rows(world, first, second)
     contacts, forces = world.data.contact, world.data.efc_force
-    # The cone is elliptic: rows of constraints are the normal force, those along the
-    # other axes of the frame, and the torques about its axes, as many as ``dim`` says.
+    # The cone is elliptic: the first ``dim`` of these constraint rows exist, namely the
+    # normal force, the forces along the frame's other axes and the torques about them.
     is_there = contacts.dim[rows, None] > AXES
     places = np.where(is_there, contacts.efc_address[rows, None] + AXES, 0)
     return _Points(

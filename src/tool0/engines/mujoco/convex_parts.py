@@ -1,7 +1,7 @@
 """Cuts a mesh into parts that are nearly convex.
 
-MuJoCo lets a mesh collide as its convex hull.  The hull of a forearm with a joint at
-each end also fills the space between them, where the wrist moves.
+MuJoCo uses a mesh's convex hull for collisions.  The hull of a forearm with a joint at
+each end also fills the space between the joints, where the wrist moves.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ Points = npt.NDArray[np.float64]
 MAX_PARTS: Final = 8
 """Largest number of parts of one mesh."""
 MIN_GAIN: Final = 0.06
-"""Part of the box around the mesh that a cut must free."""
+"""Fraction of the mesh's bounding box that a cut must free."""
 _CUTS: Final = 11
-"""Planes along each axis at which a mesh may be cut."""
+"""Number of planes across each axis at which a mesh may be cut."""
 _THIN: Final = 1e-4
-"""Parts are at least this thick [m]: MuJoCo needs a hull with a volume."""
+"""Smallest thickness of a part [m], as MuJoCo needs hulls with a volume."""
 
 
 def convex_parts(mesh: Mesh) -> tuple[Points, ...]:
     """Return the points of each part of ``mesh``, shape (n, 3) [m].
 
-    A mesh that is nearly convex is one part.  The cuts are planes across its axes,
-    where they make the boxes around the parts smallest.
+    A mesh that is nearly convex is one part.  Other meshes are cut across their axes
+    where this makes the bounding boxes of the parts smallest.
 
     Raises:
         ModelError: If MuJoCo cannot read the mesh.
@@ -78,7 +78,7 @@ def _triangles(path: str, scale: tuple[float, float, float]) -> Points:
 def _segments(triangles: Points, price: float) -> list[Points]:
     """Return the segments along one axis whose boxes have the smallest volume.
 
-    Each segment has a ``price`` [m³], so that one too many does not pay.
+    Each segment costs a ``price`` [m³], so that unnecessary segments do not pay off.
     """
     least, best = _box_volume(triangles), [triangles]
     for axis in range(3):
@@ -132,7 +132,7 @@ def _cut(
     *,
     apex_inside: bool,
 ) -> tuple[Points, Points, Points, Points, Points]:
-    """Return the corners of triangles, the lone one first, and both points of a cut."""
+    """Return triangles' corners, the lone one first, and the two points of each cut."""
     lone = np.argmax(inside[chosen] == apex_inside, axis=1)
     order = (lone[:, None] + np.arange(3)) % 3
     corners = np.take_along_axis(triangles[chosen], order[:, :, None], axis=1)
@@ -156,6 +156,6 @@ def _box_volume(triangles: Points) -> float:
 
 
 def _box(triangles: Points) -> tuple[Points, Points]:
-    """Return the smallest and the largest corner of the box around triangles [m]."""
+    """Return the smallest and the largest corner of triangles' bounding box [m]."""
     points = triangles.reshape(-1, 3)
     return points.min(axis=0), points.max(axis=0)

@@ -1,4 +1,4 @@
-"""The state of many engines of one robot and scene, as arrays with a row for each."""
+"""The states of many engines with one robot and scene, as arrays."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class ObjectArrays(NamedTuple):
     position: Array
     """Positions of the objects [m], shape (n, n_objects, 3)."""
     quat: Array
-    """w, x, y, z, shape (n, n_objects, 4)."""
+    """Orientations of the objects, w, x, y, z, shape (n, n_objects, 4)."""
     linear: Array
     """Linear velocities of the objects [m/s], shape (n, n_objects, 3)."""
     turning: Array
@@ -34,33 +34,33 @@ class ObjectArrays(NamedTuple):
 
 
 def mujoco_engine(engine: Engine) -> MujocoEngine:
-    """Return ``engine``, which is one of MuJoCo."""
+    """Return ``engine`` as a MujocoEngine."""
     assert isinstance(engine, MujocoEngine)
     return engine
 
 
 @final
 class ObjectReader:
-    """Reads the states of the objects of n copies of one scene."""
+    """Reads the states of the objects in n copies of one scene."""
 
     def __init__(self, first: ObjectStates, n: int) -> None:
-        """Read objects such as those of the ``first`` copy."""
+        """Prepare to read the objects that the ``first`` copy has."""
         self._names = first.names
         self._movable = [
             k for k, name in enumerate(first.names) if name in first.starts
         ]
         self._static: list[Mapping[str, ObjectState]] = []
         self._poses = np.zeros((n, len(first.names), 7))
-        """Poses of the static objects; the others are zero."""
+        """Poses of the static objects; rows of movable objects are zero."""
 
     def read(
         self, q: Array, qd: Array, static: Sequence[Mapping[str, ObjectState]]
     ) -> ObjectArrays:
         """Return the states.
 
-        ``q`` and ``qd`` are those of the free joints, (n, 7 n_movable) and
-        (n, 6 n_movable); ``static`` has the states of the other objects in each copy,
-        or once for all of them.
+        ``q`` and ``qd`` are positions and velocities of the free joints, shape (n, 7
+        n_movable) and (n, 6 n_movable); ``static`` contains the states of the static
+        objects for each copy, or once for all copies.
         """
         if not _are_same(static, self._static):
             self._note(static)
@@ -88,7 +88,7 @@ def _are_same(some: Sequence[object], others: Sequence[object]) -> bool:
 
 
 def read_objects(reader: ObjectReader, engines: Sequence[MujocoEngine]) -> ObjectArrays:
-    """Return the objects' states, as ``World.object_states`` of each engine."""
+    """Return the objects' states in each engine, like ``World.object_states``."""
     states = [engine.world.states for engine in engines]
     return reader.read(
         np.array([each.position for each in states]),

@@ -1,8 +1,9 @@
-"""Coarser meshes of the robot for what is small in an image.
+"""Coarser meshes for parts of the robot that are small in an image.
 
-Without a graphics card, an image takes about as long as its triangles, each of which is
-drawn three times: into the shadow map, and in both kinds of light.  Where a pixel is
-wider than the details of a mesh, a coarse one replaces it.
+Without a graphics card, rendering time is about proportional to the number of
+triangles, each of which is drawn three times: once into the shadow map and once for
+each of the two lights.  Where a pixel is wider than the details of a mesh, a coarse
+mesh replaces it.
 """
 
 from __future__ import annotations
@@ -19,12 +20,12 @@ from tool0.description.transform import Transform
 from tool0.engines.mujoco.model import VISUAL_GROUP, compile_spec
 
 CELL: Final = 0.006
-"""Edge of the cubes in which the corners of a coarse mesh are merged into one [m]: a
-mesh is coarse where a pixel is at least as wide; corners move by half of one."""
+"""Edge of the cubes in which a coarse mesh's corners are merged into one [m].  Coarse
+meshes are used where a pixel is at least this wide."""
 WORTH: Final = 0.85
-"""Part of its triangles that a mesh may keep to be replaced."""
+"""Largest fraction of triangles that a coarse mesh may keep to be worth using."""
 HIDDEN_GROUP: Final = 5
-"""Group of the geoms that an image does not show."""
+"""Group of the geoms that images do not show."""
 _SUFFIX: Final = "/coarse"
 
 
@@ -34,11 +35,11 @@ class Shape(NamedTuple):
     points: NDArray[np.float64]
     """Corners [m], shape (n, 3)."""
     faces: NDArray[np.int64]
-    """Triangles, by the numbers of their corners, shape (m, 3)."""
+    """Triangles, as indices of their corners, shape (m, 3)."""
 
 
 def simplified(shape: Shape, cell: float) -> Shape:
-    """Return a shape in which the corners within each cube of edge ``cell`` are one.
+    """Return a shape with the corners in each cube of edge ``cell`` merged into one.
 
     J. Rossignac, P. Borrel, Multi-resolution 3D approximations for rendering complex
     scenes (1993): no corner moves farther than the diagonal of a cell.
@@ -55,7 +56,7 @@ def simplified(shape: Shape, cell: float) -> Shape:
 
 
 def add_coarse(spec: Any) -> None:
-    """Add coarse geoms, hidden, beside the visual meshes of a robot's ``spec``."""
+    """Add a hidden coarse geom for each visual mesh of a robot's ``spec``."""
     model = compile_spec(spec.copy())
     names: dict[int, str | None] = {}
     for number in np.flatnonzero(model.geom_group == VISUAL_GROUP).tolist():
@@ -84,7 +85,7 @@ def add_coarse(spec: Any) -> None:
 
 
 def _add_mesh(spec: Any, model: Any, number: int) -> str | None:
-    """Add the coarse mesh of a mesh; return its name, or None if it is not worth it."""
+    """Add a mesh's coarse version; return its name, or None if it saves too little."""
     first, n = int(model.mesh_vertadr[number]), int(model.mesh_vertnum[number])
     points = model.mesh_vert[first : first + n].astype(float)
     first, n = int(model.mesh_faceadr[number]), int(model.mesh_facenum[number])
@@ -104,10 +105,10 @@ def _add_mesh(spec: Any, model: Any, number: int) -> str | None:
 
 @final
 class Detail:
-    """Chooses between the meshes of a compiled model and their coarse ones."""
+    """Chooses between the meshes of a compiled model and their coarse versions."""
 
     def __init__(self, model: Any) -> None:
-        """Find them by their names."""
+        """Find fine and coarse meshes by their names."""
         names = {model.geom(k).name: k for k in range(model.ngeom)}
         pairs = [
             (names[name.removesuffix(_SUFFIX)], k)
@@ -119,7 +120,7 @@ class Detail:
         self._radii = model.geom_rbound[self._fine]
 
     def choose(self, data: Any, camera: Camera, frame: Transform) -> None:
-        """Show coarse meshes where a pixel of ``camera``, at ``frame``, is wide."""
+        """Show coarse meshes that are far enough from ``camera`` at ``frame``."""
         forward = [row[2] for row in frame.rotation]
         away = (data.geom_xpos[self._fine] - frame.position) @ forward - self._radii
         pixel = 2.0 * math.tan(camera.field_of_view / 2.0) / camera.height

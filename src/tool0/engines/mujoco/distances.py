@@ -1,7 +1,7 @@
-"""The shapes of a robot, of the objects around it and of those it holds, at rest.
+"""Distances between a robot, the objects around it and the objects that it holds.
 
-It is a model of its own, without dynamics, in which distances are measured: for every
-engine, and in any thread.
+Distances are measured in a separate model without dynamics, so that this works with
+every engine and in any thread.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from tool0.hardware.shape_memory import FloatArray, ShapeMemory
 
 @final
 class Shape(NamedTuple):
-    """One shape that can be too near to another."""
+    """One shape whose distance to others is measured."""
 
     geom: int
     owner: str
-    """The link, object or plane it belongs to, or ``ground``."""
+    """The link, object or plane that the shape belongs to, or ``ground``."""
     body: int
     """Body that the shape moves with."""
 
@@ -55,11 +55,11 @@ class DistanceModel:
         """Compile the shapes.
 
         Args:
-            robot: Its links.
-            ground: Height of the ground in the robot's root [m]; None without.
+            robot: The robot with its links.
+            ground: Height of the ground in the robot's root [m]; None without ground.
             objects: Objects around the robot; ``place`` sets their poses.
-            held: Objects that it carries.
-            planes: Bounds of the space.
+            held: Objects that the robot carries.
+            planes: Planes that bound the workspace.
 
         Raises:
             ModelError: If MuJoCo does not support a shape.
@@ -99,13 +99,13 @@ class DistanceModel:
         )
 
     def place(self, states: Iterable[ObjectState]) -> None:
-        """Put the objects somewhere."""
+        """Place objects as in these states."""
         for state in states:
             body = self.model.body(state.name)
             body.pos[:], body.quat[:] = state.position, state.quat_wxyz
 
     def put(self, positions: Mapping[str, float]) -> None:
-        """Put joints at positions [rad | m]."""
+        """Move joints to positions [rad | m]."""
         for name, position in positions.items():
             self.data.qpos[self._addresses[name]] = position
         mujoco.mj_kinematics(self.model, self.data)
@@ -113,7 +113,7 @@ class DistanceModel:
     def overlapping(
         self, links: Collection[str], positions: Mapping[str, float]
     ) -> frozenset[frozenset[str]]:
-        """Return the pairs of links that overlap at positions of joints [rad | m]."""
+        """Return the pairs of links that overlap at joint positions [rad | m]."""
         before = self.data.qpos.copy()
         self.put(positions)
         mine = [shape for shape in self.shapes if shape.owner in links]
@@ -135,7 +135,7 @@ class DistanceModel:
         return bool(mujoco.mj_geomDistance(model, data, one, two, 1e-6, ends) < 0.0)
 
     def addresses(self, joints: Sequence[str]) -> Any:
-        """Return where the positions of joints are, shape (n,)."""
+        """Return the indices of the joints' positions in ``qpos``, shape (n,)."""
         return np.array([self._addresses[name] for name in joints], dtype=np.int32)
 
     def axis_rows(self, joints: Sequence[str]) -> Any:
@@ -153,10 +153,10 @@ class DistanceModel:
         return found.reshape(3, 3)
 
     def joints_above(self, body: int) -> Iterator[tuple[str, float]]:
-        """Yield the joints that move a body, from it on, and how far its origin is.
+        """Yield the joints that move a body, nearest first, each with a distance [m].
 
-        The second is the largest distance of the body's origin from the joint's axis
-        that any position of the joints between allows [m].
+        It is an upper bound of the distance of the body's origin from the joint's axis,
+        for any positions of the joints between them.
         """
         model, length = self.model, 0.0
         while body > 0:
@@ -169,35 +169,35 @@ class DistanceModel:
             body = int(model.body_parentid[body])
 
     def slides(self, joint: str) -> bool:
-        """Return whether a joint slides."""
+        """Return whether a joint is prismatic."""
         return bool(self.model.joint(joint).type[0] == mujoco.mjtJoint.mjJNT_SLIDE)
 
     def extent(self, shape: Shape) -> float:
-        """Return the largest distance of its points from its body's origin [m]."""
+        """Return a shape's largest distance from its body's origin [m]."""
         offset = float(np.linalg.norm(self.model.geom_pos[shape.geom]))
         return offset + float(self.model.geom_rbound[shape.geom])
 
     def is_plane(self, shape: Shape) -> bool:
-        """Return whether a shape is a plane, the ground included."""
+        """Return whether a shape is a plane, such as the ground."""
         return bool(self.model.geom_type[shape.geom] == mujoco.mjtGeom.mjGEOM_PLANE)
 
     def size(self, shape: Shape) -> float:
-        """Return the radius of the sphere around a shape [m]; infinite for planes."""
+        """Return the radius of a shape's bounding sphere [m]; infinite for planes."""
         radius = float(self.model.geom_rbound[shape.geom])
         return math.inf if self.is_plane(shape) else radius
 
     def is_parallel(self, joint: str, plane: Shape) -> bool:
-        """Return whether the axis of a joint, where it is now, is a plane's normal."""
+        """Return whether a joint's present axis is parallel to a plane's normal."""
         axis = self.data.xaxis[self.model.joint(joint).id]
         normal = self.data.geom_xmat[plane.geom].reshape(3, 3)[:, 2]
         return bool(np.linalg.norm(np.cross(axis, normal)) < 1e-9)
 
     def parent(self, body: int) -> int:
-        """Return the body that carries another one."""
+        """Return the parent of a body."""
         return int(self.model.body_parentid[body])
 
     def memory(self) -> ShapeMemory:
-        """Return the memory for compiled code.
+        """Return the shapes' memory for compiled code.
 
         Raises:
             ModelError: If MuJoCo's library is not found.

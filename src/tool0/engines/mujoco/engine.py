@@ -33,28 +33,28 @@ from tool0.hardware.engine import (
 logger = logging.getLogger(__name__)
 
 _BRAKE_SOLREF = (0.002, 1.0)
-"""Time constant and damping ratio of a brake's friction: as stiff as steps of 1 ms
+"""Time constant [s] and damping ratio of a brake's friction, as stiff as steps of 1 ms
 permit."""
 _BRAKE_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
-"""Impedance of a brake's friction, the largest that MuJoCo has: a brake does not
-yield."""
+"""Impedance of a brake's friction: MuJoCo's maximum, as a brake does not yield."""
 _BRAKE_MOBILITY = 1000.0
-"""Bound of a joint's mobility, by which MuJoCo scales how far friction yields, times
-the brake's torque [rad/s²].  A brake with its whole torque creeps at 1e-4 rad/s at
-most, however light the joint is without its load."""
+"""Upper bound of the product of a joint's mobility and its brake's torque [rad/s²].
+MuJoCo scales the yielding of friction by this mobility.  With the bound, a brake at its
+full torque creeps at no more than 1e-4 rad/s, however light the joint is without its
+load."""
 _MOST_FRICTION = 1e6
-"""Dry friction of the brake of a drive without an effort limit [N·m | N]."""
+"""Dry friction of a drive's brake if the drive has no effort limit [N·m | N]."""
 
 
 def _log_warning(message: str) -> None:
-    """Log MuJoCo's warnings, in place of a file in the working directory."""
+    """Log MuJoCo's warnings instead of writing a file to the working directory."""
     logger.debug("MuJoCo: %s", message)
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class SavedEngine:
-    """The state of an engine at one instant, with the contacts of the last step."""
+    """An engine's state at one instant, with the contacts of the last step."""
 
     data: Any
     """A ``MjData`` that nothing steps."""
@@ -80,7 +80,7 @@ class MujocoEngine:
     ) -> None:
         """Compile the robot and its scene for steps of ``dt`` [s].
 
-        ``ground`` is its height in the robot's root [m]; None without ground.
+        ``ground`` is the ground's height in the robot's root [m]; None without ground.
         """
         check_dt(dt)
         if mujoco.get_mju_user_warning() is None:  # it would write to a file
@@ -111,16 +111,16 @@ class MujocoEngine:
         self._steps = round(time / self.dt)
 
     def saved(self) -> SavedEngine:
-        """Return the state as it is now."""
+        """Return the present state."""
         data = copy.copy(self.data)
         return SavedEngine(data, self._steps, tuple(self._effort), self.world.saved())
 
     def check_saved(self, saved: SavedEngine) -> None:
-        """Raise EngineError if a state is of another robot or of other objects."""
+        """Raise EngineError if a state belongs to another robot or other objects."""
         self.world.check_saved(saved.world, saved.data)
 
     def resume(self, saved: SavedEngine) -> None:
-        """Continue, bit for bit, with a state of the same robot and objects."""
+        """Continue bit for bit from a saved state of the same robot and objects."""
         self.world.resume(saved.world, saved.data)
         self._steps, self._effort = saved.steps, list(saved.effort)
 
@@ -167,7 +167,7 @@ class MujocoEngine:
         """Do nothing: MuJoCo runs inside the process."""
 
     def _use(self, model: Any, data: Any) -> None:
-        """Read and step another compiled model from now on."""
+        """Use another compiled model from now on."""
         self.model, self.data = model, data
         # Views: the arrays of one MjData never move.  The robot's joints come first.
         n = len(self.joint_names)
@@ -187,7 +187,7 @@ class MujocoEngine:
         self._engage_brakes()
 
     def _engage_brakes(self) -> None:
-        """Give the joints the friction of their brakes, beside that of the model."""
+        """Add the friction of the brakes to the joints' own friction."""
         model, n = self.model, len(self.joint_names)
         friction, solref, solimp, mobility = self._friction
         model.dof_frictionloss[:n], model.dof_invweight0[:n] = friction, mobility
@@ -203,19 +203,19 @@ class MujocoEngine:
         self.stepper = self._stepper()
 
     def _add_rotors(self) -> None:
-        """Give the joints the rotors that were set, beside those of the model."""
+        """Add the inertias of the rotors that were set to those of the model."""
         armature = self.model.dof_armature
         armature[: len(self._armature)] = self._armature
         for joint, inertia in self._rotors.items():
             armature[joint] += inertia
 
     def motor_joints(self) -> tuple[int, ...]:
-        """Return the joint that each motor drives, by number."""
+        """Return the number of the joint that each motor drives."""
         names = (self.model.actuator(i).name for i in range(self.model.nu))
         return tuple(map(self.joint_names.index, names))
 
     def _stepper(self) -> NativeStepper | None:
-        """Return how compiled code steps the current model and data."""
+        """Return what compiled code needs to step the present model and data."""
         library = mujoco_library()
         if library is None:
             return None

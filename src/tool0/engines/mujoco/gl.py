@@ -1,8 +1,8 @@
 """OpenGL contexts for rendering without a screen.
 
-MuJoCo's own modules create the contexts.  They are imported separately here, because
-``mujoco`` itself reads ``MUJOCO_GL`` at its first import, and without it needs a screen
-on Linux.
+MuJoCo's own modules create the contexts.  They are imported separately here because
+``mujoco`` itself reads ``MUJOCO_GL`` only at its first import; on Linux, it needs a
+screen if that is not set.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any, Final
 from tool0.errors import EngineUnavailableError, RenderError
 
 PACKAGES: Final = "libegl1 libopengl0 libgl1-mesa-dri"
-"""Packages of Debian and Ubuntu; libosmesa6 is the alternative without EGL."""
+"""Debian and Ubuntu packages; libosmesa6 is the alternative without EGL."""
 
 _MODULES: Final = {
     "egl": "mujoco.egl",
@@ -30,11 +30,11 @@ _MODULES: Final = {
 
 
 def import_mujoco() -> None:
-    """Import ``mujoco``, which loads the OpenGL that MUJOCO_GL names.
+    """Import ``mujoco``, which loads the OpenGL library that MUJOCO_GL names.
 
     Raises:
-        EngineUnavailableError: If that fails with MUJOCO_GL set.
-        ImportError: If that fails without.
+        EngineUnavailableError: If the import fails with MUJOCO_GL set.
+        ImportError: If the import fails without MUJOCO_GL.
     """
     try:
         importlib.import_module("mujoco")
@@ -49,10 +49,10 @@ def import_mujoco() -> None:
 
 
 def make_context(width: int, height: int) -> Any:  # none of MuJoCo's is typed
-    """Return a GL context for images up to that size [pixels], not yet current.
+    """Return a GL context for images up to this size [pixels]; it is not yet current.
 
     Raises:
-        RenderError: If there is none, with the packages to install.
+        RenderError: If there is no OpenGL; the message names the packages to install.
     """
     kind = kind_of_context()
     try:
@@ -66,7 +66,7 @@ def make_context(width: int, height: int) -> Any:  # none of MuJoCo's is typed
 
 
 def kind_of_context() -> str:
-    """Return MUJOCO_GL, or its best value here if it is not set; or RenderError."""
+    """Return MUJOCO_GL or, if it is not set, the best value; or raise RenderError."""
     wanted = os.environ.get("MUJOCO_GL", "").lower().strip()
     if wanted in _MODULES:
         return wanted
@@ -101,7 +101,7 @@ def _has(*libraries: str) -> bool:
 
 
 def _egl_has_device() -> bool:
-    """Return whether EGL finds a device: the library alone is not enough."""
+    """Return whether EGL finds a device, as the library alone is not enough."""
     try:
         egl = ctypes.CDLL("libEGL.so.1")
         egl.eglGetProcAddress.restype = ctypes.c_void_p

@@ -1,8 +1,8 @@
 """The ground in images.
 
 MuJoCo draws a plane as thousands of triangles, because light is computed at their
-corners; without a graphics card that takes longer than a robot.  This one has a few
-hundred, which are small below the camera.
+corners; without a graphics card, this takes longer than drawing a robot.  This ground
+has a few hundred triangles, which are small below the camera.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ import numpy as np
 from tool0.description.scene import GROUND
 
 RADII: Final = (0.2, 0.45, 0.75, 1.1, 1.5, 2.0, 2.6, 3.4, 4.5, 6.0, 9.0, 1000.0)
-"""Radii of the rings of triangles [m].  Beyond the last but one everything is sky in
-colours (``rendering.HAZE``); depth is exact in a triangle of any size."""
+"""Radii of the rings of triangles [m].  Beyond the last but one, colour images show
+only sky (``rendering.HAZE``); depth is exact in a triangle of any size."""
 SECTORS: Final = 20
-"""Triangles around the middle."""
+"""Number of triangles around the centre."""
 RGBA: Final = (0.85, 0.86, 0.88, 1.0)
 
 
 def add_ground(spec: Any, height: float) -> None:
-    """Add the ground to the world of ``spec``, at a ``height`` in the root [m]."""
+    """Add the ground to ``spec``, at a ``height`` in the robot's root [m]."""
     angles = np.linspace(0.0, 2.0 * np.pi, SECTORS, endpoint=False)
     ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(SECTORS)], axis=1)
     vertices = np.vstack([np.zeros((1, 3)), *(radius * ring for radius in RADII)])
@@ -47,7 +47,7 @@ def add_ground(spec: Any, height: float) -> None:
 
 
 def put_ground_below(model: Any, data: Any, camera: Sequence[float]) -> None:
-    """Move the middle of the ground below a ``camera`` at a position in the root [m].
+    """Move the ground's centre below the position of a ``camera`` in the root [m].
 
     ``mj_kinematics`` moves it back.
     """
@@ -57,7 +57,7 @@ def put_ground_below(model: Any, data: Any, camera: Sequence[float]) -> None:
 
 
 def _faces() -> list[tuple[int, int, int]]:
-    """Return triangles by the numbers of their corners, anticlockwise from above."""
+    """Return triangles as indices of their corners, anticlockwise seen from above."""
 
     def corner(ring: int, sector: int) -> int:
         return 1 + ring * SECTORS + sector % SECTORS

@@ -1,4 +1,4 @@
-"""MuJoCo's own library: addresses of its functions, for compiled code."""
+"""Addresses of functions in MuJoCo's own library, for compiled code."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import mujoco
 
 @cache
 def mujoco_library() -> ctypes.CDLL | None:
-    """Return MuJoCo's library, which is loaded already; None if it is not found."""
+    """Return MuJoCo's library, which is already loaded; None if it is not found."""
     folder = Path(mujoco.__file__).parent
     for path in sorted(folder.glob("libmujoco.*")):
         with contextlib.suppress(OSError):

@@ -1,7 +1,7 @@
-"""Finds the pairs of links between which a motion planner need not look for collisions.
+"""Finds pairs of links that a motion planner need not check for collisions.
 
-MuJoCo's collision detection runs on the collision shapes of the description, in random
-poses, without dynamics: every link is a body of its own, placed by forward kinematics.
+MuJoCo's collision detection checks the description's collision shapes in random poses.
+There are no dynamics: every link is a separate body, placed by forward kinematics.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ N_SAMPLES: Final = 10_000
 """Number of random poses."""
 SEED: Final = 0
 CLEARANCE: Final = 0.002
-"""Links that come nearer to each other than this do not count as never colliding [m]:
-a rare collision may lie between two samples."""
+"""Distance below which a pair does not count as never colliding [m], because a rare
+collision may lie between two samples."""
 ALWAYS: Final = 0.95
-"""Links that collide in more than this share of the samples collide always, as in
+"""Fraction of colliding samples above which links count as always colliding, as in
 MoveIt's setup assistant."""
 _CHUNK: Final = 1000
 """Samples per batch of forward kinematics."""
@@ -42,13 +42,13 @@ LinkPair = tuple[str, str]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SampledCollisions:
-    """Counts of the random poses in which links collided."""
+    """Numbers of random poses in which links collided."""
 
     n_samples: int
     collided: Mapping[LinkPair, int]
     """Number of samples in which the shapes of two links overlapped."""
     near: frozenset[LinkPair]
-    """Pairs that came nearer than ``CLEARANCE`` at least once."""
+    """Pairs that came closer than ``CLEARANCE`` at least once."""
 
 
 def disabled_collisions(
@@ -58,15 +58,15 @@ def disabled_collisions(
     n_samples: int = N_SAMPLES,
     seed: int = SEED,
 ) -> dict[LinkPair, str]:
-    """Return the pairs of links not to check for collisions, and MoveIt's reason.
+    """Return the pairs of links not to check for collisions, with MoveIt's reasons.
 
-    ``Adjacent``: a joint connects them, or several joints with links without a shape.
+    ``Adjacent``: a joint connects them, perhaps via links without a shape.
     ``Default``: they collide in the default pose.  ``Always``: they collide in nearly
-    all samples.  ``User``: links of one mechanism, such as the pads of a gripper: they
+    all samples.  ``User``: links of one mechanism, such as a gripper's pads, which
     touch by design.  ``Never``: they collide in no sample.
 
-    Of links of different robots, only those never collide whose swept volumes are
-    apart: samples of all their combinations would be too few.
+    Links of different robots count as never colliding only if their swept volumes are
+    apart, since there are too many combinations of poses to sample.
 
     Args:
         model: The robot, or several robots below one root.
@@ -101,7 +101,7 @@ def disabled_collisions(
 
 @final
 class LinkShapes:
-    """The links that have collision shapes, each as a free body in MuJoCo."""
+    """The links with collision shapes, each as a free body in MuJoCo."""
 
     def __init__(self, model: RobotModel) -> None:
         self._model = model
@@ -158,7 +158,7 @@ class LinkShapes:
         return frozenset(self._pair(code) for code in codes[depths < 0.0])
 
     def are_apart(self, pair: LinkPair) -> bool:
-        """Return whether the boxes around all poses of two links so far are apart."""
+        """Return whether two links' bounding boxes of all poses so far are apart."""
         lower, upper = self._swept
         boxes = []
         for name in pair:
@@ -168,7 +168,7 @@ class LinkShapes:
         return bool(np.any(lower_1 > upper_2) or np.any(lower_2 > upper_1))
 
     def _contacts(self, given: Mapping[str, Any], n: int) -> Iterator[tuple[Any, Any]]:
-        """Yield codes of pairs of links and their distances [m], for each pose."""
+        """Yield codes of link pairs and their distances [m], for each pose."""
         frames = self._frames.poses(given, n)
         data, n_links = self._data, len(self.links)
         placed = np.empty((n, n_links, 7))
@@ -194,7 +194,7 @@ class LinkShapes:
 
 
 def adjacent_links(model: RobotModel) -> Iterator[LinkPair]:
-    """Yield the links with shapes that joints connect, perhaps via shapeless links."""
+    """Yield pairs of links with shapes connected by joints and shapeless links."""
     # A shapeless link stands for itself and the shapeless links below it.
     node: dict[str, str] = {}
     neighbours: dict[str, set[str]] = defaultdict(set)
@@ -222,14 +222,14 @@ def _ordered(first: str, second: str) -> LinkPair:
 
 
 def robot_of(model: RobotModel, link: str) -> str:
-    """Return the child of the root that a link hangs from: its robot."""
+    """Return the root's child link above a link, which identifies the link's robot."""
     while link in model.parent_joint and model.parent_joint[link].parent != model.root:
         link = model.parent_joint[link].parent
     return link
 
 
 def mechanism_of(model: RobotModel, link: str) -> str | None:
-    """Return the joint that drives the mechanism of mimic joints a link belongs to."""
+    """Return the joint that drives a link's mechanism of mimic joints."""
     masters = {j.mimic.joint for j in model.joints if j.mimic is not None}
     while link in model.parent_joint:
         joint = model.parent_joint[link]
@@ -242,7 +242,7 @@ def mechanism_of(model: RobotModel, link: str) -> str | None:
 
 
 def _range(joint: Joint) -> tuple[float, float]:
-    """Return the positions of a joint to sample [rad | m]: a turn if unlimited."""
+    """Return the range of a joint to sample [rad | m]: one turn if unlimited."""
     lower, upper = joint.limits.lower, joint.limits.upper
     is_limited = math.isfinite(lower) and math.isfinite(upper)
     return (lower, upper) if is_limited else (-math.pi, math.pi)

@@ -1,9 +1,9 @@
 """Converts the robot model to MuJoCo, through ``MjSpec``.
 
 Fixed links are merged into their moving parent body; their names remain as geom and
-site names.  ``<mimic>`` becomes a joint equality, a loop a connection of two
-points, ``<transmission>`` a motor.  A link with a ``<gazebo>`` surface gets the contact
-parameters of a pad.
+site names.  ``<mimic>`` becomes a joint equality, a loop becomes a connection of two
+points, and ``<transmission>`` becomes a motor.  A link with a ``<gazebo>`` surface gets
+the contact parameters of a pad.
 """
 
 from __future__ import annotations
@@ -42,25 +42,26 @@ from tool0.engines.mujoco.self_collisions import (
 from tool0.errors import ModelError
 
 GRIP_SOLREF = (0.002, 1.0)
-"""Time constant [s] and damping ratio of pad contact: critically damped, two steps."""
+"""Time constant [s] and damping ratio of pad contact: two steps, critically damped."""
 GRIP_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
-"""Impedance of pad contact.  With an elliptic cone and impratio 100 these hold a
-45 mm, 0.1 kg cube under shaking that MuJoCo's defaults drop (description/README.md)."""
+"""Impedance of pad contact.  With an elliptic cone and impratio 100, pads hold a shaken
+45 mm, 0.1 kg cube that they drop with MuJoCo's defaults (description/README.md)."""
 SPINNING, ROLLING = 0.005, 0.0001
-"""Friction about and across the normal [m]; MuJoCo's defaults."""
+"""Friction of spinning about the normal and of rolling [m]: MuJoCo's defaults."""
 GRIP_CONDIM = 4
-"""Sliding and spinning friction: a pad is a patch, not a point."""
+"""Contact dimension with sliding and spinning friction, as a pad touches in a patch."""
 IMPRATIO = 100.0
 MIMIC_SOLREF = (0.002, 1.0)
-"""Reference of mimic joints, as stiff as a step of 1 ms allows: they follow within the
-step, loops stay closed, and passive joints do not pass their stops."""
+"""Time constant [s] and damping ratio of mimic joints, as stiff as a step of 1 ms
+allows: they follow within the step, loops stay closed, and passive joints do not pass
+their stops."""
 MIMIC_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 STIFF_SOLIMP = (0.995, 0.999, 0.001, 0.5, 2.0)
-"""Impedance of loops, of stops of passive joints, and of sliding mimic joints.
-Hundreds of newtons act there on links of a few grams.  With the impedance of mimic
-joints that turn, loops open by a millimetre at 235 N (with this, 0.15 mm), and a
-sliding finger of 38 g falls 0.5 mm behind at 130 N (0.07 mm).  With a stiffer one, the
-closed pads of a linkage vibrate."""
+"""Impedance of loops, of passive joints' stops and of prismatic mimic joints.  Hundreds
+of newtons act there on links of a few grams.  With the impedance of revolute mimic
+joints, loops would open by 1 mm at 235 N (with this one: 0.15 mm), and a sliding finger
+of 38 g would lag by 0.5 mm at 130 N (with this one: 0.07 mm).  With a stiffer
+impedance, the closed pads of a linkage vibrate."""
 
 MESH_SUFFIXES = (".stl", ".obj", ".msh")
 """Suffixes of mesh files that MuJoCo reads."""
@@ -77,7 +78,7 @@ def build_spec(
         model: The robot.
         dt: Length of a step [s].
         visuals: Whether to add the visual meshes, which physics does not need.
-        ground: Its height in the robot's root [m]; None without ground.
+        ground: The ground's height in the robot's root [m]; None without ground.
 
     Raises:
         ModelError: If MuJoCo does not support the robot.
@@ -142,7 +143,7 @@ def build_spec(
 
 
 def to_mjcf(model: RobotModel) -> str:
-    """Return the robot as MJCF, with its visual meshes by absolute path."""
+    """Return the robot as MJCF, with absolute paths of its visual meshes."""
     spec = build_spec(model, dt=0.001, visuals=True)
     compile_spec(spec)
     return str(spec.to_xml())
@@ -157,12 +158,12 @@ def compile_spec(spec: Any) -> Any:
 
 
 def collision_name(link: Link, number: int) -> str:
-    """Return the name of the geom of a link's collision shape."""
+    """Return the name of the geom for a link's collision shape."""
     return f"{link.name}/collision{number}"
 
 
 def add_geom(spec: Any, handle: Any, shape: Collision | Visual, frame: Matrix) -> Any:
-    """Add ``shape``, of a link with ``frame`` in the body ``handle``; return its geom.
+    """Add ``shape`` of a link at ``frame`` in the body ``handle``; return its geom.
 
     Raises:
         ModelError: If MuJoCo does not support the shape.
@@ -286,8 +287,9 @@ def _add_shapes(
 ) -> None:
     """Add a link to a body.
 
-    Its collision meshes become convex parts if it collides with other links, and else
-    hulls: links are near each other, and hulls would meet where meshes do not.
+    If the link collides with other links, its collision meshes become convex parts,
+    since the hulls of close links may overlap where the meshes do not; otherwise they
+    become hulls.
     """
     in_parts = is_colliding and link.surface is None
     handle.add_site(name=link.name, pos=frame[:3, 3], quat=quat_wxyz(frame), group=4)

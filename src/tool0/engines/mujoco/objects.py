@@ -1,6 +1,6 @@
-"""Scene objects in MuJoCo: bodies beside the robot, and their states.
+"""Scene objects in MuJoCo: their bodies and states.
 
-Each object is a body of its own, on a free joint if it has a mass.  Free joints come
+Each object is a separate body, with a free joint if it has a mass.  Free joints come
 after the robot's joints, so the robot's values are the first of every array.
 """
 
@@ -47,11 +47,11 @@ from tool0.errors import ModelError
 from tool0.hardware.engine import RecordedObjects
 
 OBJECT_SOLREF = (0.004, 1.0)
-"""Time constant of contacts between objects, ground and links [s]: a fifth of
-MuJoCo's, so that a cube at rest penetrates by micrometres."""
+"""Time constant of contacts between objects, ground and links [s]: a fifth of MuJoCo's
+default, so that a cube at rest penetrates by only micrometres."""
 OBJECT_ROLLING = 0.0005
-"""Rolling friction [m], a guess for stiff objects: a can on its side does not roll on
-a table that is tilted by up to one degree."""
+"""Rolling friction [m], a guess for stiff objects: a can on its side does not roll on a
+table tilted by up to one degree."""
 
 _PATCH, _ROUND = 4, 6  # condim: with spinning friction; with rolling friction, too
 
@@ -59,14 +59,15 @@ _PATCH, _ROUND = 4, 6  # condim: with spinning friction; with rolling friction, 
 def compile_with_scene(
     spec: Any, model: RobotModel, scene: Scene, known_files: Mapping[str, bytes]
 ) -> tuple[Any, Mapping[str, bytes]]:  # MjSpec and MjModel have no type annotations
-    """Return the ``mujoco.MjModel`` of robot and scene, and its mesh files' contents.
+    """Return the ``mujoco.MjModel`` of robot and scene, and the mesh files' contents.
 
-    The scene is added to ``spec``, that of the robot.  ``known_files`` are the contents
-    from the previous compilation: a file may change or disappear while its object
-    stays.
+    The scene is added to the robot's ``spec``.  ``known_files`` are the contents from
+    the previous compilation, as a file may change or disappear while its object
+    remains.
 
     Raises:
-        ModelError: If MuJoCo rejects the robot or an object, whose name it contains.
+        ModelError: If MuJoCo rejects the robot or an object; the message names the
+            object.
     """
     _add_objects(spec, model, scene, known_files)
     files = _load_meshes(spec, known_files)
@@ -81,7 +82,7 @@ def compile_with_scene(
 def _compile_alone(
     item: SceneObject, scene: Scene, known_files: Mapping[str, bytes]
 ) -> Any:
-    """Return the ``mujoco.MjModel`` of one object; raises ModelError."""
+    """Return the ``mujoco.MjModel`` of one object, or raise ModelError."""
     alone = mujoco.MjSpec()
     _add_object(alone, item, scene, known_files)
     _load_meshes(alone, known_files)
@@ -97,9 +98,9 @@ def _compile_alone(
 def change_body(
     model: Any, item: SceneObject, scene: Scene, known_files: Mapping[str, bytes]
 ) -> None:
-    """Give an object of a compiled model the mass and size of ``item``, in ``scene``.
+    """Give an object in a compiled model the mass and size of ``item`` in ``scene``.
 
-    Its shapes are of the same kinds.
+    The shapes of ``item`` must be of the same kinds as the object's.
     """
     alone = _compile_alone(item, scene, known_files)
     source, target = alone.body(item.name), model.body(item.name)
@@ -126,7 +127,7 @@ def change_body(
 def change_friction(
     model: Any, robot: RobotModel, item: SceneObject, scene: Scene
 ) -> None:
-    """Give an object of a compiled model the friction of ``item``, one of ``scene``."""
+    """Give an object in a compiled model the friction of ``item`` in ``scene``."""
     friction = {
         geom: other.friction for other in scene.objects for geom, _ in _geoms(other)
     }
@@ -141,7 +142,7 @@ def change_friction(
 
 
 def _pads(robot: RobotModel) -> list[tuple[str, float]]:
-    """Return the name and the friction of each shape of a pad."""
+    """Return the name and the friction of each shape of the pads."""
     return [
         (
             collision_name(link, number),
@@ -161,11 +162,11 @@ def free_joint_name(name: str) -> str:
 def _add_objects(
     spec: Any, model: RobotModel, scene: Scene, known_files: Mapping[str, bytes]
 ) -> None:
-    """Add the scene to the spec of the robot.
+    """Add the scene to the robot's spec.
 
-    The smaller friction of two objects, or of an object and a pad, applies: MuJoCo
-    would take the larger one, so these pairs are explicit.  Against the ground and
-    the other links the object's friction applies, by its higher priority.
+    Between two objects, or an object and a pad, the smaller friction applies; as MuJoCo
+    would use the larger one, these pairs are explicit.  Against the ground and the
+    other links, the object's friction applies because of its higher priority.
     """
     # Static objects come first: messages about overlaps rely on this order.
     for item in sorted(scene.objects, key=lambda item: item.mass is not None):
@@ -228,7 +229,7 @@ def _add_object(
 def add_shapes(spec: Any, body: Any, item: SceneObject, frame: Matrix) -> list[Any]:
     """Add the shapes of an object to a body in which it has the pose ``frame``.
 
-    Returns the geoms.
+    Returns the geoms of the shapes.
     """
     geoms = [
         _add_part(spec, body, item, Collision(geometry=shape, origin=pose), frame)
@@ -268,7 +269,7 @@ def _condim(geometry: Geometry) -> int:
 
 
 def _geoms(item: SceneObject) -> list[tuple[str, Geometry]]:
-    """Return name and shape of each geom of an object."""
+    """Return the name and shape of each geom of an object."""
     names = geometry_names(f"{item.name}/object", item.geometry)
     shapes = [shape for shape, _ in placed_geometries(item.geometry)]
     return list(zip(names, shapes, strict=True))
@@ -278,13 +279,13 @@ def _geoms(item: SceneObject) -> list[tuple[str, Geometry]]:
 class ObjectStates:
     """Poses and velocities of the objects, read from and written to ``qpos``, ``qvel``.
 
-    ``xpos`` is from the step before.  A free joint has its linear velocity in
-    the axes of the world and its angular velocity in those of the object; an
-    ``ObjectState`` has both in the axes of the robot's root.
+    MuJoCo's ``xpos`` is not used, as it dates from the previous step.  A free joint has
+    its linear velocity in the axes of the world and its angular velocity in those of
+    the object; an ``ObjectState`` has both in the axes of the robot's root.
     """
 
     def __init__(self, model: Any, data: Any, scene: Scene) -> None:
-        """View ``model`` and ``data``, compiled with ``scene``."""
+        """Access ``model`` and ``data``, which were compiled with ``scene``."""
         self._model = model
         self.names = tuple(item.name for item in scene.objects)
         movable = [item.name for item in scene.objects if item.mass is not None]
@@ -292,11 +293,11 @@ class ObjectStates:
         self.starts: Mapping[str, tuple[int, int]] = {
             name: (7 * k, 6 * k) for k, name in enumerate(movable)
         }
-        """The first numbers of each movable object in ``position`` and ``velocity``."""
+        """First indices of each movable object in ``position`` and ``velocity``."""
         self.position = data.qpos[model.nq - 7 * len(movable) :]  # views
-        """Positions of the free joints, each with 7 numbers."""
+        """Positions of the free joints, 7 numbers each."""
         self.velocity = data.qvel[model.nv - 6 * len(movable) :]
-        """Velocities of the free joints, each with 6 numbers."""
+        """Velocities of the free joints, 6 numbers each."""
         self._warm_start = data.qacc_warmstart[model.nv - 6 * len(movable) :]
         self._static_at_start = {
             item.name: ObjectState(
@@ -306,7 +307,7 @@ class ObjectStates:
             if item.mass is None
         }
         self.static: Mapping[str, ObjectState] = self._static_at_start
-        """The states of the others, by name."""
+        """The states of the static objects, by name."""
 
     def is_movable(self, name: str) -> bool:
         """Return whether an object has a mass."""
@@ -315,7 +316,7 @@ class ObjectStates:
     def record(self) -> Sequence[ObjectState]:
         """Return the state of each object, in the scene's order.
 
-        This copies numbers; the reader's thread computes the states.
+        This only copies numbers; the states are computed in the thread that reads them.
         """
         if not self.starts:
             return tuple(self.static.values()) if self.static else ()
@@ -337,12 +338,12 @@ class ObjectStates:
         self._warm_start[j : j + 6] = 0.0
 
     def reset(self) -> None:
-        """Put static objects where they started; MuJoCo resets the others."""
+        """Put static objects at their start poses; MuJoCo resets the others."""
         for state in self._static_at_start.values():
             self._put(state)
 
     def resume_static(self, states: Mapping[str, ObjectState]) -> None:
-        """Put static objects where these states have them, if they have them."""
+        """Put static objects at the poses in ``states``, if they are in it."""
         for name in self.static.keys() & states.keys():
             if self.static[name] != states[name]:
                 self._put(states[name])
@@ -360,7 +361,7 @@ def _states(
     packed_position: bytes,
     packed_velocity: bytes,
 ) -> tuple[ObjectState, ...]:
-    """Return the state of each object from the free joints' numbers."""
+    """Return the state of each object, computed from the free joints' numbers."""
     position = np.frombuffer(packed_position).tolist()
     velocity = np.frombuffer(packed_velocity).tolist()
     return tuple(

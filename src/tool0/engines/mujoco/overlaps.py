@@ -1,7 +1,7 @@
-"""Overlaps of a robot's links with each other, the ground and objects, in any pose.
+"""Overlaps of a robot's links with each other, the ground and objects in any pose.
 
-MuJoCo's collision detection runs on a model of its own, without dynamics: for every
-engine, and in any thread.
+MuJoCo's collision detection runs on a separate model without dynamics, so that this
+works with every engine and in any thread.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from tool0.engines.mujoco.objects import compile_with_scene, free_joint_name
 from tool0.engines.mujoco.world import geom_owners
 
 NEAR = 0.001
-"""Shapes nearer to each other than this are found, too [m]: what touches in one step of
-physics may be micrometres apart in the next."""
+"""Distance below which shapes are reported even if they do not overlap [m]: shapes that
+touch in one physics step may be micrometres apart in the next."""
 
 Pair = tuple[str, str]
 """The names of links, objects or the ground, in alphabetical order."""
@@ -32,14 +32,14 @@ class OverlapFinder:
     """The compiled robot and its objects.  One thread at a time may use it."""
 
     def __init__(self, model: RobotModel, ground: float | None) -> None:
-        """Use a ground at height ``ground`` [m], in the robot's root, or none."""
+        """Use a ground at height ``ground`` [m] in the robot's root, or none."""
         self._robot = model
         self._spec = build_spec(model, dt=0.001, ground=ground)
         self._mesh_files: Mapping[str, bytes] = {}
         self._objects: tuple[SceneObject, ...] | None = None
 
     def use(self, objects: tuple[SceneObject, ...]) -> None:
-        """Compile the objects, unless they are those of the last call.
+        """Compile the objects, unless they are the same as in the last call.
 
         Raises:
             ModelError: If MuJoCo does not support an object.
@@ -59,7 +59,7 @@ class OverlapFinder:
         ]
 
     def put_object(self, item: SceneObject, state: ObjectState) -> None:
-        """Put one of the objects somewhere."""
+        """Place one of the objects as in ``state``."""
         pose = (*state.position, *state.quat_wxyz)
         if item.mass is None:
             body = self._model.body(item.name)
@@ -68,7 +68,7 @@ class OverlapFinder:
             self._data.joint(free_joint_name(item.name)).qpos[:] = pose
 
     def put_joints(self, position: Sequence[float]) -> None:
-        """Put the movable joints at ``position`` [rad | m], in the model's order."""
+        """Move the joints to ``position`` [rad | m], in the model's order."""
         self._data.qpos[self._addresses] = position
         mujoco.mj_kinematics(self._model, self._data)
 
@@ -78,9 +78,9 @@ class OverlapFinder:
         return from_arrays(site.xpos, site.xmat.reshape(3, 3))
 
     def depths(self) -> dict[Pair, float]:
-        """Return how deep shapes are in each other [m], by pair.
+        """Return the penetration depths [m] by pair.
 
-        It is negative for those that are apart, but nearer than ``NEAR``.
+        Depths are negative for pairs that are apart, but closer than ``NEAR``.
         """
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_collision(self._model, self._data)

@@ -1,7 +1,6 @@
-"""Images of a robot and its scene by MuJoCo's renderer, for any engine.
+"""Images of a robot and its scene from MuJoCo's renderer, for any engine.
 
-The renderer has its own model with the visual meshes, and computes only its
-kinematics.
+The renderer has its own model, with the visual meshes, and computes only kinematics.
 """
 
 from __future__ import annotations
@@ -38,20 +37,20 @@ logger = logging.getLogger(__name__)
 MAX_GEOMS = 10000
 """Largest number of shapes in an image; MuJoCo omits the rest."""
 SHADOW_DETAIL = 5
-"""Pixels of the shadow map along a side, per pixel of the image."""
+"""Ratio of the shadow map's side to the image's side."""
 SHADOW_SIZES = (512, 2048)
-"""Range of the side of the shadow map [pixels]."""
+"""Smallest and largest side of the shadow map [pixels]."""
 SMALL, ROUND = 128, (20, 8)
-"""Side of images [pixels] up to which cylinders and spheres have so many slices and
-stacks; in larger ones they have MuJoCo's 28 and 16."""
+"""Image side [pixels] up to which cylinders and spheres are coarse, and their numbers
+of slices and stacks; in larger images, they have MuJoCo's 28 and 16."""
 HORIZON, ZENITH = np.array([237.0, 242.0, 247.0]), np.array([180.0, 203.0, 230.0])
 """Colours of the sky."""
 HAZE = (3.0, 9.0)
-"""Depth [m] at which objects begin to fade, and at which only sky is visible."""
+"""Depths [m] at which objects begin to fade, and beyond which only sky is visible."""
 DIFFUSE, HEAD_DIFFUSE, HEAD_AMBIENT = 0.5, 0.32, 0.38
 """Intensities of the lamp, and of the light from the camera."""
 ROBOT, GROUND, NOTHING = -1, -2, -3
-"""Values of pixels that show no object."""
+"""Values of pixels that show the robot, the ground or nothing."""
 STAND_IN_RGBA = (0.6, 0.62, 0.65, 1.0)
 """Colour of collision shapes that replace a mesh."""
 
@@ -60,17 +59,17 @@ Picture = tuple[NDArray[np.uint8], NDArray[np.float32], Transform]
 
 @final
 class Renderer:
-    """Renders states of one robot; the thread that creates it must use and close it."""
+    """Renderer of one robot; the thread that creates it must also use and close it."""
 
     def __init__(
         self, model: RobotModel, ground: float | None, width: int, height: int
     ) -> None:
         """Prepare OpenGL for images up to ``width`` and ``height`` [pixels].
 
-        ``ground`` is its height in the robot's root [m]; None without ground.
+        ``ground`` is the ground's height in the robot's root [m]; None without ground.
 
         Raises:
-            RenderError: If there is no OpenGL here.
+            RenderError: If OpenGL is not available.
         """
         self._robot = model = with_readable_visuals(model)
         self.size = width, height
@@ -86,7 +85,7 @@ class Renderer:
         self._drawing: Any = None  # MuJoCo's MjrContext
 
     def holds(self, width: int, height: int) -> bool:
-        """Return whether an image of that size [pixels] fits."""
+        """Return whether an image of this size [pixels] fits."""
         return width <= self.size[0] and height <= self.size[1]
 
     def render(
@@ -99,8 +98,8 @@ class Renderer:
     ) -> Picture:
         """Return colours, depth, and the camera's optical frame in the robot's root.
 
-        ``CameraImage`` describes the first two.  ``position`` [rad | m] is that of
-        every movable joint; ``states`` are those of the ``objects``, in their order.
+        See ``CameraImage`` for the first two.  ``position`` [rad | m] contains every
+        movable joint; ``states`` are the states of the ``objects``, in the same order.
 
         Raises:
             ModelError: If MuJoCo does not support an object.
@@ -120,9 +119,10 @@ class Renderer:
         objects: tuple[SceneObject, ...],
         states: Sequence[ObjectState],
     ) -> NDArray[np.int32]:
-        """Return the thing that each pixel shows, shape (height, width).
+        """Return what each pixel shows, shape (height, width).
 
-        ``ROBOT``, ``GROUND``, ``NOTHING``, or the number of an object from 0 on.
+        Values are ``ROBOT``, ``GROUND``, ``NOTHING``, or the number of an object from 0
+        on.
         """
         self._prepare(position, objects, states)
         self._aim(camera, self._frame(camera))
@@ -148,7 +148,7 @@ class Renderer:
         return [found.get(number) for number in range(max(found, default=-1) + 1)]
 
     def _kind(self, shape: Any) -> int:
-        """Return which kind of thing a visible shape is of."""
+        """Return the value for pixels that show a visible shape."""
         if shape is None or shape.objtype != mujoco.mjtObj.mjOBJ_GEOM.value:
             return NOTHING
         body = int(self._model.geom_bodyid[shape.objid])
@@ -168,7 +168,7 @@ class Renderer:
         objects: tuple[SceneObject, ...],
         states: Sequence[ObjectState],
     ) -> None:
-        """Take the scene and its state."""
+        """Use a scene in a state."""
         self._context.make_current()
         if objects is not self._objects:
             if self._objects is None or not _have_same_kinds(objects, self._objects):
@@ -178,7 +178,7 @@ class Renderer:
         self._pose(position, states)
 
     def _resize(self, objects: tuple[SceneObject, ...]) -> None:
-        """Give objects the sizes that they have now: a compilation takes far longer."""
+        """Update the sizes of objects, which is much faster than a compilation."""
         for item, old in zip(objects, self._objects or (), strict=True):
             if item.geometry != old.geometry:
                 change_body(self._model, item, Scene(objects), self._mesh_files)
@@ -253,7 +253,7 @@ class Renderer:
         return T_root_link @ camera.T_link_camera
 
     def _aim(self, camera: Camera, frame: Transform) -> None:
-        """Set the view with our own frustum, so that the model needs no cameras."""
+        """Set the view with a computed frustum, so that the model needs no cameras."""
         _, down, forward = zip(*frame.rotation, strict=True)
         half = camera.near * math.tan(camera.field_of_view / 2.0)
         for eye in self._visible.camera:  # two, for stereo; the mean is what counts
@@ -314,13 +314,13 @@ def _paint_sky(
 
 
 def _furnish(spec: Any, width: int, height: int) -> None:
-    """Add light, and allocate images of this size."""
+    """Add lights, and allocate images of this size."""
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
     spec.visual.quality.shadowsize = shadow_size(width, height)
     if max(width, height) <= SMALL:
         spec.visual.quality.numslices, spec.visual.quality.numstacks = ROUND
-    # With several samples per pixel, the depth would be that of an off-centre sample:
-    # millimetres wrong on a steep face.  Rendering would also take twice as long.
+    # With several samples per pixel, the depth would come from an off-centre sample and
+    # be wrong by millimetres on a steep face.  Rendering would also take twice as long.
     spec.visual.quality.offsamples = 0
     spec.visual.map.shadowscale = 0.3  # of the lamp's cone: 1.8 m around on the ground
     spec.visual.headlight.specular = [0.1, 0.1, 0.1]
@@ -330,9 +330,9 @@ def _furnish(spec: Any, width: int, height: int) -> None:
 def _have_same_kinds(
     some: tuple[SceneObject, ...], others: tuple[SceneObject, ...]
 ) -> bool:
-    """Return whether scenes are alike, so that only sizes and colours may differ.
+    """Return whether two scenes differ only in sizes and colours, if at all.
 
-    Mass and friction are not visible, and poses are states.
+    This ignores mass and friction, which are not visible, and poses, which are states.
     """
     return len(some) == len(others) and all(
         one.name == other.name
@@ -343,16 +343,16 @@ def _have_same_kinds(
 
 
 def shadow_size(width: int, height: int) -> int:
-    """Return the side of the shadow map for an image of that size [pixels].
+    """Return the shadow map's side for an image of this size [pixels].
 
-    Without a graphics card it takes longer than a small image itself.
+    Without a graphics card, the shadow map takes longer than a small image itself.
     """
     wanted = int(SHADOW_DETAIL * max(width, height))
     return min(max(1 << (wanted - 1).bit_length(), SHADOW_SIZES[0]), SHADOW_SIZES[1])
 
 
 def with_readable_visuals(model: RobotModel) -> RobotModel:
-    """Return the robot with collision shapes instead of meshes MuJoCo cannot read."""
+    """Return the robot with collision shapes for meshes that MuJoCo cannot read."""
     unreadable = {
         visual.geometry.path.name
         for link in model.links

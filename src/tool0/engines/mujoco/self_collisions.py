@@ -10,7 +10,7 @@ from tool0.description.model import Joint, Link, RobotModel
 
 
 def body_at_rest(link: str) -> str:
-    """Return the name of the body of a link at rest: pairs of bodies are excluded."""
+    """Return the name of the body of a link at rest, for exclusions of body pairs."""
     return f"{link}/base"
 
 
@@ -20,10 +20,10 @@ def excluded_pairs(
     at_rest: Sequence[Link],
     colliding: frozenset[str],
 ) -> Iterator[tuple[str, str]]:
-    """Yield the pairs of bodies that never collide, each with one that moves.
+    """Yield the pairs of bodies that never collide, at least one of which moves.
 
-    Those of one mechanism may overlap: the links of a linkage share pivots, which a
-    URDF tree cannot express.  Only pads collide with each other.  Others collide if
+    Bodies of one mechanism may overlap, as a linkage's links share pivots that a URDF
+    tree cannot express; only its pads collide with each other.  Other bodies collide if
     both are ``colliding`` and no joint connects them.
     """
     masters = {j.mimic.joint for j in model.movable_joints if j.mimic is not None}
@@ -41,7 +41,7 @@ def excluded_pairs(
     for link in at_rest:
         for body in bodies:
             child = body.joint.child
-            # MuJoCo itself leaves out bodies at one joint, but for those at rest
+            # MuJoCo itself excludes bodies that share a joint, except bodies at rest
             is_adjacent = body.joint.parent == link.name
             if is_adjacent or not (link.name in colliding and child in colliding):
                 yield body_at_rest(link.name), child
@@ -50,7 +50,7 @@ def excluded_pairs(
 def self_colliding(model: RobotModel, bodies: tuple[MovingBody, ...]) -> frozenset[str]:
     """Return the links that collide with other links, as in Gazebo.
 
-    What is fixed to a link that does, does so, too.
+    This includes links that are fixed to such a link.
     """
     if model.self_collide:
         return frozenset(model.link_by_name)

@@ -1,12 +1,12 @@
-"""Changes of MuJoCo Warp's state besides its own steps, as Warp kernels.
+"""Warp kernels that change MuJoCo Warp's state in addition to its own steps.
 
-Arrays have one row per copy of the robot and its scene: a world.
+Arrays have one row per world, a copy of the robot and its scene.
 """
 
 import warp as wp
 
 vec5 = wp.types.vector(length=5, dtype=float)
-"""Coefficients of friction of a pair of geoms."""
+"""Friction coefficients of a pair of geoms."""
 
 
 @wp.kernel
@@ -22,12 +22,12 @@ def finish_step(
     has_diverged: wp.array[int],
     steps: wp.array[int],
 ) -> None:
-    """Count the step of each world; one that diverges stands still where it was.
+    """Count the step of each world; a world that diverges stands still where it was.
 
     A world diverges if the sum of its squared speeds is not below ``most_squares``, or
-    if its overflow has one of the bits of ``failures``.  ``measured`` are its last
-    positions.  The physics goes on at ``parked``, so that the contacts of a world that
-    stands still do not fill the memory of all worlds.
+    if its overflow has one of the bits of ``failures``.  ``measured`` keeps its last
+    positions.  Its physics continues at ``parked``, so that the contacts of a world
+    that stands still do not fill the memory that all worlds share.
     """
     world = wp.tid()
     squares = float(0.0)
@@ -61,7 +61,7 @@ def set_state(
     has_diverged: wp.array[int],
     steps: wp.array[int],
 ) -> None:
-    """Put the chosen worlds at ``start``, at rest, and their time at 0."""
+    """Put the chosen worlds at rest at ``start``, and set their time to 0."""
     world = wp.tid()
     if is_chosen[world] == 0:
         return
@@ -89,7 +89,7 @@ def place_object(
     velocity: wp.array2d[float],
     warm_start: wp.array2d[float],
 ) -> None:
-    """Put an object, whose first numbers are these, at ``pose`` and at rest."""
+    """Put an object at rest at ``pose``; ``first`` are its first indices."""
     world = wp.tid()
     if is_chosen[world] == 0:
         return
@@ -113,9 +113,10 @@ def set_body_mass(
     body_weight: wp.array2d[wp.vec2],
     dof_weight: wp.array2d[float],
 ) -> None:
-    """Give a free body other masses, and what follows from them (``mj_setConst``).
+    """Set a free body's masses and the values that follow from them (``mj_setConst``).
 
-    Its shape stays, so inertias grow with the mass; ``…_weight`` are inverse ones.
+    Its shape does not change, so its inertias scale with the mass; ``…_weight`` are
+    inverse inertias.
     """
     world = wp.tid()
     if is_chosen[world] == 0:
@@ -140,9 +141,9 @@ def set_geom_friction(
     friction: wp.array2d[wp.vec3],
     pair_friction: wp.array2d[vec5],
 ) -> None:
-    """Give geoms another sliding friction; in their pairs the smaller one applies.
+    """Set the sliding friction of geoms; in their pairs, the smaller value applies.
 
-    ``ends`` are the geoms of the ``pairs``.
+    ``ends`` are the two geoms of each of the ``pairs``.
     """
     world = wp.tid()
     if is_chosen[world] == 0:
@@ -171,7 +172,7 @@ def sum_normal_forces(
 ) -> None:
     """Add the normal force of each contact to the links that it touches.
 
-    ``owner`` is 1 where a geom, by row, is of a link, by column.
+    ``owner`` is 1 where the row's geom belongs to the column's link.
     """
     contact = wp.tid()
     if contact >= n_contacts[0] or rows[contact, 0] < 0:
@@ -197,7 +198,7 @@ def find_touching(
 ) -> None:
     """Set 1 for each world in which a geom of one side presses on one of the other.
 
-    ``side`` is 1 where a geom, by row, is of a side, by column.  A world has no
+    ``side`` is 1 where the row's geom belongs to the column's side.  A world has no
     contacts before its first step.
     """
     contact = wp.tid()

@@ -32,11 +32,13 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 CONTACTS, CONTACTS_PER_OBJECT = 64, 16
-"""Room for contacts per copy, without objects and for each movable one."""
+"""Number of contacts with room per copy: without objects, and for each movable
+object."""
 CONTACTS_PER_PAIR = 8
-"""Most contacts of two geoms: two boxes."""
+"""Largest number of contacts between two geoms, reached by two boxes."""
 ROWS, ROWS_PER_CONTACT = 64, 4
-"""Room for rows of constraints per copy: mimic joints, stops, friction, contacts."""
+"""Number of constraint rows with room per copy (mimic joints, stops, friction,
+contacts): without contacts, and for each contact."""
 FIELDS_OF_OBJECTS = (
     "body_mass",
     "body_subtreemass",
@@ -46,16 +48,16 @@ FIELDS_OF_OBJECTS = (
     "geom_friction",
     "pair_friction",
 )
-"""Fields of the model with a row per world, for masses and frictions of objects."""
+"""Fields of the model with a row per world, for the masses and frictions of objects."""
 FAILURES = int(
     OverflowType.ALL & ~(OverflowType.ITERATIONS | OverflowType.LS_ITERATIONS)
 )
-"""Overflows that leave contacts or constraints out.  A solver that reaches its limit of
-iterations has a less exact result, as on the CPU."""
+"""Overflows in which contacts or constraints are dropped.  A solver that reaches its
+iteration limit is not among them: its result is only less exact, as on the CPU."""
 
 
 def check_device(device: str) -> str:
-    """Return Warp's name of ``device``: "cuda", "cuda:1", or "cpu" for "warp:cpu".
+    """Return Warp's name for ``device``: "cuda", "cuda:1", or "cpu" for "warp:cpu".
 
     Raises:
         EngineUnavailableError: If Warp does not find it.
@@ -76,14 +78,14 @@ def check_device(device: str) -> str:
 
 @final
 class WarpWorlds:
-    """n worlds on a Warp device, in single precision: robot and objects.
+    """n copies of a robot and its objects on a Warp device, in single precision.
 
-    Every array that a caller passes or gets is in double precision and has n rows,
-    unless it says otherwise.
+    Unless stated otherwise, every array that a caller passes or gets is in double
+    precision and has n rows.
     """
 
     def __init__(self, engine: MujocoEngine, n: int, device: str) -> None:
-        """Copy the state of ``engine`` n times to the device, by Warp's name of it.
+        """Copy the state of ``engine`` n times to the device with this Warp name.
 
         Raises:
             EngineError: If MuJoCo Warp does not support the model.
@@ -110,8 +112,8 @@ class WarpWorlds:
                 kind = getattr(self._model, name).dtype
                 setattr(self._model, name, wp.array(rows, dtype=kind))
             # All worlds share the memory of contacts.  It has room for all contacts
-            # that one of them can have, beside those of the others; the rows of
-            # constraints, of which each world has its own, overflow before that.
+            # that one world can have in addition to the usual number of the others.
+            # The constraint rows, which each world has separately, overflow earlier.
             most = CONTACTS_PER_PAIR * len(self._model.nxn_geom_pair_filtered)
             self._data = data = mujoco_warp.make_data(
                 model,
@@ -120,14 +122,15 @@ class WarpWorlds:
                 njmax=ROWS + ROWS_PER_CONTACT * n_contacts,
             )
             self.steps = wp.zeros(n, dtype=int)
-            """Steps of each world since its reset: Warp's array, as the next four."""
+            """Steps of each world since its reset, as Warp's array."""
             self.divergence = wp.zeros(n, dtype=int)
-            """1 for worlds that stand still."""
+            """1 for worlds that stand still, as Warp's array."""
             self._start = engine.data.qpos.copy()
             self._parked = wp.array(self._start.astype(np.float32), dtype=float)
             self._measured = wp.zeros((n, model.nq), dtype=float)
         self.position = data.qpos
-        """Positions of the joints, then of the objects, shape (n, nq)."""
+        """Positions of the joints, then of the objects, as Warp's array, shape (n,
+        nq)."""
         self.velocity = data.qvel
         self.motors = data.ctrl
         self.reset(np.arange(n), np.tile(self._start[: self._n_joints], (n, 1)))
@@ -135,7 +138,7 @@ class WarpWorlds:
     # ---- time -----------------------------------------------------------------------
 
     def step(self) -> None:
-        """Launch one step of all worlds; those that diverged stand still."""
+        """Launch one step of all worlds; worlds that have diverged stand still."""
         data = self._data
         with wp.ScopedDevice(self._device):
             mujoco_warp.step(self._model, data)
@@ -157,9 +160,10 @@ class WarpWorlds:
             )
 
     def recorded(self, launch: Callable[[], None]) -> Callable[[], None]:
-        """Return a CUDA graph that repeats the launches of ``launch`` at once.
+        """Return a CUDA graph that repeats all launches of ``launch`` in one launch.
 
-        Its kernels must have been compiled; without CUDA, it is ``launch`` itself.
+        The kernels must be compiled already.  Without CUDA, this returns ``launch``
+        itself.
         """
         device = wp.get_device(self._device)
         if not device.is_cuda:
@@ -170,9 +174,9 @@ class WarpWorlds:
         return lambda: wp.capture_launch(graph)
 
     def reset(self, rows: Indices, joints: Array) -> None:
-        """Put worlds at positions [rad | m] of all joints, shape (len(rows), n_joints).
+        """Put worlds at joint positions [rad | m], shape (len(rows), n_joints).
 
-        Objects return to their start, everything is at rest.
+        Objects return to their start poses, and everything is at rest.
         """
         data = self._data
         start = np.tile(self._start, (self._n, 1))
@@ -205,7 +209,7 @@ class WarpWorlds:
 
     @property
     def has_diverged(self) -> NDArray[np.bool_]:
-        """Worlds that stand still since their physics failed, shape (n,) of bool."""
+        """Whether each world stands still after its physics failed, shape (n,)."""
         return np.asarray(self.divergence.numpy() != 0)
 
     def joints(self) -> tuple[Array, Array]:
@@ -215,7 +219,7 @@ class WarpWorlds:
 
     @property
     def joint_arrays(self) -> tuple[Any, Any]:
-        """The same as Warp's arrays, which change with time."""
+        """Joint positions and velocities as Warp's arrays, which change with time."""
         k = self._n_joints
         return self._measured[:, :k], self.velocity[:, :k]
 
@@ -223,8 +227,9 @@ class WarpWorlds:
     def object_arrays(self) -> tuple[Any, Any, Any, Any]:
         """States of the m movable objects as Warp's arrays, which change with time.
 
-        Positions and orientations w, x, y, z in the root, shape (n, m, 3 | 4), linear
-        velocities in the root's axes and angular ones in the object's, (n, m, 3).
+        They are positions and orientations w, x, y, z in the root, shape (n, m, 3 | 4),
+        linear velocities in the root's axes, and angular velocities in the object's
+        axes, shape (n, m, 3).
         """
         q, qd, k = self._measured, self.velocity, self._n_joints
         m = len(self._engine.world.states.starts)
@@ -252,7 +257,7 @@ class WarpWorlds:
         """Put a movable object at rest at positions (len(rows), 3), quat_wxyz (…, 4).
 
         Raises:
-            ControlError: If it is fixed.
+            ControlError: If the object is fixed.
         """
         first = self._engine.world.states.starts.get(name)
         if first is None:
@@ -279,7 +284,7 @@ class WarpWorlds:
             )
 
     def set_mass(self, name: str, rows: Indices, mass: Array) -> None:
-        """Give a movable object masses [kg], shape (len(rows),), and keep its shape."""
+        """Set a movable object's masses [kg], shape (len(rows),), but not its shape."""
         model, first = self._model, self._engine.world.states.starts[name]
         given = np.zeros(self._n, dtype=np.float32)
         given[rows] = mass
@@ -301,7 +306,7 @@ class WarpWorlds:
             )
 
     def set_friction(self, name: str, rows: Indices, friction: Array) -> None:
-        """Give an object coefficients of friction, shape (len(rows),)."""
+        """Set an object's friction coefficients, shape (len(rows),)."""
         compiled, model = self._engine.model, self._model
         geoms = np.flatnonzero(compiled.geom_bodyid == compiled.body(name).id)
         ends = np.stack([compiled.pair_geom1, compiled.pair_geom2], axis=1)
@@ -324,7 +329,7 @@ class WarpWorlds:
             )
 
     def normal_forces(self, links: Sequence[str]) -> Array:
-        """Return the sum of the normal forces on each link [N], (n, n_links)."""
+        """Return the sum of the normal forces on each link [N], shape (n, n_links)."""
         contact = self._data.contact
         owners = geom_owners(self._engine.model)
         owner = np.array([[each == link for link in links] for each in owners])
@@ -348,7 +353,7 @@ class WarpWorlds:
     def are_touching(
         self, first: frozenset[str], second: frozenset[str] | None
     ) -> NDArray[np.bool_]:
-        """Return in which worlds ``first`` presses on ``second``, or on anything."""
+        """Return whether ``first`` presses on ``second`` (or anything), by world."""
         contact = self._data.contact
         owners = geom_owners(self._engine.model)
         side = np.array(
@@ -374,5 +379,5 @@ class WarpWorlds:
 
 
 def _doubles(array: Any) -> Array:
-    """Return a copy of a device's array on the host."""
+    """Return a copy of a device array on the host."""
     return np.asarray(array.numpy(), dtype=np.float64)

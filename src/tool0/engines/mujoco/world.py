@@ -39,13 +39,13 @@ from tool0.hardware.engine import (
 logger = logging.getLogger(__name__)
 
 OVERLAP_WARNING = 0.002
-"""Overlap of two shapes from which a warning is logged [m]."""
+"""Overlap of two shapes above which a warning is logged [m]."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class SavedWorld:
-    """The state of a world that is not in ``MjData``."""
+    """The part of a world's state that is not in ``MjData``."""
 
     objects: Mapping[str, SceneObject]
     """Objects with their sizes, masses and frictions, by name."""
@@ -57,8 +57,9 @@ class SavedWorld:
 class MujocoWorld:
     """A ``World`` that owns the compiled model of robot and scene, and its data.
 
-    Objects and attachments are part of the model.  When one is added or removed, the
-    model is compiled again (about 2 ms) and the state is transferred.
+    Objects and attachments are part of the model.  When an object or attachment is
+    added or removed, the model is compiled again (about 2 ms) and the state is
+    transferred.
     """
 
     def __init__(
@@ -73,7 +74,8 @@ class MujocoWorld:
         """Compile robot and scene.
 
         ``robot_spec`` is the robot's ``MjSpec``, with the ground at height ``ground``
-        [m] or without.  ``on_compiled`` gets each new ``MjModel`` and ``MjData``.
+        [m]; None without ground.  ``on_compiled`` gets each new ``MjModel`` and
+        ``MjData``.
         """
         self.ground = ground
         self._robot = robot
@@ -83,7 +85,8 @@ class MujocoWorld:
         self._scene = scene
         self._mesh_files: Mapping[str, bytes] = {}
         self._contacts: tuple[float, tuple[Contact, ...]] = (0.0, ())
-        """Simulated time at which contacts were last read [s], and those contacts."""
+        """Simulated time at which contacts were last read [s], and the contacts read
+        then."""
         self._compile(scene, {})
 
     @property
@@ -98,11 +101,11 @@ class MujocoWorld:
 
     @property
     def has_no_contact(self) -> bool:
-        """Whether nothing touches for sure: so it is from a reset to the next step."""
+        """Whether nothing can be touching, as between a reset and the next step."""
         return self._contacts == (self._data.time, ())
 
     def reset(self, position: Sequence[float], time: float) -> None:
-        """Put joints at ``position`` [rad | m] and objects where they started."""
+        """Put joints at ``position`` [rad | m] and objects at their start poses."""
         if self._attached:
             self._compile(self._scene, {})
         mujoco.mj_resetData(self._model, self._data)
@@ -136,9 +139,9 @@ class MujocoWorld:
     def change(self, item: SceneObject) -> None:
         """Give an object the size, mass and friction of ``item``.
 
-        It is equal otherwise, and of the same kind of shape.
+        Otherwise ``item`` equals the object, with a shape of the same kind.
 
-        The model is then, bit for bit, as if it had been compiled with it.
+        The model is then bit for bit as if it had been compiled with ``item``.
         """
         old = find_object(self._objects, item.name)
         self._objects[item.name] = item
@@ -150,7 +153,7 @@ class MujocoWorld:
         self._scene = scene
 
     def saved(self) -> SavedWorld:
-        """Return the state that ``MjData`` does not have.
+        """Return the part of the state that is not in ``MjData``.
 
         Raises:
             EngineError: If an object is attached to a link.
@@ -162,7 +165,7 @@ class MujocoWorld:
         return SavedWorld(dict(self._objects), self.states.static, self._contacts)
 
     def check_saved(self, saved: SavedWorld, data: Any) -> None:
-        """Raise EngineError if a state is of another robot or of other objects."""
+        """Raise EngineError if a state belongs to another robot or other objects."""
         shapes = [
             {name: kind_of(item.geometry) for name, item in objects.items()}
             for objects in (saved.objects, self._objects)
@@ -195,9 +198,10 @@ class MujocoWorld:
         return [float(forces @ self._is_of(link)[geoms].any(axis=1)) for link in links]
 
     def wrench_on(self, links: frozenset[str], at: str) -> tuple[float, ...]:
-        """Return force [N] and torque [N·m] of all contacts of ``links`` with others.
+        """Return the force [N] and torque [N·m] of others' contacts on ``links``.
 
-        They act at the origin of the link ``at``, in its axes, in the last step.
+        The wrench of the last step refers to the origin of the link ``at``, in its
+        axes.
         """
         data, contacts = self._data, self._data.contact
         is_inside = self.are_of(links)[contacts.geom]
@@ -221,11 +225,11 @@ class MujocoWorld:
         return (*force.sum(axis=0).tolist(), *torque.sum(axis=0).tolist())
 
     def _is_of(self, link: str) -> NDArray[np.bool_]:
-        """Return for each geom whether it is of ``link``."""
+        """Return for each geom whether it belongs to ``link``."""
         return self.are_of(frozenset((link,)))
 
     def are_of(self, links: frozenset[str]) -> NDArray[np.bool_]:
-        """Return for each geom whether it is of one of ``links``: links or objects."""
+        """Return for each geom whether it belongs to one of the links or objects."""
         if links not in self._masks:
             owners = self.geom_owners
             self._masks[links] = np.array([owner in links for owner in owners])
@@ -262,7 +266,7 @@ class MujocoWorld:
             applied[bodies[name]] += (*force, *torque)
 
     def _body(self, name: str) -> int:
-        """Return the number of the body that a link or object is part of."""
+        """Return the number of the body that contains a link or object."""
         if name in self._robot.link_by_name:
             body = int(self._model.site(name).bodyid[0])
         else:
@@ -309,7 +313,7 @@ class MujocoWorld:
         self._on_compiled(model, self._data)
 
     def _recompile(self, scene: Scene, attached: Mapping[str, Attachment]) -> None:
-        """Use another scene; everything in both keeps its state, to the bit."""
+        """Use another scene; everything in both scenes keeps its exact state."""
         model, data, states = self._model, self._data, self.states
         self.contacts()  # the new data has no contacts of the last step
         self._compile(scene, attached)
@@ -317,7 +321,7 @@ class MujocoWorld:
         self.states.resume_static(states.static)
 
     def _warn_of_overlaps(self, of: str | None = None) -> None:
-        """Log a warning for each overlap, of the object ``of`` if it is given."""
+        """Log a warning for each overlap, or for each one of the object ``of``."""
         deepest: dict[tuple[str, str], float] = {}
         contacts = self._data.contact
         for i in np.flatnonzero(contacts.dist < -OVERLAP_WARNING).tolist():
@@ -373,7 +377,7 @@ ContactPoint = tuple[Vector3, float, Vector3, Vector3]
 """Position of a contact point, its weight in the mean, and the force and torque
 there."""
 MIN_WEIGHT = 1e-12
-"""Keeps the mean point defined if the force is zero [N]."""
+"""Smallest weight of a contact point [N], so that the mean is defined at zero force."""
 
 
 @final
@@ -383,9 +387,9 @@ class Attachment:
 
     link: str
     body: str
-    """MuJoCo's body that the link is part of."""
+    """Name of the MuJoCo body that contains the link."""
     position: Vector3
-    """Position of the object, in the body [m]."""
+    """Position of the object in the body [m]."""
     quat_wxyz: Quaternion
 
 
@@ -404,7 +408,7 @@ def attachment_now(model: Any, data: Any, name: str, link: str) -> Attachment:
 
 
 def add_attachments(spec: Any, attachments: Mapping[str, Attachment]) -> None:
-    """Add a weld for each attached object, by name, as stiff as mimic joints."""
+    """Add a weld, as stiff as mimic joints, for each attached object by name."""
     for name, attachment in attachments.items():
         weld = spec.add_equality(
             name=_weld_name(name),
@@ -424,10 +428,10 @@ def add_attachments(spec: Any, attachments: Mapping[str, Attachment]) -> None:
 def attachment_points(
     model: Any, data: Any, attachments: Mapping[str, Attachment]
 ) -> Iterator[tuple[tuple[str, str], ContactPoint]]:
-    """Yield each link's wrench on its object in the last step, at its origin.
+    """Yield each link's wrench on its object in the last step, at the object's origin.
 
-    The weld acts on the object's free joint only, whose coordinates are a force in the
-    world's axes and a torque in the object's.
+    Only the object's free joint is read: its generalized forces are a force in the
+    world's axes and a torque in the object's axes.
     """
     for name, attachment in attachments.items():
         rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
@@ -460,8 +464,9 @@ def contact_points(
     """Yield pairs in contact, and the wrench of the first on the second at a point.
 
     After ``mj_step``, ``data`` still has the contacts and forces of that step; only
-    position and velocity are newer.  Plain floats are the fastest here; a force-torque
-    sensor reads up to 1000 times a second.  ``owners`` has the name for each geom.
+    position and velocity are newer.  Plain floats are fastest here, as a force-torque
+    sensor reads up to 1000 times a second.  ``owners`` contains the link or object of
+    each geom.
     """
     contacts = data.contact
     wrench = np.zeros(6)
@@ -485,7 +490,7 @@ def contact_points(
 def merge_by_pair(
     points: Iterable[tuple[tuple[str, str], ContactPoint]],
 ) -> tuple[Contact, ...]:
-    """Return the points of each pair as one contact, in either order of the pair."""
+    """Return one contact per pair, merging points in either order of the pair."""
     found: dict[tuple[str, str], list[ContactPoint]] = {}
     for pair, point in points:
         if pair[::-1] in found:

@@ -1,4 +1,4 @@
-"""The connections to a robot: RTDE, dashboard server, gripper and tool0's program."""
+"""Connections to a robot: RTDE, dashboard server, gripper and tool0's program."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ from tool0.errors import ConfigError, TransportError
 logger = logging.getLogger(__name__)
 
 RETRY: Final = 0.5
-"""Pause between attempts to connect again [s]."""
+"""Pause between attempts to reconnect [s]."""
 
 
 @final
 class RobotConnection:
-    """Opens the connections of one robot, and opens RTDE again after a loss."""
+    """Opens the connections to one robot, and reopens RTDE after a loss."""
 
     def __init__(self, options: RealRobotOptions, *, has_gripper: bool) -> None:
-        """Connect, to read only.
+        """Connect for reading only.
 
         Raises:
             TransportError: If the robot is not there.
@@ -94,7 +94,7 @@ class RobotConnection:
         return PolledGripper(connect, "gripper")
 
     def run_beside(self, name: str, *lines: str) -> None:
-        """Execute statements on the controller beside the program that runs.
+        """Execute statements on the controller in parallel with the running program.
 
         Raises:
             TransportError: If the robot is not there.
@@ -107,11 +107,11 @@ class RobotConnection:
         send_script(self.host, script, self.options.port_base + SCRIPT_PORT)
 
     def note_loss(self) -> None:
-        """Open RTDE again, in another thread; ``reconnected`` has it then."""
+        """Reopen RTDE in another thread; ``reconnected`` returns the new client."""
         self._lost.set()
 
     def reconnected(self) -> RtdeClient | None:
-        """Return the new connection, once."""
+        """Return the new connection once; afterwards, and without one, return None."""
         client, self._again = self._again, None
         if client is not None:
             self.rtde = client
@@ -132,7 +132,7 @@ class RobotConnection:
                 self._lost.clear()
 
     def close(self) -> None:
-        """End everything: the arm comes to rest."""
+        """Close all connections; the arm comes to rest."""
         self._closing.set()
         self._lost.set()
         self.link.end()

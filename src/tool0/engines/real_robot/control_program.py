@@ -1,19 +1,20 @@
 """tool0's program on the robot's controller, in URScript.
 
 It follows a curve of knots that tool0 sends ahead of time, and interpolates them in the
-controller's own periods.  A knot is the period in which it is due, positions and
-velocities; between two knots, joints follow cubics.  Numbers are integers of 32 bits,
-since these arrive unchanged on every version of PolyScope.
+controller's own periods.  A knot consists of the period in which it is due, positions
+and velocities; between two knots, the joints follow cubics.  Numbers are 32-bit
+integers, since these arrive unchanged on every version of PolyScope.
 
-* New knots may replace the rest of the curve.  What differs from the present motion,
-  because they came after their time, fades with a cubic within a bounded acceleration.
+* New knots may replace the rest of the curve.  If they arrive late, they differ from
+  the present motion; this difference fades along a cubic with bounded acceleration.
 * Without a message for ``SILENCE``, or at ``BRAKE``, the curve's clock slows down to a
   stop: the arm stays on its path.  It then rests until a ``RESTART``.
-* At the end of a connection it comes to rest, and the program ends.
+* When a connection ends, the arm comes to rest, and the program ends.
 
-``servoj`` follows its target q* by qdd = gain (q* - (q + lookahead qd)), as URScript's
-manual describes its two parameters; the target is therefore q + lookahead qd + qdd /
-gain of the curve, so that the joints are on it and not behind it.
+According to the URScript manual's description of its parameters, ``servoj`` follows its
+target q* with qdd = gain (q* - (q + lookahead qd)).  The target is therefore the
+curve's q + lookahead qd + qdd / gain, so that the joints are on the curve rather than
+behind it.
 """
 
 from __future__ import annotations
@@ -25,76 +26,79 @@ from pathlib import Path
 from typing import Final
 
 SCALE: Final = 1e7
-"""Integer steps per radian, and per rad/s: 32 bits are ±214 rad in steps of 1e-7
-rad."""
+"""Integer steps per rad or rad/s: 32 bits cover ±214 rad in steps of 1e-7 rad."""
 COMMAND_SCALE: Final = 1e6
-"""Integer steps per unit of the arguments of commands."""
+"""Integer steps per unit of a command's arguments."""
 N_KNOT: Final = 14
-"""Integers of a message: its kind, a period, six positions, six velocities."""
+"""Number of integers in a message: its kind, a period, six positions, six
+velocities."""
 N_COMMAND: Final = 30
-"""Integers of a command: its kind, its number, arguments."""
+"""Number of integers in a command: its kind, its number, arguments."""
 N_ARGUMENTS: Final = N_COMMAND - 2
 N_RING: Final = 64
-"""Knots that the program keeps."""
+"""Number of knots that the program keeps."""
 EMPTY: Final = 0.05
-"""Time after its last knot for which the program follows a motion that does not end
-with it [s]."""
+"""Time for which the program continues a motion beyond its last knot if the motion does
+not end there [s]."""
 SILENCE: Final = 0.1
-"""Time without a message after which the arm slows down to rest [s]."""
+"""Time without messages after which the arm slows down to rest [s]."""
 BRAKE_TIME: Final = 0.024
 """Time in which the curve's clock stops [s], unless a joint would decelerate more than
-``BRAKE_DECELERATION``; the joints' servos need some time more."""
+``BRAKE_DECELERATION``; the joints' servos need slightly longer."""
 BRAKE_DECELERATION: Final = 40.0
-"""Largest deceleration of a joint when the clock stops [rad/s²]: as fast as UR's own
-streams change."""
+"""Largest deceleration of a joint when the clock stops [rad/s²]: as large as in UR's
+own streams."""
 FADE_TIME: Final = 0.02
-"""Shortest time in which a difference fades [s]."""
+"""Shortest time in which a difference from the present motion fades [s]."""
 FADE_ACCELERATION: Final = 12.0
 """Largest acceleration that a fading difference adds to a joint [rad/s²]."""
 FADE_SPEED: Final = 0.05
-"""Largest speed that a fading difference adds to a joint [rad/s]: the arm that catches
-up is hardly faster than the speed slider says."""
+"""Largest speed that a fading difference adds to a joint [rad/s], so that an arm that
+catches up is hardly faster than the speed slider allows."""
 FAR: Final = 0.1
-"""A curve goes on for longer than that, but for its end [s]; a stream does not."""
+"""Time that tells curves from streams [s]: only a curve's last knot is ever further
+ahead than this."""
 MOST_JUMP: Final = (0.1, 1.5)
-"""Largest difference of new knots from the present motion [rad, rad/s]; beyond it, the
-arm slows down to rest instead of following them."""
+"""Largest difference between new knots and the present motion [rad, rad/s]; if it is
+larger, the arm slows down to rest instead of following the knots."""
 GAIN: Final = 2000.0
 """``gain`` of servoj [1/s²]."""
 LOOKAHEAD: Final = 2.0 / math.sqrt(GAIN)
 """``lookahead_time`` of servoj [s]: an error then decays without oscillation."""
 
 LONGEST_VECTOR_PERIOD: Final = 0.004
-"""Control period between those of an e-Series and of a CB3 [s]."""
+"""Period that separates e-Series controllers (shorter) from CB3 controllers (longer)
+[s]."""
 FIRST_REGISTER: Final = 24
-"""Output registers that the program writes: integers from this one on.  UR keeps those
-below for fieldbuses."""
+"""First of the integer output registers that the program writes.  UR reserves the
+registers below for fieldbuses."""
 REGISTERS: Final = tuple(f"output_int_register_{FIRST_REGISTER + k}" for k in range(3))
-"""Periods since the program began, 0 without it; its ``ProgramMode``; and the
-``StopCause``, if it came to rest."""
+"""Registers for the periods since the program began (0 if it is not running), its
+``ProgramMode``, and the ``StopCause`` if the arm came to rest."""
 
 
 class MessageKind(IntEnum):
     """The meaning of a message."""
 
     NOTHING = 0
-    """tool0 is there."""
+    """No content; shows that tool0 is alive."""
     KNOT = 1
-    """A knot after the others."""
+    """A knot that follows the previous ones."""
     REPLACE = 2
-    """A knot that replaces those that are due from its period on."""
+    """A knot that replaces all knots due in its period or later."""
     RESTART = 3
-    """A knot that replaces others as ``REPLACE``, also after the arm came to rest
-    itself."""
+    """A knot that acts like ``REPLACE``, but also after the arm came to rest on its
+    own."""
     BRAKE = 4
-    """Come to rest on the curve; the period is that of the deceleration."""
+    """Come to rest on the curve; the message's period is the duration of the
+    deceleration."""
     END = 5
-    """Come to rest, and end the program."""
+    """Come to rest and end the program."""
 
 
 KINDS: Final = 8
-"""The first integer of a message is its kind, and this times the number of messages
-that belong to it."""
+"""Multiplier in a message's first integer, which is its kind plus this times the number
+of messages that follow it."""
 
 
 class ProgramMode(IntEnum):
@@ -104,9 +108,9 @@ class ProgramMode(IntEnum):
     FOLLOWING = 1
     BRAKING = 2
     RESTING = 3
-    """The arm has braked; it rests until a ``RESTART``."""
+    """The arm has braked and rests until a ``RESTART``."""
     GUIDED = 4
-    """Freedrive."""
+    """Freedrive is active."""
 
 
 class StopCause(IntEnum):
@@ -117,13 +121,13 @@ class StopCause(IntEnum):
     SILENT = 2
     """No message for ``SILENCE``."""
     RAN_OUT = 3
-    """The last knot was not the end of the motion."""
+    """The knots ran out before the end of the motion."""
     TOO_FAR = 4
-    """New knots were beyond ``MOST_JUMP``."""
+    """New knots differed by more than ``MOST_JUMP``."""
 
 
 class CommandKind(IntEnum):
-    """Kind of a command: a function of URScript."""
+    """Kind of a command, which calls a URScript function."""
 
     FORCE_MODE = 1
     END_FORCE_MODE = 2
@@ -133,7 +137,7 @@ class CommandKind(IntEnum):
 
 
 _EACH: Final = re.compile(r"each\((.*?)\)(?=$|, t=)", re.MULTILINE)
-"""A list of six, to the end of a line or the next argument of servoj."""
+"""A list of six elements, up to the end of the line or servoj's next argument."""
 
 
 def control_program(host: str, port: int, token: int, period: float) -> str:
@@ -143,8 +147,8 @@ def control_program(host: str, port: int, token: int, period: float) -> str:
         host: Host name or address of tool0, as the robot reaches it.
         port: Port at which tool0 listens.
         token: Number that tool0 expects first on each connection.
-        period: Period of the controller [s]: an e-Series computes with lists, a CB3,
-            whose period is longer, with their elements.
+        period: Period of the controller [s]; programs for an e-Series compute with
+            lists, and programs for a CB3, whose period is longer, with single elements.
     """
     names = {
         "HOST": host,
@@ -199,7 +203,7 @@ def _each(expression: str, *, has_vectors: bool) -> str:
 
 
 def _six(first: int) -> str:
-    """Return six arguments of a command."""
+    """Return the URScript for six arguments of a command."""
     return _list([f"x[{first + k}]" for k in range(6)])
 
 

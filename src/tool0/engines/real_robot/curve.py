@@ -14,26 +14,26 @@ from tool0.hardware.own_drives import WantedMotion
 from tool0.protocol.state import ArmSetpoint
 
 HORIZON: Final = 0.2
-"""Time by which knots are sent ahead [s]: the arm stays on its path if tool0 is
+"""Time by which knots are sent ahead [s], so that the arm stays on its path if tool0 is
 late."""
 SPACING: Final = 0.012
-"""Time between two knots [s].  A cubic is off by h⁴/384 of the fourth derivative, and
-by h²/32 of a step in the acceleration between two knots: 45 µrad for 10 rad/s²."""
+"""Time between two knots [s].  A cubic's error is h⁴/384 times the fourth derivative,
+and h²/32 times a step in the acceleration between two knots: 45 µrad for 10 rad/s²."""
 RENEWAL: Final = 0.04
-"""Time after which a curve is sent again in place of the last one [s], if the next one
-is ``CLOSE``."""
+"""Shortest time between two replacements of a curve [s], if the new one is
+``CLOSE``."""
 CLOSE: Final = 1e-3
-"""Difference of motions that may wait for the next renewal [rad]."""
+"""Largest difference between motions that may wait for the next replacement [rad]."""
 MOST_LAG: Final = 0.04
-"""Difference of the program's periods from ours after which it gets new knots [s]: a
-real controller misses none, a simulated one may."""
+"""Difference between the program's period and tool0's that makes tool0 send new knots
+[s]: a real controller misses no periods, but a simulated one may."""
 STREAM_AHEAD: Final = 0.05
-"""Time for which a stream's velocities are assumed to last [s]; with the program's
-``EMPTY``, the arm slows down 0.1 s after the last setpoint."""
+"""Time for which a stream's velocities are extrapolated [s]; together with the
+program's ``EMPTY``, the arm slows down 0.1 s after the last setpoint."""
 _CHANGED: Final = 1e-7
-"""Difference from what was sent that makes a new motion [rad]."""
+"""Difference from the curve sent before that counts as a new motion [rad]."""
 _AT_REST: Final = 1e-9
-"""Speed below which a joint is at rest [rad/s]."""
+"""Speed below which a joint counts as at rest [rad/s]."""
 
 
 @final
@@ -43,28 +43,28 @@ class CurveSender:
     def __init__(
         self, link: MotionLink, joints: Sequence[Joint], period: float
     ) -> None:
-        """``period`` is that of the controller [s]."""
+        """Start without a curve; ``period`` is the controller's [s]."""
         self._link, self._period = link, period
         self._limits = [(j.limits.lower, j.limits.upper) for j in joints]
         self._spacing = max(round(SPACING / period), 1)
         self._ahead = round(HORIZON / period)
         self._every = max(round(0.004 / period), 1)
         self._sent: deque[Knot] = deque()
-        """Knots that are still ahead, and the last one."""
+        """Knots that are not yet due, and the last one that was."""
         self._is_streaming = False
         self._quiet = 0
-        """Periods since the last message."""
+        """Number of periods since the last message."""
         self._renewal = round(RENEWAL / period)
         self._renewed = 0
-        """Period of the program in which the whole curve was sent last."""
+        """Period of the program in which the whole curve was last sent."""
         self._step = 0
-        """Period of the program now, as the knots that were sent assume it."""
+        """Present period of the program according to the knots sent so far."""
         self._most_lag = round(MOST_LAG / period)
         self._must_restart = True
         self._lag = LagMeter(period)
         self._lead = 0.0
-        """Time by which the curve is ahead of the commanded motion [s]: the robot's lag
-        behind the curve."""
+        """Time by which the curve is ahead of the commanded motion [s], to make up for
+        the robot's lag behind the curve."""
 
     def restart(self) -> None:
         """Begin a new curve with the next motion, also after a stop."""
@@ -79,8 +79,8 @@ class CurveSender:
         Args:
             wanted: The motion.
             now: The time of the tick [s].
-            step: The program's period at that time.
-            measured: Positions of the joints at that time [rad].
+            step: The program's period at the time ``now``.
+            measured: Positions of the joints at the time ``now`` [rad].
         """
         self._quiet += 1
         if not wanted.is_streamed:
@@ -94,7 +94,7 @@ class CurveSender:
             self._follow_curve(wanted, now, step)
 
     def _continued(self, step: int) -> int:
-        """Return the program's period for knots that continue those before."""
+        """Return the program's period for knots that continue the previous ones."""
         self._step += 1
         sent = self._sent
         rests = not sent or (sent[-1].step < self._step and _rests(sent[-1]))
@@ -113,7 +113,7 @@ class CurveSender:
             self._send_anew(wanted, now, step)
             return
         if self._has_changed(wanted, now, step):
-            # What changes all the time, as with the slider, is not sent all the time.
+            # Continual changes, such as from the slider, are not sent continually.
             is_due = step - self._renewed >= self._renewal
             if is_due or not self._is_close(wanted, now, step):
                 self._send_anew(wanted, now, step)
@@ -133,7 +133,7 @@ class CurveSender:
             self._send(knots, MessageKind.KNOT)
 
     def _has_changed(self, wanted: WantedMotion, now: float, step: int) -> bool:
-        """Return whether the wanted motion is another one than was sent."""
+        """Return whether the wanted motion differs from the curve that was sent."""
         sent = self._sent
         looked_at = {0, len(sent) // 2, len(sent) - 1}
         for index in looked_at:
@@ -153,7 +153,7 @@ class CurveSender:
         return False
 
     def _is_close(self, wanted: WantedMotion, now: float, step: int) -> bool:
-        """Return whether the curve that was sent serves until the next renewal."""
+        """Return whether the curve that was sent can wait for the next replacement."""
         at = step + 2 * self._renewal
         knot = min(self._sent, key=lambda one: abs(one.step - at))
         if knot.step < step:
@@ -196,7 +196,7 @@ class CurveSender:
     def _extrapolated(
         self, start: ArmSetpoint, periods: int
     ) -> tuple[list[float], list[float]]:
-        """Return where a motion is after some periods, within the joints' ranges."""
+        """Return the motion extrapolated by some periods, within the joints' ranges."""
         positions, velocities = [], []
         for q, v, (lower, upper) in zip(
             start.positions, start.velocities, self._limits, strict=True
@@ -228,7 +228,7 @@ def _rests(knot: Knot) -> bool:
 
 
 def _rests_after(last: Knot, following: Knot) -> bool:
-    """Return whether nothing moves between two knots."""
+    """Return whether all joints are at rest between two knots."""
     return _rests(last) and _is_near(following.positions, last.positions)
 
 

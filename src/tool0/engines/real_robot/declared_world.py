@@ -1,4 +1,4 @@
-"""The declared surroundings of a real robot: nobody measures them."""
+"""The declared surroundings of a real robot, which are not measured."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ UNKNOWN: Final = "the objects around a real robot are not measured: "
 
 @final
 class DeclaredWorld:
-    """Objects that stand where they were declared, for checks and the picture."""
+    """Objects at their declared poses, for checks and for display."""
 
     def __init__(self, scene: Scene, ground: float | None) -> None:
         self.gravity: Final = _STANDARD_GRAVITY
@@ -75,7 +75,7 @@ class DeclaredWorld:
 
 
 def _still(item: SceneObject) -> SceneObject:
-    """Return an object, or raise EngineError if it would have to be seen to move."""
+    """Return an object, or raise EngineError if it has a mass and could move unseen."""
     if item.mass is not None:
         raise EngineError(
             f"{UNKNOWN}'{item.name}' has a mass and could move; declare it without"

@@ -1,7 +1,7 @@
 """The engine ``hardware``: a real UR and its gripper in place of physics.
 
-Its state is what the robot reports, one for each period of the robot's controller.
-Efforts are not written: the drives are the robot's own, and follow motions.
+Its state is the robot's report, one for each period of the robot's controller.  Efforts
+are not written, because the robot's own drives follow motions.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ logger = logging.getLogger(__name__)
 _HOLDING: Final = frozenset({ObjectStatus.MET_CLOSING, ObjectStatus.MET_OPENING})
 LOST: Final = "the connection to the robot was lost"
 STREAM_LOOK: Final = 0.1
-"""Time between two looks at where a stream leads [s]."""
+"""Time between two checks of where a stream leads [s]."""
 CAUSES: Final = {
     StopCause.SILENT: "the robot did not hear of tool0 for 0.1 s",
     StopCause.RAN_OUT: "the robot ran out of knots: tool0 or the network was late",
@@ -57,27 +57,27 @@ CAUSES: Final = {
 }
 AT_REST: Final = "the arm stopped on its own"
 RESTART_TIME: Final = 0.1
-"""Longest time until the program shows that it follows again [s]."""
+"""Longest time until the program reports that it follows again [s]."""
 ENDED: Final = "tool0's program on the robot has ended"
 GRIPPER_DELAY: Final = 0.3
-"""Longest time until a command to the gripper shows in its readings [s]: several
-exchanges with the URCap, and the start of the motor; an estimate."""
+"""Longest time until a command to the gripper shows in its readings [s]: an estimate
+for several exchanges with the URCap and the start of the motor."""
 
 
 class _Fingers(NamedTuple):
-    """A gripper's joint, and those that follow it."""
+    """A gripper with its driven joint."""
 
     geometry: ParallelGripper
     counts: Counts
     place: int
-    """Place of the driven joint in the engine's order."""
+    """Index of the driven joint in the engine's order."""
 
 
 @final
 class RealRobotEngine(OwnDrives):
-    """A real robot: reads its state, and sends it motions.
+    """Engine that reads a real robot's state and sends motions to the robot.
 
-    Only the thread of the tick may use it, except ``brake`` and ``connection``.
+    Only the tick's thread may use it, except for ``brake`` and ``connection``.
     """
 
     name: Final = "hardware"
@@ -90,11 +90,11 @@ class RealRobotEngine(OwnDrives):
         scene: Scene,
         options: RealRobotOptions,
     ) -> None:
-        """Connect to the robot, to read only.
+        """Connect to the robot for reading only.
 
         Raises:
-            TransportError: If it is not there.
-            ConfigError: If the description is not of one arm, with a gripper or none.
+            TransportError: If the robot cannot be reached.
+            ConfigError: If the description is not one arm with at most one gripper.
         """
         model = description.model
         self.arm_name, self.arm = _only_arm(model)
@@ -118,7 +118,7 @@ class RealRobotEngine(OwnDrives):
         try:
             rtde = self.connection.rtde
             self.reader = StateReader(rtde, first_package(rtde))
-            """Reports of the robot, newest first."""
+            """Reader of the robot's reports."""
         except BaseException:
             self.connection.close()
             raise
@@ -130,18 +130,21 @@ class RealRobotEngine(OwnDrives):
         self._is_enabled = False
         self._has_followed = False
         self._rests_since = 0
-        """The tick up to which the program has not come to rest on its own."""
+        """The last tick at which the program had not come to rest on its own."""
         self._patience = round(RESTART_TIME / self._period)
         self._is_guided = False
-        """Whether the arm follows nothing: a hand guides it, or its mode just ends."""
+        """Whether the arm follows no motion, because freedrive is active, or because
+        freedrive or force mode is ending."""
         self._resumes_at: int | None = None
-        """The tick from which it follows again, after the end of its mode."""
+        """The tick from which the arm follows motions again, after freedrive or force
+        mode."""
         self.guard: Callable[[WantedMotion, float], str] = lambda motion, now: ""
-        """Returns why a motion may not be sent; empty if it may."""
+        """Function that returns why a motion may not be sent; empty if it may be
+        sent."""
         self._key: tuple[object, ...] = ()
-        """Key of the motion that the guard looked at last."""
+        """Key of the motion that the guard checked last."""
         self._looked = -math.inf
-        """Time of that look [s]."""
+        """Time of the guard's last check [s]."""
         self._failure = ""
         self._report = self._first_report(options)
 
@@ -157,7 +160,7 @@ class RealRobotEngine(OwnDrives):
         return self._declared
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
-        """Nothing is reset: the robot is where it is."""
+        """Do nothing: a real robot stays where it is."""
 
     def read(self) -> JointState:
         state = self._arm_state
@@ -191,17 +194,17 @@ class RealRobotEngine(OwnDrives):
             effort[i] = push if closes else -push
 
     def write(self, effort: Sequence[float]) -> None:
-        """Efforts are the robot's own."""
+        """Do nothing: the robot controls its efforts itself."""
 
     def set_brakes(self, torques: Mapping[int, float]) -> None:
-        """The brakes are the robot's own."""
+        """Do nothing: the robot controls its brakes itself."""
 
     @property
     def has_rotors(self) -> bool:
         return False
 
     def set_rotors(self, inertias: Mapping[int, float]) -> None:
-        """The rotors are the robot's own."""
+        """Do nothing: a real robot's rotors cannot be set."""
 
     @property
     def stepper(self) -> NativeStepper | None:
@@ -253,7 +256,7 @@ class RealRobotEngine(OwnDrives):
             self._curve.restart()
 
     def _objection(self, arm: WantedMotion, now: float) -> str:
-        """Return why a motion may not be sent; each is looked at once."""
+        """Return why a motion may not be sent; the guard checks each motion once."""
         if arm.is_streamed:
             is_due = now - self._looked >= STREAM_LOOK
         else:
@@ -264,7 +267,7 @@ class RealRobotEngine(OwnDrives):
         return self.guard(arm, now)
 
     def _grip(self, grips: Mapping[str, WantedGrip]) -> None:
-        """Send changes once: a lost command is not repeated."""
+        """Send changed commands once, without repeating a command that is lost."""
         before, self._wanted_grips = self._wanted_grips, grips
         gripper = self.connection.gripper
         for name, fingers in self._grippers.items():
@@ -304,7 +307,7 @@ class RealRobotEngine(OwnDrives):
 
     @property
     def missing(self) -> int:
-        """Periods whose state did not arrive, while the link was there."""
+        """Number of periods without a state while the robot was connected."""
         return self.reader.missing
 
     @property
@@ -329,7 +332,7 @@ class RealRobotEngine(OwnDrives):
 
     @property
     def gripper_problem(self) -> str:
-        """Why the gripper does not move; empty if it does, or there is none."""
+        """Reason why the gripper cannot move; empty if it can, or without a gripper."""
         gripper = self.connection.gripper
         return "" if gripper is None else gripper.problem
 
@@ -381,7 +384,7 @@ class RealRobotEngine(OwnDrives):
         self._end_mode()
 
     def _end_mode(self) -> None:
-        """Follow again when the program rests where the arm is: commands take time."""
+        """Plan to follow again later, once the program has ended the mode."""
         self._has_followed, self._is_guided = False, True
         self._resumes_at = self._arm_state.tick + self._patience
 
@@ -409,7 +412,7 @@ class RealRobotEngine(OwnDrives):
     # ---- who may move it ------------------------------------------------------------
 
     def set_enabled(self, enabled: bool) -> None:
-        """Start or stop moving the arm; in the thread of the tick."""
+        """Start or stop moving the arm; call it in the tick's thread."""
         self._is_enabled, self._failure = enabled, ""
         self._has_followed = self._is_guided = False
         self._resumes_at = None
@@ -418,12 +421,12 @@ class RealRobotEngine(OwnDrives):
         self._show(is_enabled=enabled)
 
     def forgive(self) -> None:
-        """Follow again after the arm came to rest on its own: the user has seen it."""
+        """Follow again after the arm came to rest on its own and the user was told."""
         self._failure = ""
         self._curve.restart()
 
     def show(self, **changes: Any) -> None:
-        """Show properties of the link; in the thread of the tick."""
+        """Change properties of the reported link; call it in the tick's thread."""
         self._show(**changes)
 
     # ---- the report -----------------------------------------------------------------
@@ -465,7 +468,7 @@ class RealRobotEngine(OwnDrives):
         self._report = RobotReport(link=link, motion_failure=self._failure, **boxes)
 
     def _watch_program(self, mode: int) -> None:
-        """Note that the program brought the arm to rest on its own."""
+        """Report a failure if the program brought the arm to rest on its own."""
         if mode != ProgramMode.RESTING or not self._has_followed or self._failure:
             self._rests_since = self._arm_state.tick
         elif self._arm_state.tick - self._rests_since > self._patience:
@@ -474,7 +477,7 @@ class RealRobotEngine(OwnDrives):
             self._fail(CAUSES.get(StopCause(cause), AT_REST) if cause else AT_REST)
 
     def _note_loss(self) -> None:
-        """Nothing resumes on its own after that, even if the link is restored."""
+        """Disconnect; no motion resumes by itself if the connection is restored."""
         logger.warning("%s", LOST)
         self.connection.link.disconnect()
         self.connection.note_loss()

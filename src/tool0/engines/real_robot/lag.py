@@ -6,25 +6,25 @@ from collections.abc import Sequence
 from typing import Final, final
 
 MEMORY: Final = 2.0
-"""Time of motion in which a measurement loses its weight [s]."""
+"""Time constant, in time of motion, with which measurements lose weight [s]."""
 SLOW: Final = 0.05
 """Speed below which an arm's lag cannot be measured [rad/s]."""
 MOST: Final = 0.08
-"""Largest lag, and largest lead, that is made up for [s]."""
+"""Largest lag or lead that is compensated [s]."""
 ENOUGH: Final = 0.2
-"""Motion that must have been seen [s]."""
+"""Duration of motion that a measurement needs [s]."""
 
 
 @final
 class LagMeter:
-    """Finds the delay that explains the distance of the joints from their setpoints.
+    """Finds the delay that explains the joints' distances from their setpoints.
 
-    It is that of least squares: sum(v e) / sum(v²), with the velocities v of the
-    setpoints and their distances e.
+    It is the least-squares solution sum(v e) / sum(v²), with the setpoints' velocities
+    v and the distances e.
     """
 
     def __init__(self, period: float) -> None:
-        """``period`` is between two measurements [s]."""
+        """Start without data; ``period`` is the time between measurements [s]."""
         self._keep = 1.0 - period / MEMORY
         self._period = period
         self._products = self._squares = self._seen = 0.0
@@ -47,7 +47,7 @@ class LagMeter:
         self._seen += self._period
 
     def take(self) -> float:
-        """Return the delay that is to be made up for [s], and begin again."""
+        """Return the delay to compensate [s], and begin a new measurement."""
         if self._seen < ENOUGH:
             return 0.0
         lag = self._products / self._squares

@@ -1,4 +1,4 @@
-"""Measures how late the network and both computers are, from when packages arrive."""
+"""Measures the lateness of the network and both computers from arrivals of packages."""
 
 from __future__ import annotations
 
@@ -6,33 +6,34 @@ import math
 from typing import Final, final
 
 MEMORY: Final = 10.0
-"""Time after which a late package is forgotten, or up to twice that [s]."""
+"""Time after which late packages are forgotten, at the latest after twice this time
+[s]."""
 DRIFT: Final = 1e-4
-"""Largest difference of the two clocks' rates."""
+"""Largest relative difference between the two clocks' rates."""
 MARGIN: Final = 0.025
-"""Margin of a start delay, besides the lateness [s]: three periods of a CB3."""
+"""Margin that is added to the lateness in a start delay [s]: three periods of a CB3."""
 MOST: Final = 0.2
-"""Longest start delay [s]: knots are sent no longer before their time."""
+"""Longest start delay [s], which limits how early knots are sent."""
 _RESTART: Final = 1.0
-"""A package that is later than that comes from a clock that was set [s]."""
+"""Lateness of a package above which a clock must have been set [s]."""
 
 
 @final
 class Lateness:
-    """Compares a robot's clock with ours; the soonest package counts as in time."""
+    """Compares a robot's clock with ours; the earliest package counts as on time."""
 
     def __init__(self) -> None:
         self._least = math.inf
-        """Least difference between the clocks [s]."""
+        """Smallest difference between the clocks [s]."""
         self._late = self._late_before = 0.0
-        """Lateness of the latest package in this span of ``MEMORY``, and in the last
-        one [s]."""
+        """Largest lateness of a package in the present span of ``MEMORY``, and in the
+        previous span [s]."""
         self._since = self._last = 0.0
-        """Times at which this span began, and at which the last package arrived [wall
-        s]."""
+        """Times at which the present span began, and at which the last package arrived
+        [wall s]."""
 
     def observe(self, time: float, arrived: float) -> None:
-        """Take a package into account, with the robot's and our time [s]."""
+        """Take a package into account: the robot's time and our time of arrival [s]."""
         difference = arrived - time
         if abs(difference - self._least) > _RESTART:
             self._least, self._late, self._late_before = difference, 0.0, 0.0
@@ -46,8 +47,9 @@ class Lateness:
 
     @property
     def start_delay(self) -> float:
-        """Time before its start at which a motion should be sent [s].
+        """Time by which a motion should be sent before it starts [s].
 
-        What a tick sends is late by the way of the state to it, and by the way back.
+        Commands of a tick are late by the delay of the state that it reads and by the
+        delay of their own way to the robot.
         """
         return min(MARGIN + 2.0 * max(self._late, self._late_before), MOST)

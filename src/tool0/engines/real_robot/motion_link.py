@@ -1,7 +1,7 @@
-"""The connections of tool0's program on the controller: knots, stops and commands.
+"""Connections with tool0's program on the controller: knots, stops and commands.
 
-The program connects back, on two sockets, and says a secret number first, so that no
-other process can take its place.  Messages are sent at once, from any thread.
+The program connects back on two sockets, and first sends a secret number so that no
+other process can take its place.  Messages are sent immediately, from any thread.
 """
 
 from __future__ import annotations
@@ -28,19 +28,20 @@ from tool0.errors import TransportError
 logger = logging.getLogger(__name__)
 
 BEAT: Final = 0.005
-"""Period of the messages that only say that tool0 is alive [s]: many, so that TCP soon
-notices a lost one."""
+"""Period of messages that only show that tool0 is alive [s]; it is short so that TCP
+soon notices a lost message."""
 _KNOT: Final = struct.Struct(">14i")
 _COMMAND: Final = struct.Struct(">30i")
 _HELLO: Final = struct.Struct(">2i")
 _KNOTS, _COMMANDS = 1, 2
 _SEND_TIMEOUT: Final = 0.05
-"""Longest wait for room in the socket's buffer [s]: with none, the link is lost."""
+"""Longest wait for room in the socket's buffer [s]; after that, the link counts as
+lost."""
 _HELLO_TIMEOUT: Final = 2.0
 
 
 class Knot(NamedTuple):
-    """Positions and velocities of the joints in a period of the program."""
+    """The joints' positions and velocities in one period of the program."""
 
     step: int
     positions: Sequence[float]
@@ -51,16 +52,16 @@ class Knot(NamedTuple):
 
 @final
 class MotionLink:
-    """Waits for the program, and sends it messages; any thread may."""
+    """Waits for the program and sends messages to it; any thread may use it."""
 
     def __init__(self, host: str, port: int = 0) -> None:
-        """Listen on an address that the robot reaches.
+        """Listen at an address that the robot can reach.
 
         Raises:
-            TransportError: If that is not possible.
+            TransportError: If listening is not possible.
         """
         self.token = secrets.randbelow(1 << 31)
-        """First text that the program sends."""
+        """Secret number that the program must send first."""
         self._lock = threading.Lock()
         self._ends = threading.Event()
         self._sockets: dict[int, socket.socket] = {}
@@ -72,7 +73,7 @@ class MotionLink:
                 f"cannot listen for the robot's program at {host}:{port}: {error}"
             ) from None
         self.address: tuple[str, int] = self._listener.getsockname()[:2]
-        """Address and port at which it listens."""
+        """Address and port at which the link listens."""
         self._heart = threading.Thread(
             target=self._beat, name="tool0 heartbeat", daemon=True
         )
@@ -80,14 +81,14 @@ class MotionLink:
 
     @property
     def is_connected(self) -> bool:
-        """Whether the program is there, as far as it is known."""
+        """Whether the program is connected, as far as is known."""
         return len(self._sockets) == len((_KNOTS, _COMMANDS))
 
     def accept(self, timeout: float) -> None:
-        """Wait for the program's connections, in place of earlier ones [s].
+        """Wait up to ``timeout`` [s] for the program's connections; drop earlier ones.
 
         Raises:
-            TransportError: If they do not come in time.
+            TransportError: If the program does not connect in time.
         """
         self.disconnect()
         found: dict[int, socket.socket] = {}
@@ -114,7 +115,7 @@ class MotionLink:
             self._sockets = found
 
     def _greeted(self, connection: socket.socket) -> int | None:
-        """Return which connection of the program this is; None if it is none."""
+        """Return which program connection this is; None for another client."""
         connection.settimeout(_HELLO_TIMEOUT)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         data = b""
@@ -131,7 +132,7 @@ class MotionLink:
         return kind if token == self.token and kind in {_KNOTS, _COMMANDS} else None
 
     def send_knots(self, knots: Sequence[Knot], first: MessageKind) -> None:
-        """Send knots; ``first`` is how the first of them continues the curve."""
+        """Send knots; ``first`` says how the first knot continues the curve."""
         kind, data = first + KINDS * (len(knots) - 1), bytearray()
         for step, positions, velocities in knots:
             numbers = (round(SCALE * x) for x in (*positions, *velocities))
@@ -141,24 +142,24 @@ class MotionLink:
             self._send(_KNOTS, data)
 
     def _beat(self) -> None:
-        """Tell the program that tool0 and the network are there, from now on."""
+        """Keep telling the program that tool0 and the network are alive."""
         message = _message(MessageKind.NOTHING)
         while not self._ends.wait(BEAT):
             self._send(_KNOTS, message)
 
     def brake(self, periods: int = 0) -> None:
-        """Stop the arm on its path, in that many periods or its own."""
+        """Stop the arm on its path in ``periods``; 0 for the program's default."""
         self._send(_KNOTS, _message(MessageKind.BRAKE, periods))
 
     def end(self) -> None:
-        """Stop the arm, and end the program."""
+        """Stop the arm and end the program."""
         self._send(_KNOTS, _message(MessageKind.END))
 
     def command(self, kind: CommandKind, arguments: Sequence[float] = ()) -> int:
         """Send a command to the program; return its number.
 
         Raises:
-            TransportError: If the program is not there.
+            TransportError: If the program is not connected.
         """
         filled = (*arguments, *[0.0] * (N_ARGUMENTS - len(arguments)))
         numbers = [round(COMMAND_SCALE * x) for x in filled]
@@ -171,7 +172,7 @@ class MotionLink:
         return number
 
     def _send(self, kind: int, data: bytes | bytearray) -> bool:
-        """Send a message; return whether the program was there."""
+        """Send a message; return whether the program was connected."""
         with self._lock:
             connection = self._sockets.get(kind)
             if connection is None:
@@ -184,7 +185,7 @@ class MotionLink:
         return True
 
     def disconnect(self) -> None:
-        """Close the connections: the arm comes to rest, and the program ends."""
+        """Close the connections, so that the arm comes to rest and the program ends."""
         with self._lock:
             self._drop()
 
@@ -195,7 +196,7 @@ class MotionLink:
         self._sockets = {}
 
     def close(self) -> None:
-        """End; the arm comes to rest."""
+        """End the link; the arm comes to rest."""
         self._ends.set()
         self._heart.join()
         self.disconnect()

@@ -1,4 +1,4 @@
-"""Options of a real robot: its address, and the way to its gripper."""
+"""Options of a real robot: its address and its gripper's connection."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import Final, final
 from tool0.errors import ConfigError
 
 MAX_PORT_BASE: Final = 65535 - 63352
-"""Largest port base: the largest port, the gripper's, must exist."""
+"""Largest port base that keeps the largest port, the gripper's, valid."""
 GRIPPER_LINKS: Final = ("urcap", "modbus", "rtu", "none")
-"""Robotiq's URCap on port 63352; Modbus TCP; Modbus RTU at a serial port."""
+"""Gripper connections: Robotiq's URCap on port 63352, Modbus TCP, Modbus RTU on a
+serial port, or none."""
 
 
 @final
@@ -19,17 +20,18 @@ class RealRobotOptions:
     """The options of the engine ``hardware``."""
 
     address: str = ""
-    """Address of the robot's controller: a name or an IPv4 address."""
+    """Address of the robot's controller: a host name or an IPv4 address."""
     port_base: int = 0
-    """Number added to the ports of a real robot, for a simulated controller."""
+    """Offset added to a real robot's ports, for a simulated controller."""
     callback_host: str = ""
-    """This machine's address, as the robot reaches it; that of the connection to the
-    robot, if left out."""
+    """Address at which the robot reaches this machine; if left out, this machine's
+    address in the connection to the robot."""
     callback_port: int = 0
-    """Port at which tool0's program on the robot connects; a free one, if 0."""
+    """Port to which tool0's program on the robot connects; 0 for any free port."""
     gripper: str = ""
-    """``urcap``, ``modbus``, ``modbus:HOST:PORT``, ``rtu:/dev/ttyUSB0`` or ``none``; by
-    default the URCap, if the description has a gripper."""
+    """Connection of the gripper: ``urcap``, ``modbus``, ``modbus:HOST:PORT``,
+    ``rtu:/dev/ttyUSB0`` or ``none``.  By default, the URCap if the description has a
+    gripper."""
 
     def __post_init__(self) -> None:
         if not self.address:

@@ -1,4 +1,4 @@
-"""The state of a real arm in control periods; packages may be late or lost."""
+"""The state of a real arm in each control period, even if packages are late or lost."""
 
 from __future__ import annotations
 
@@ -13,20 +13,19 @@ from tool0.engines.real_robot.rtde_fields import EFFORTS, Fields
 from tool0.errors import TransportError
 
 LOST_AFTER: Final = 0.3
-"""Time without a package after which the link counts as lost [s]: TCP repeats a lost
-segment within 0.2 s.  The arm does not wait for that: without knots, tool0's program
-has brought it to rest by then."""
+"""Time without a package after which the connection counts as lost [s], as TCP repeats
+a lost segment within 0.2 s.  The arm does not wait for this: without knots, tool0's
+program has brought it to rest by then."""
 OFFSETS: Final = 25
-"""Periods over which the program's own is compared with the robot's."""
+"""Number of periods over which the program's period is compared with the robot's."""
 _FIRST_PACKAGE: Final = 2.0
 """Longest wait for the first state [s]."""
 MOST_GAP: Final = 1.0
-"""Longest gap that is filled with interpolated states [s]; after a longer one, time
-goes on from there."""
+"""Longest gap that is filled with interpolated states [s]; a longer gap is skipped."""
 
 
 class ArmState(NamedTuple):
-    """The joints of the arm at one period."""
+    """State of the arm's joints in one control period."""
 
     tick: int
     """Control periods since the start."""
@@ -35,28 +34,29 @@ class ArmState(NamedTuple):
     velocities: tuple[float, ...]
     """Measured joint velocities [rad/s]."""
     efforts: tuple[float, ...]
-    """Efforts of the joints [N·m]."""
+    """Joint efforts [N·m]."""
     step: int
-    """The period of tool0's program at that time; 0 if it does not run."""
+    """Period of tool0's program at this time; 0 if it is not running."""
 
 
 @final
 class StateReader:
-    """Turns packages into one state for each control period.
+    """Converts packages to one state for each control period.
 
-    Periods follow the robot's clock.  A package that is missing is interpolated, and
-    counted; while there are none, the last state is repeated at the pace of the wall
-    clock, so that requests are answered.  It belongs to the thread of the tick.
+    Periods follow the robot's clock.  Missing packages are counted, and their states
+    are interpolated.  While no packages arrive, the last state is repeated at the pace
+    of the wall clock, so that requests are answered.  Only the tick's thread may use
+    the reader.
     """
 
     def __init__(self, client: RtdeClient, package: Package) -> None:
-        """Begin with a first package."""
+        """Begin with the first package."""
         self.period = 1.0 / client.rate
         """Period of the robot's packages [s]."""
         self.is_connected = True
-        """Whether packages arrive."""
+        """Whether packages are arriving."""
         self.missing = 0
-        """Periods without a package so far, while the link was there."""
+        """Number of periods without a package while the robot was connected."""
         self.newest = package
         """The newest package."""
         self.lateness = Lateness()
@@ -64,13 +64,13 @@ class StateReader:
         self._waiting: deque[ArmState] = deque()
         self._heard = time.monotonic()
         self._due = self._heard
-        """Time at which a repeated state is due, while there are no packages [wall
+        """Time at which the next repeated state is due while no packages arrive [wall
         s]."""
         self._offset = 0
-        """Difference between the robot's periods and ours."""
+        """Difference between the robot's period number and ours."""
         self._program_offsets: deque[int] = deque(maxlen=OFFSETS)
-        """Recent differences between the robot's periods and those of tool0's program:
-        the program writes its period late by some, never early."""
+        """Recent differences between the period numbers of the robot and of tool0's
+        program, which may write its period some periods late, but never early."""
         self._last_step = 0
         self._use(client)
         self._offset = self._robot_period(package)
@@ -82,13 +82,13 @@ class StateReader:
         self._efforts = next(name for name in EFFORTS if name in client.columns)
 
     def reconnect(self, client: RtdeClient) -> None:
-        """Read from another connection."""
+        """Continue with another connection."""
         self._use(client)
         self.is_connected = True
         self._heard = time.monotonic()
 
     def next(self) -> ArmState:
-        """Wait for the next period, and return its state."""
+        """Wait for the next period and return its state."""
         while not self._waiting:
             if self.is_connected:
                 self._receive(LOST_AFTER)
@@ -171,7 +171,7 @@ def first_package(client: RtdeClient) -> Package:
     """Wait for a package.
 
     Raises:
-        TransportError: If none comes.
+        TransportError: If no package arrives.
     """
     packages = client.receive(_FIRST_PACKAGE)
     if not packages:

@@ -1,4 +1,4 @@
-"""The services and topics of gazebo_ros, on either engine."""
+"""The services and topics of gazebo_ros, with either engine."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tool0.ros1.namespace import RosNamespace
 from tool0.ros1.options import NODE_NAME
 
 Handler = Callable[[Message, Message], str]
-"""Takes a request, fills the response, returns the text of its status_message."""
+"""Takes a request, fills the response, and returns the text of its status_message."""
 
 _JOINT_TYPES = {
     JointType.REVOLUTE: 0,
@@ -28,12 +28,13 @@ _JOINT_TYPES = {
     JointType.PRISMATIC: 2,
     JointType.FIXED: 3,
 }
-"""gazebo_msgs/GetJointProperties; gazebo_ros itself calls every joint revolute."""
+"""Joint type in gazebo_msgs/GetJointProperties; gazebo_ros itself reports every joint
+as revolute."""
 _SUCCESS = "got properties"
 
 
 def offer_gazebo_services(ros: RosNamespace, robot: Robot) -> GazeboStatePublisher:
-    """Offer the services under the node's name; return the publisher of the topics."""
+    """Offer the services under the node's name; return the topics' publisher."""
     world = GazeboWorld(robot)
     queries = GazeboQueries(ros, robot, world)
     changes = GazeboChanges(robot, world, ros.node.clock.from_ros)
@@ -82,7 +83,7 @@ def offer_gazebo_services(ros: RosNamespace, robot: Robot) -> GazeboStatePublish
 
 
 def _with_status(kind: Any, handler: Handler) -> Callable[[Message], Message]:
-    """Return a handler that sets ``success`` and ``status_message``."""
+    """Return a handler that also sets ``success`` and ``status_message``."""
 
     def handle(request: Message) -> Message:
         response = kind._response_class()
@@ -113,7 +114,7 @@ class GazeboQueries:
         return _SUCCESS
 
     def get_physics_properties(self, request: Message, response: Message) -> str:
-        """Fill step, rate and gravity; the parameters of ODE are left at zero."""
+        """Fill in step, rate and gravity; ODE's parameters remain zero."""
         snapshot, dt = self._robot.snapshot, self._robot.engine.dt
         response.time_step = dt
         response.pause = snapshot.is_paused
@@ -189,7 +190,7 @@ class GazeboQueries:
 
 @final
 class GazeboStatePublisher:
-    """``model_states`` and ``link_states``: of every snapshot, if subscribed to."""
+    """Topics ``model_states`` and ``link_states``, for every snapshot."""
 
     def __init__(self, ros: RosNamespace, world: GazeboWorld) -> None:
         self._world = world

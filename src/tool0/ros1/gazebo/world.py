@@ -24,7 +24,7 @@ GROUND = "ground_plane"
 _RESERVED = ("collision", "link", "sun", "visual")
 """Names that Gazebo reserves."""
 MAX_NAME_LENGTH = 60
-"""Longest name, in characters: the Gazebo engine uses it as a file name."""
+"""Longest name [characters], as the Gazebo engine uses names as file names."""
 _WORLD = ("", "world", "map", "/map")
 _AT_ORIGIN = FrameMotion()
 
@@ -74,7 +74,7 @@ class GazeboWorld:
         return name in (ROBOT, self.model.name)
 
     def joint(self, name: str) -> Joint | None:
-        """Return a joint of the robot, with or without the model's name before it."""
+        """Return the robot's joint ``name``, which may begin with the model's name."""
         model, separator, joint = name.rpartition("::")
         if separator and not self.is_robot(model):
             return None
@@ -83,7 +83,7 @@ class GazeboWorld:
 
 @final
 class WorldState:
-    """Pose and velocity of everything at one instant, in the world."""
+    """Poses and velocities of everything in the world at one instant."""
 
     def __init__(self, world: GazeboWorld, snapshot: Snapshot) -> None:
         self._world = world
@@ -106,7 +106,7 @@ class WorldState:
 
     @cached_property
     def _robot_links(self) -> Mapping[str, FrameMotion]:
-        """All links of the robot, those without mass included."""
+        """All links of the robot, including links without mass."""
         names = self.snapshot.joint_names
         in_root = link_motions(
             self._world.model,
@@ -117,7 +117,7 @@ class WorldState:
         return {link: in_root[link].placed_in(T_world_root) for link in in_root}
 
     def models(self) -> dict[str, FrameMotion]:
-        """Return every model, in the order in which Gazebo would have added them."""
+        """Return all models, in the order in which Gazebo would have added them."""
         found = {GROUND: _AT_ORIGIN} if self._world.has_ground else {}
         found[ROBOT] = FrameMotion(pose=self._world.T_world_root)
         for name, (_, _, motion) in self.objects.items():
@@ -138,7 +138,7 @@ class WorldState:
         return self.models().get(ROBOT if self._world.is_robot(name) else name)
 
     def link(self, name: str) -> FrameMotion | None:
-        """Return a link; the robot's with or without the model's name before it."""
+        """Return a link; the names of the robot's links need no model name."""
         model, separator, link = name.rpartition("::")
         if not separator or self._world.is_robot(model):
             return self._robot_links.get(link)
@@ -191,7 +191,7 @@ def lumped_links(model: RobotModel) -> tuple[str, ...]:
 
 @final
 class GazeboChanges:
-    """Each carries out a request, or raises a Tool0Error and changes nothing."""
+    """Handlers that carry out a request, or raise a Tool0Error and change nothing."""
 
     def __init__(
         self,
@@ -230,7 +230,7 @@ class GazeboChanges:
         return "set model state done"
 
     def place(self, state: Message) -> None:
-        """Give an object pose and velocity of a gazebo_msgs/ModelState."""
+        """Give an object the pose and velocity of a gazebo_msgs/ModelState."""
         now, name = self._world.now(), state.model_name
         model = self._object(now, name, "moved")
         T_world_frame = now.frame(state.reference_frame).pose
@@ -246,10 +246,10 @@ class GazeboChanges:
         )
 
     def apply_body_wrench(self, request: Message, response: Message) -> str:
-        """Push a link for a span of ROS time; a negative duration has no end.
+        """Push a link for a span of ROS time, without end if the duration is negative.
 
-        The force acts at the reference point; without a reference frame, at the
-        centre of mass, as in gazebo_ros.
+        The force acts at the reference point or, as in gazebo_ros, at the centre of
+        mass if there is no reference frame.
         """
         duration = request.duration.to_sec()
         if duration == 0.0:
@@ -275,7 +275,7 @@ class GazeboChanges:
         self._robot.clear_wrenches(self._world.now().body(name))
 
     def set_model_configuration(self, request: Message, response: Message) -> str:
-        """Set positions of the robot's joints at once; nothing else changes."""
+        """Set the positions of the robot's joints immediately; nothing else changes."""
         name, joints = request.model_name, request.joint_names
         if self._world.now().model(name) is None:
             raise ControlError(f"model [{name}] does not exist")

@@ -13,7 +13,7 @@ UNABLE = 78  # the bring-up does not start a program again that lacks what it ne
 
 
 class _Stop(BaseException):
-    """A signal asks the program to end."""
+    """Raised when a signal asks the program to end."""
 
 
 def main() -> None:
@@ -66,7 +66,7 @@ def _run(options: argparse.Namespace, rest: list[str]) -> int:
         connection = Connection(options.name, wait=options.wait)
         robot.start(connection, options)
         gc.collect()
-        gc.freeze()  # what exists now stays: nothing to look through 500 times a second
+        gc.freeze()  # do not scan present objects 500 times a second
         _report(ready=True, node=robot.node.get_fully_qualified_name())
         robot.has_ended.wait()
     except (TransportError, RequestFailedError) as error:
@@ -79,7 +79,7 @@ def _run(options: argparse.Namespace, rest: list[str]) -> int:
 
 
 def _report(**values: Any) -> None:
-    """Tell the program that started this one, in a line of JSON."""
+    """Report values to the program that started this one, as a line of JSON."""
     print(json.dumps(values), flush=True)
 
 

@@ -17,7 +17,7 @@ from tool0_ros2.requests import GoalStarted, Outcome, Request
 
 _SUCCEEDED, _PREEMPTED = "SUCCEEDED", "PREEMPTED"
 _EVERY_REQUEST = QoSProfile(history=HistoryPolicy.KEEP_ALL)
-"""Quality of service of an action's services: many goals may arrive while one is
+"""Quality of service of an action's services, as many goals may arrive while one is
 checked."""
 
 
@@ -28,32 +28,32 @@ class ActiveGoal:
     number: int
     """Number of the goal in requests."""
     handle: Any
-    """The rclpy.action.server.ServerGoalHandle."""
+    """The goal's rclpy.action.server.ServerGoalHandle."""
     accepted_at: float = float("nan")
-    """Simulated time of the first update after its acceptance [s]."""
+    """Simulated time of the first update after the goal's acceptance [s]."""
 
     @property
     def request(self) -> Any:
-        """The message of the goal."""
+        """The goal's message."""
         return self.handle.request
 
 
 class _DeferringServer(ActionServer):  # type: ignore[misc]  # rclpy has no types
     """An action server that waits for a goal's end without a thread or a coroutine.
 
-    The executors of older rclpy turn without pause while a coroutine waits.
+    The executors of older rclpy versions spin without pause while a coroutine waits.
     """
 
     def notify_execute(self, goal_handle: Any, execute_callback: Any) -> None:
-        """Do nothing yet: ``end`` executes what ends the goal."""
+        """Do nothing yet, as ``end`` executes the goal's callback."""
 
     def end(self, goal_handle: Any, finish: Callable[[Any], Any]) -> None:
-        """Call ``finish`` in the executor's thread; it returns the result."""
+        """Call ``finish``, which returns the result, in the executor's thread."""
         super().notify_execute(goal_handle, finish)
 
 
 class SimulatedAction:
-    """An action of one controller: the simulation accepts, executes and ends goals."""
+    """A controller's action: the simulation accepts, executes and ends its goals."""
 
     def __init__(
         self,
@@ -67,15 +67,15 @@ class SimulatedAction:
     ) -> None:
         """Offer an action of class ``kind``, with feedback at ``monitor_rate`` [Hz].
 
-        ``start`` returns the request for the message of a goal, or raises
-        RequestFailedError.  ``result`` returns the result of an outcome.
+        ``start`` returns the request for a goal's message, or raises
+        RequestFailedError.  ``result`` returns the result message for an outcome.
         """
         self._context = context
         self._start, self._result = start, result
         self._rate = Rate(monitor_rate)
         self._lock = threading.Lock()
         self._started: int | None = None
-        """The number of the goal that is accepted right now."""
+        """The number of the goal that is being accepted."""
         self._active: dict[int, ActiveGoal] = {}
         self._server = _DeferringServer(
             context.node,
@@ -92,14 +92,14 @@ class SimulatedAction:
 
     @property
     def active(self) -> list[ActiveGoal]:
-        """The goals that have not ended, the newest last."""
+        """The goals that have not ended, with the newest last."""
         with self._lock:
             return list(self._active.values())
 
     def publish(self, now: float, feedback: Callable[[ActiveGoal], Any]) -> None:
         """Publish feedback if it is due; ``now`` is simulated time [s].
 
-        Its rate is of wall time, as in ROS.
+        The feedback rate refers to wall time, as in ROS.
         """
         if not self._active or not self._rate.is_due(time.monotonic()):
             return
@@ -111,7 +111,7 @@ class SimulatedAction:
                 goal.handle.publish_feedback(message)
 
     def close(self) -> None:
-        """End the action; goals that still run are not answered any more."""
+        """End the action; goals that are still running get no answer."""
         self._server.destroy()
 
     # ---- in the executor's thread ---------------------------------------------------
@@ -143,13 +143,13 @@ class SimulatedAction:
         return CancelResponse.ACCEPT
 
     def _end(self, goal: ActiveGoal, outcome: Outcome) -> None:
-        """End a goal, from any thread."""
+        """End a goal; any thread may call this."""
         with self._lock:
             self._active.pop(goal.number, None)
         self._server.end(goal.handle, lambda handle: self._finished(handle, outcome))
 
     def _finished(self, handle: Any, outcome: Outcome) -> Any:
-        """Give a goal its final status; return its result."""
+        """Give a goal its final status, and return its result."""
         status = outcome["status"]
         if status == _SUCCEEDED:
             handle.succeed()

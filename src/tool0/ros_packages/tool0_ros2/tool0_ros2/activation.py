@@ -11,7 +11,7 @@ from tool0_ros2.connection import RequestFailedError
 
 
 class ActivationPart:
-    """``~/reactivate_gripper``: the gripper opens, whatever it holds."""
+    """Service ``~/reactivate_gripper``, which opens the gripper in any case."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
@@ -23,7 +23,7 @@ class ActivationPart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Publish nothing: it has a service only."""
+        """Publish nothing, as this part only has a service."""
 
     def close(self) -> None:
         self._context.node.destroy_service(self._service)

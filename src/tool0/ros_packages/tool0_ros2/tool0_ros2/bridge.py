@@ -1,4 +1,4 @@
-"""Shared by the parts of the node: their context, and the updates."""
+"""What all parts of the node share: their context and the updates."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -24,7 +24,7 @@ REPEAT_PERIOD = 1.0
 
 
 class Update:
-    """The state of the robot at one control update, in the order of the joints."""
+    """The robot's state at one control update; lists are in the order of the joints."""
 
     __slots__ = (
         *("command", "control_boxes", "effort", "index", "motions"),
@@ -39,12 +39,12 @@ class Update:
         control_boxes: list[ControlBoxState],
     ) -> None:
         self.time: float = message["time"]
-        """Simulated [s]."""
+        """Simulated time [s]."""
         self.tick: int = message["tick"]
         self.stamp = stamp
-        """The same as a builtin_interfaces/Time."""
+        """ROS time of the update, as a builtin_interfaces/Time."""
         self.index = index
-        """Position of each movable joint, by its full name, in the lists."""
+        """Full name of each movable joint → index in the lists."""
         self.position: list[float] = message["position"]
         """Measured positions [rad | m]."""
         self.velocity: list[float] = message["velocity"]
@@ -52,33 +52,34 @@ class Update:
         self.effort: list[float] = message["effort"]
         """Applied efforts [N·m | N]."""
         self.command: list[float] = message.get("command", [])
-        """The last commands, if a part of the node wants a motion."""
+        """The last commands if a part of the node wants a motion, otherwise empty."""
         self.motions: dict[str, ControllerMotion] = message.get("motions", {})
-        """Motion of each controller that was asked for, by its full name."""
+        """Motion of each requested controller, by its full name."""
         self.control_boxes = control_boxes
-        """The control box of each arm: the same list until one changes."""
+        """The control box of each arm; the list object stays the same until a box
+        changes."""
 
 
 class Part(Protocol):
     """Presents a part of the robot, such as one controller, in ROS.
 
-    It is made and closed in the executor's thread.  The reader's thread calls
-    ``publish`` at every update while its controller is active; a part of no controller
-    is always called.  Without subscribers it should cost little.
+    A part is created and closed in the executor's thread.  The reader's thread calls
+    ``publish`` at every update while the part's controller is active, or always if the
+    part belongs to no controller.  Without subscribers, a call should cost little.
     """
 
     def wants(self) -> Sequence[str]:
-        """Return the controllers whose motion it needs in the updates now."""
+        """Return the controllers whose motion the part now needs in updates."""
 
     def publish(self, update: Update) -> None:
-        """Publish the messages that are due.  Time may have gone back to zero."""
+        """Publish the messages that are due; time may have gone back to zero."""
 
     def close(self) -> None:
-        """Destroy publishers, services …; the node of a controller ends afterwards."""
+        """Destroy publishers, services …; the controller's node is destroyed later."""
 
 
 class Rate:
-    """Says when something is due in simulated time, or in wall time."""
+    """Determines when events are due, in simulated time or wall time."""
 
     def __init__(self, rate: float) -> None:
         """Set the rate of events [Hz]; 0 for none."""
@@ -86,19 +87,19 @@ class Rate:
         self._last = float("-inf")
 
     def is_due(self, now: float) -> bool:
-        """Return whether one is due ``now`` [s], and count it then."""
+        """Return whether an event is due at ``now`` [s]; if so, mark it as done."""
         period, elapsed = self._period, now - self._last
         if period is None or 0.0 <= elapsed < period - 1e-6:
             return False
-        # Multiples of the period: so does a rate hold that the updates' is no multiple
-        # of.
+        # Stay on multiples of the period, so that the mean rate is right even if the
+        # rate of updates is not a multiple of it.
         is_regular = 0.0 <= elapsed < 2.0 * period
         self._last = self._last + period if is_regular else now
         return True
 
 
 class Reporter:
-    """Logs on /rosout: the same error at most once a second, a warning once."""
+    """Logs on /rosout: repeated errors at most once a second, each warning once."""
 
     def __init__(self, logger: Any) -> None:
         self._logger = logger
@@ -123,32 +124,33 @@ class Context:
     """Context of a part of the node."""
 
     connection: Connection
-    """Requests to the simulation."""
+    """Connection for requests to the simulation."""
     names: Names
     """The namespace in ROS, and the names of joints and frames in it."""
     clock: Clock
-    """Simulated time ↔ ROS time."""
+    """Converter between simulated time and ROS time."""
     node: Any
-    """The rclpy.Node: the controller's own one, or the main one."""
+    """The rclpy.Node: the controller's own node, or else the main node."""
     report: Reporter
     """The node's log."""
     refresh: Callable[[], None]
-    """Call this when the ``wants`` of a part have changed; other parts notice it within
-    half a second."""
+    """Function to call when a part's ``wants`` have changed; otherwise the change is
+    noticed within half a second."""
     new_node: Callable[[str], Any]
     """Returns another rclpy.Node of this name in the namespace, for services that may
-    take long: its callbacks run in a thread of their own."""
+    take long; its callbacks run in a separate thread."""
     description: DescriptionInfo
     """The response to ``read_description``."""
     info: SimulationInfo
     """The response to ``read_info``."""
     options: Any
-    """Options of the command line: ``tf_rate``, ``camera_rate`` [Hz], …"""
+    """Command-line options: ``tf_rate``, ``camera_rate`` [Hz], …"""
 
     def ask(self, request: Request[T], use: str) -> T | None:
-        """Return the response to a request, or None where the robot has no answer.
+        """Return the response to a request; None if the robot does not offer it.
 
-        Not every robot offers every request: a warning says that ``use`` is left out.
+        As not every robot offers every request, a warning then says that ``use`` is
+        left out.
         """
         try:
             return self.connection.call(request)
@@ -161,15 +163,15 @@ class Context:
 
 @dataclass
 class ControllerContext(Context):
-    """Context of the part of a controller."""
+    """Context of a controller's part."""
 
     name: str
-    """The full name of the controller: that in requests."""
+    """The full name of the controller, which requests use."""
     type: str
     parameters: dict[str, Any]
-    """Dotted name → value, with defaults, by full names of joints.
+    """Parameters, including defaults: dotted name → value, with full names of joints.
 
-    They change when somebody sets one.
+    Values change when somebody sets a parameter.
     """
     status: ControllerStatus
-    """Entry of the controller in ``list_controllers`` when it was loaded."""
+    """The controller's entry in ``list_controllers`` when the part was created."""

@@ -26,15 +26,16 @@ from tool0_ros2.messages import fill_frame, to_vector
 from tool0_ros2.requests import Camera, Picture
 
 _WAIT = 0.5
-"""Longest wait of the thread for its end [wall s]."""
+"""Longest wait of the thread before it checks whether to end [wall s]."""
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class CamerasPart:
     """The cameras of a namespace.
 
-    One thread with its own connection asks for images, one after the other, so that
-    rendering and sending delay nothing else.  An image is skipped while it is busy.
+    A thread with its own connection requests images, one after the other, so that
+    rendering and sending delay nothing else.  Images that are due while it is busy are
+    skipped.
     """
 
     def __init__(self, context: Context) -> None:
@@ -75,7 +76,7 @@ class CamerasPart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Request the pictures that somebody subscribes to, from the thread."""
+        """Let the thread request the pictures that have subscribers."""
         if not self._rate.is_due(update.time):
             return
         for camera in self._cameras:
@@ -116,13 +117,14 @@ class CamerasPart:
 
 
 class _Camera:
-    """One camera: ``NAME_camera/color`` and ``NAME_camera/depth``.
+    """Topics ``NAME_camera/color`` and ``NAME_camera/depth`` of one camera.
 
-    Both belong to one image, so they share the optical frame of the colours.
+    Colours and depth belong to one image, so they share the optical frame of the
+    colours.
     """
 
     def __init__(self, context: Context, camera: Camera, name: str, link: str) -> None:
-        """Take an item of ``list_cameras``, its own name and its link."""
+        """Create the topics of an item of ``list_cameras``."""
         self._context, self._camera, self._link = context, camera, link
         self.full_name = camera["name"]
         names, node = context.names, context.node
@@ -137,12 +139,12 @@ class _Camera:
         ]
 
     def is_wanted(self) -> bool:
-        """Return whether somebody subscribes to an image."""
+        """Return whether an image has subscribers."""
         images = (self._colors, self._depths)
         return any(publisher.get_subscription_count() for publisher in images)
 
     def transform(self) -> Any:
-        """Return the optical frame on its link."""
+        """Return the transform from the camera's link to its optical frame."""
         message = TransformStamped()
         message.header.frame_id = self._context.names.frame(self._link)
         message.child_frame_id = self._frame
@@ -166,7 +168,7 @@ class _Camera:
         self.publish_info(stamp, picture["K"])
 
     def publish_info(self, stamp: Any, K: Any = None) -> None:
-        """Publish the projection; ``K`` are the intrinsics, shape (3, 3)."""
+        """Publish the projection; ``K`` is the intrinsic matrix, shape (3, 3)."""
         readers = [item for item in self._infos if item.get_subscription_count()]
         if not readers:
             return

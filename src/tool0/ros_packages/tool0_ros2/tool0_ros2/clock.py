@@ -8,7 +8,7 @@ from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 MAX_DRIFT = 0.05
-"""Largest difference between two clocks before the offset is set again [s]."""
+"""Largest difference between two clocks before the offset is updated [s]."""
 NANOSECONDS = 1_000_000_000
 
 
@@ -21,8 +21,8 @@ def to_seconds(stamp: Any) -> float:
 class Clock:
     """Converts between simulated time and ROS time, and publishes /clock.
 
-    One node of a domain publishes /clock.  A second bring-up follows it: its simulated
-    time differs from ROS time by an offset.
+    Only one node in a domain publishes /clock.  A second bring-up follows that clock;
+    its simulated time differs from ROS time by an offset.
     """
 
     def __init__(self, node: Any) -> None:
@@ -35,7 +35,7 @@ class Clock:
         self._publish()
 
     def advance(self, time: float) -> Time:
-        """Set and publish the simulated time [s]; return it as ROS time."""
+        """Set and publish the simulated time [s], and return it as ROS time."""
         self._now = time
         stamp = self.to_ros(time)
         publisher = self._publisher
@@ -59,9 +59,9 @@ class Clock:
         return seconds - self._offset if seconds else None
 
     def arbitrate(self) -> None:
-        """Publish /clock if no other node does; of two, the later name stops.
+        """Publish /clock if no other node does; the later of two by name stops.
 
-        In the executor's thread.
+        Call it in the executor's thread.
         """
         own = self._node.get_fully_qualified_name()
         others = [

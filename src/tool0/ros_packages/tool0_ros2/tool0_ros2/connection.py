@@ -34,13 +34,13 @@ ANSWER_TIMEOUT = 30.0
 RETRY_PERIOD = 0.02
 """Pause between two attempts to connect [wall s]."""
 OUTCOMES_KEPT = 1000
-"""Ends of goals that are kept for a goal whose number is not known yet."""
+"""Number of outcomes kept for goals whose numbers are not known yet."""
 
 T = TypeVar("T")
 
 
 class RequestFailedError(Exception):
-    """The simulation refused a request."""
+    """The simulation refused a request, or did not answer."""
 
     def __init__(self, kind: ErrorKind, message: str, code: int | None = None) -> None:
         super().__init__(message)
@@ -51,17 +51,17 @@ class RequestFailedError(Exception):
 class Connection:
     """A connection to a simulation in another process; any thread may use it.
 
-    One thread of its own reads what arrives: it resolves the futures of requests, and
-    passes other messages on.
+    A dedicated thread reads incoming messages: it resolves the futures of requests, and
+    forwards other messages.
     """
 
     def __init__(self, name: str, *, wait: bool = False) -> None:
         """Connect to the bring-up ``name``.
 
-        With ``wait``, wait until there is one.
+        With ``wait``, wait until such a bring-up exists.
 
         Raises:
-            TransportError: If that is impossible.
+            TransportError: If no connection is possible.
         """
         self.name = name
         self._peer = _connected(name, wait=wait)
@@ -86,12 +86,12 @@ class Connection:
         self._has_ended = False
         self._reader = threading.Thread(target=self._read, name="tool0", daemon=True)
         self.on_message: Callable[[Message], None] = lambda message: None
-        """Receives every message that answers nothing, in the reader's thread."""
+        """Callback, in the reader's thread, for every message that is not an answer."""
         self.on_end: Callable[[str], None] = lambda reason: None
-        """Called once, in the reader's thread, when the connection has ended."""
+        """Callback, once and in the reader's thread, when the connection has ended."""
 
     def start(self) -> None:
-        """Start to read; set ``on_message`` and ``on_end`` before."""
+        """Start to read; set ``on_message`` and ``on_end`` before calling it."""
         self._reader.start()
 
     # ---- requests -----------------------------------------------------------------
@@ -99,10 +99,10 @@ class Connection:
     def call(self, request: Request[T], timeout: float | None = ANSWER_TIMEOUT) -> T:
         """Return the response to a request.
 
-        Never call it in the reader's thread, which would wait for itself.
+        Never call this in the reader's thread, which would wait for itself.
 
         Raises:
-            RequestFailedError: If it is refused, or not answered in time.
+            RequestFailedError: If the request is refused, or not answered in time.
         """
         try:
             return self.submit(request).result(timeout)
@@ -113,7 +113,7 @@ class Connection:
             ) from None
 
     def submit(self, request: Request[T]) -> "Future[T]":
-        """Send a request and return its future, in any thread."""
+        """Send a request and return its future; any thread may call this."""
         number = next(self._numbers)
         future: Future[T] = Future()
         with self._lock:
@@ -130,15 +130,15 @@ class Connection:
         return future
 
     def post(self, request: Request[Any]) -> None:
-        """Send a request without waiting: an answer comes only if it is refused.
+        """Send a request without waiting; the simulation answers only if it refuses.
 
         Raises:
-            RequestFailedError: If it cannot be sent.
+            RequestFailedError: If the request cannot be sent.
         """
         self._send(vars(request))
 
     def when_finished(self, goal: int, callback: Callable[[Outcome], None]) -> None:
-        """Call ``callback`` with the outcome of a goal, in any thread, once."""
+        """Call ``callback`` once, in any thread, with the outcome of a goal."""
         with self._lock:
             outcome = self._outcomes.pop(goal, None)
             if outcome is None:
@@ -231,7 +231,7 @@ class Connection:
 
 
 def failure(error: ErrorInfo) -> RequestFailedError:
-    """Return the error of a reply."""
+    """Return the error in a reply."""
     kind: Any = error["type"]
     return RequestFailedError(kind, error["message"], error.get("code"))
 

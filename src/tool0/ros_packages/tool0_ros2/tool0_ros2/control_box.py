@@ -1,4 +1,4 @@
-"""The control box of an arm in the updates, and requests to it."""
+"""An arm's control box: its state in updates, and requests to it."""
 
 import math
 
@@ -10,13 +10,13 @@ from tool0_ros2.requests import ControlBoxState
 NORMAL_MODES = (1, 2)
 """Safety modes in which the arm may move: NORMAL and REDUCED."""
 ROBOT_EMERGENCY_STOP = 7
-"""A safety mode."""
+"""Safety mode of an emergency stop at the robot."""
 _POWERED_MODES = (6, 7)
 """Robot modes with released brakes: BACKDRIVE and RUNNING."""
 
 
 def is_program_running(state: ControlBoxState) -> bool:
-    """Return whether ROS can move the arm: the program plays, and nothing stops it."""
+    """Return whether ROS can move the arm: its program plays and nothing stops it."""
     return (
         state["program"] == "PLAYING"
         and not state["taken_by"]
@@ -26,10 +26,10 @@ def is_program_running(state: ControlBoxState) -> bool:
 
 
 class ControlBox:
-    """The control box of the arm whose names have a prefix."""
+    """The control box of the arm whose names have the given prefix."""
 
     def __init__(self, context: Context, prefix: str) -> None:
-        """Find it; ``prefix`` is that of full names.
+        """Find the control box; ``prefix`` is the prefix of full names.
 
         Raises:
             RequestFailedError: If no arm has this prefix.
@@ -48,10 +48,10 @@ class ControlBox:
             )
         self.arm: str = found[0]["arm"]
         self.flange: str = f"{prefix}tool0"
-        """The full name of the link at the arm's end."""
+        """The full name of the arm's last link, ``tool0``."""
 
     def state(self, update: Update) -> ControlBoxState:
-        """Return its state: the same object until something changes."""
+        """Return the box's state, which is the same object until something changes."""
         return next(box for box in update.control_boxes if box["arm"] == self.arm)
 
     def rated_payload(self) -> float:
@@ -61,12 +61,12 @@ class ControlBox:
         return math.inf if found is None else found
 
     def read(self) -> ControlBoxState:
-        """Ask for its state now."""
+        """Request the box's present state."""
         return self._context.connection.call(requests.read_io(arm=self.arm))
 
 
 def read_boxes(context: Context) -> list[ControlBoxState]:
-    """Return the control box of each arm of the namespace."""
+    """Return the control box of each arm in the namespace."""
     use = "the control boxes of arms"
     arms = context.ask(requests.list_arms(), use) or []
     boxes = (
@@ -78,10 +78,10 @@ def read_boxes(context: Context) -> list[ControlBoxState]:
 
 
 def flange_of(context: Context, name: str) -> str:
-    """Return the link ``tool0`` of the arm whose prefix ``name`` has; both full names.
+    """Return the full name of ``tool0`` of the arm whose prefix full ``name`` has.
 
     Raises:
-        RequestFailedError: If there is none.
+        RequestFailedError: If there is no such arm.
     """
     boxes = sorted(read_boxes(context), key=lambda box: -len(box["prefix"]))
     for box in boxes:
@@ -95,7 +95,7 @@ def flange_of(context: Context, name: str) -> str:
 
 
 def is_running(context: ControllerContext) -> bool:
-    """Return whether the controller of a part is active now."""
+    """Return whether a part's controller is active now."""
     return any(
         status["is_running"]
         for status in context.connection.call(requests.list_controllers())

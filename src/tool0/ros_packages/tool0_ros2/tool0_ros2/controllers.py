@@ -1,4 +1,4 @@
-"""The loaded controllers: a node with parameters for each, and its part."""
+"""The loaded controllers, each with a node for its parameters and with its part."""
 
 import threading
 from collections.abc import Collection
@@ -20,20 +20,20 @@ _BROADCASTER = "JointStateBroadcaster"
 
 @dataclass
 class _Loaded:
-    """A controller in ROS."""
+    """A loaded controller in ROS."""
 
     type: str
     node: Any
     parameters: dict[str, Any]
     part: Part | None = None
-    """None until the controller is configured."""
+    """The controller's part; None until the controller is configured."""
 
 
 class Controllers:
-    """Follows the loaded controllers of a namespace, whoever loads them.
+    """Follows the loaded controllers in a namespace, no matter which client loads them.
 
-    As in ROS, a controller has its node from its loading, and its topics from its
-    configuration on.
+    As in ROS, a controller has a node once it is loaded, and topics once it is
+    configured.
     """
 
     def __init__(self, context: Context, executor: Any) -> None:
@@ -56,7 +56,7 @@ class Controllers:
             return [item.part for item in self._loaded.values() if item.part]
 
     def publish(self, update: Update) -> None:
-        """Publish the active controllers' topics; in the reader's thread."""
+        """Publish the active controllers' topics; call it in the reader's thread."""
         for part in self._active:
             try:
                 part.publish(update)
@@ -64,9 +64,9 @@ class Controllers:
                 self._context.report.error(f"{type(part).__name__}: {error!r}")
 
     def update(self) -> list[ControllerStatus]:
-        """Follow the simulation; in the executor's thread.
+        """Follow changes in the simulation; call it in the executor's thread.
 
-        Return the status of each controller of the namespace.
+        Returns the status of each controller in the namespace.
         """
         context = self._context
         statuses = [
@@ -97,7 +97,7 @@ class Controllers:
         return statuses
 
     def has_active_broadcaster(self, statuses: list[ControllerStatus]) -> bool:
-        """Return whether joint states are published."""
+        """Return whether an active broadcaster publishes joint states."""
         return any(
             status["is_running"] and status["type"].endswith(_BROADCASTER)
             for status in statuses
@@ -109,7 +109,7 @@ class Controllers:
             self._close(name)
 
     def _follow(self, status: ControllerStatus) -> None:
-        """Create the node and the part of a controller if they are due."""
+        """Create a controller's node and part if they are due."""
         name, context = status["name"], self._context
         item = self._loaded.get(name)
         if item is None:
@@ -149,7 +149,7 @@ class Controllers:
         return node, values
 
     def _read(self, name: str) -> tuple[dict[str, Any], set[str]]:
-        """Return the values of a controller's parameters, and the adjustable ones."""
+        """Return a controller's parameters, and the names of adjustable ones."""
         request = requests.read_controller_parameters(controller=name)
         found = self._context.ask(request, "the parameters of controllers") or {}
         values = {key: item["value"] for key, item in found.items()}

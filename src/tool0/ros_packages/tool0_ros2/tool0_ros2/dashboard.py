@@ -1,6 +1,6 @@
-"""The services of UR's dashboard_client, a node of each arm.
+"""The services of UR's dashboard_client, with a node for each arm.
 
-What the simulation does not have is refused with the reason.
+Services without a counterpart in the simulation are refused with a reason.
 """
 
 from collections.abc import Callable, Sequence
@@ -48,11 +48,11 @@ _QUERIES_REFUSED = {
     "update_program": "UploadProgram",
     "upload_program": "UploadProgram",
 }
-"""Services of ur_dashboard_msgs that a simulated arm has no answer to."""
+"""Services of ur_dashboard_msgs that a simulated arm cannot answer."""
 
 
 class DashboardPart:
-    """``dashboard_client/…``: the program, the modes and the safety of each arm."""
+    """Services ``dashboard_client/…`` for each arm's program, modes and safety."""
 
     def __init__(self, context: Context) -> None:
         messages = optional_module(context, "ur_dashboard_msgs.srv", NODE_NAME)
@@ -65,10 +65,10 @@ class DashboardPart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Publish nothing: it has services only."""
+        """Publish nothing, as this part only has services."""
 
     def close(self) -> None:
-        """Leave the services to their nodes, which end with the main one."""
+        """Do nothing, as the services end with their nodes and the main node."""
 
 
 class _Dashboard:

@@ -24,12 +24,12 @@ _NAMESPACE_INVALID, _PARSE_ERROR, _INVALID_POSE = 105, 106, 109
 _INVALID_STATE_POSE = 101
 """Result code of SetEntityState."""
 _MAX_FILE = 1_000_000
-"""Largest file that is read [bytes]."""
+"""Size of the largest file that is read [bytes]."""
 _IDENTITY = Transform()
 
 
 class RefusedError(Exception):
-    """A service answers with a code of its result other than success."""
+    """Raised to make a service answer with a result code other than success."""
 
     def __init__(self, code: int, reason: str) -> None:
         super().__init__(reason)
@@ -37,7 +37,7 @@ class RefusedError(Exception):
 
 
 class _Object(NamedTuple):
-    """An object of the scene, in the robot's root."""
+    """State of a scene object in the robot's root."""
 
     pose: Transform
     linear: list[float]
@@ -47,9 +47,9 @@ class _Object(NamedTuple):
 
 
 class Entities:
-    """Spawns, deletes, lists and moves entities; the robot is one of them.
+    """Spawns, deletes, lists and moves entities, one of which is the robot.
 
-    An entity's pose is that of its model's frame, in the robot's root by default.
+    An entity's pose is the pose of its model's frame, by default in the robot's root.
     """
 
     def __init__(self, context: Context) -> None:
@@ -58,7 +58,8 @@ class Entities:
         self._tree = LinkTree(urdf)
         self._robot = ElementTree.fromstring(urdf).get("name") or "robot"
         self._spawned: dict[str, Transform] = {}
-        """Pose of the object in its model's frame, of entities spawned here."""
+        """Name of each entity spawned here → pose of the object in its model's
+        frame."""
 
     def list_names(self, request: Any, response: Any) -> None:
         response.entities = self._matching(request.filters, self._snapshot())
@@ -114,7 +115,7 @@ class Entities:
         self._spawned.clear()
 
     def set_state(self, request: Any, response: Any) -> None:
-        """Set pose and velocity; the acceleration follows from the physics."""
+        """Set the pose and velocity; the acceleration follows from physics."""
         name, snapshot = request.entity, self._snapshot()
         now = self._object(name, snapshot)
         state = request.state
@@ -184,7 +185,7 @@ class Entities:
         return frame @ _pose(stamped.pose, code)
 
     def _frame(self, frame: str, snapshot: StateMessage, code: int) -> Transform:
-        """Return the pose of a frame in the root: a link, an entity or the world."""
+        """Return the pose in the root of a frame: a link, an entity or the world."""
         if frame in ("", "world", self._robot):
             return _IDENTITY
         for link in self._tree.links:
@@ -213,7 +214,7 @@ class Entities:
 
 
 def _objects(snapshot: StateMessage) -> dict[str, _Object]:
-    """Return the objects of the scene by name."""
+    """Return the scene's objects by name."""
     rows = zip(snapshot["scene"], snapshot["objects"], snapshot["object_velocities"])
     return {
         item["name"]: _Object(from_quaternion(*pose), *velocity)
@@ -228,7 +229,7 @@ def _entity_state() -> Any:
 
 
 def _file_text(uri: str) -> str:
-    """Return the text of a ``file://`` URI, or of an absolute path."""
+    """Return the text of the file at a ``file://`` URI or an absolute path."""
     if not uri:
         raise RefusedError(_NO_RESOURCE, "give a uri or a resource_string")
     parts = urlparse(uri)

@@ -1,4 +1,4 @@
-"""The errors of connections."""
+"""Errors of connections."""
 
 
 class TransportError(Exception):

@@ -15,13 +15,14 @@ from tool0_ros2.services import offer, refused
 
 _AXES = ("x", "y", "z", "rx", "ry", "rz")
 _SMALLEST, _LARGEST = 1e-6, 100.0
-"""Range of limits in requests [m/s, rad/s, m, rad]: 0 stands for the smallest."""
+"""Range of limits in requests [m/s, rad/s, m, rad]; a limit of 0 becomes the
+smallest."""
 _NO_TURN = 1e-6
-"""A quaternion with smaller parts is none."""
+"""Components below which a quaternion counts as zero, and is refused."""
 
 
 class ForceModePart:
-    """``~/start_force_mode`` and ``~/stop_force_mode``."""
+    """Services ``~/start_force_mode`` and ``~/stop_force_mode``."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
@@ -43,7 +44,7 @@ class ForceModePart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Publish nothing: it has services only."""
+        """Publish nothing, as this part only has services."""
 
     def close(self) -> None:
         self._frames.close()
@@ -83,7 +84,7 @@ class ForceModePart:
         return "force mode has ended"
 
     def _task_frame(self, stamped: Any) -> list[float]:
-        """Return the pose of the task's frame in the arm's base, as it is now."""
+        """Return the task frame's present pose in the arm's base."""
         place, turn = stamped.pose.position, stamped.pose.orientation
         quat_wxyz = (turn.w, turn.x, turn.y, turn.z)
         if all(abs(part) < _NO_TURN for part in quat_wxyz):
@@ -99,5 +100,5 @@ def _six(linear: Any, angular: Any) -> list[float]:
 
 
 def _limit(value: float) -> float:
-    """Return a limit of a request; a negative one is refused there."""
+    """Return a limit for a request; the simulation refuses negative limits."""
     return value if value < 0.0 else min(max(value, _SMALLEST), _LARGEST)

@@ -1,4 +1,4 @@
-"""Frames that a client may name: links of the robot, and what is fixed to them."""
+"""Frames that clients may name: the robot's links and frames fixed to them."""
 
 from typing import Any
 
@@ -16,7 +16,7 @@ _LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Frames:
-    """Finds frames in the base of an arm: links, ``tool0_controller``, /tf_static."""
+    """Finds frames in an arm's base: links, ``tool0_controller``, /tf_static."""
 
     def __init__(self, context: ControllerContext, box: ControlBox) -> None:
         """Listen to /tf_static."""
@@ -32,7 +32,7 @@ class Frames:
             base = next(arm["base"] for arm in arms if arm["name"] == box.arm)
         self._base = base
         self._fixed: dict[str, tuple[str, Transform]] = {}
-        """Frame → its parent, and its pose in that."""
+        """Frame → its parent frame and its pose in the parent frame."""
         self._subscription = context.node.create_subscription(
             TFMessage, "/tf_static", self._take, _LATCHED
         )
@@ -44,7 +44,7 @@ class Frames:
         """Return the present pose of a frame in the arm's base.
 
         Raises:
-            RequestFailedError: If nothing connects them.
+            RequestFailedError: If the frame is not connected to the robot.
         """
         T_link_frame, name, seen = Transform(), frame, {frame}
         while (link := self._links.get(name)) is None:

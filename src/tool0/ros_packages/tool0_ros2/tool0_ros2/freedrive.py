@@ -14,7 +14,7 @@ from tool0_ros2.requests import Request
 
 
 class FreedrivePart:
-    """``~/enable_freedrive_mode``: true, sent again and again, frees the arm."""
+    """Topic ``~/enable_freedrive_mode``: repeated messages with true free the arm."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
@@ -32,13 +32,13 @@ class FreedrivePart:
             clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
         self._timer.cancel()
-        self._end()  # that which an earlier node has left
+        self._end()  # end what an earlier node has left on
 
     def wants(self) -> Sequence[str]:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Publish nothing: it has no state topic."""
+        """Publish nothing, as this controller has no state topic."""
 
     def close(self) -> None:
         node = self._context.node
@@ -71,7 +71,7 @@ class FreedrivePart:
         future.add_done_callback(self._log_refusal)
 
     def _log_refusal(self, future: Any) -> None:
-        """Log why a request was refused; one to an inactive controller is ignored."""
+        """Log why a request was refused, unless the controller is inactive."""
         error = future.exception()
         if error is not None and error.kind != "GoalRejectedError":
             text = self._context.names.text(error)

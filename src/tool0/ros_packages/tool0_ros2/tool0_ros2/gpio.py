@@ -21,16 +21,16 @@ _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 @dataclass
 class _Topic:
-    """A topic of the control box's state."""
+    """A topic with part of the control box's state."""
 
     publisher: Any
     message_of: Callable[[ControlBoxState], Any]
     message: Any = None
-    """The last one."""
+    """The last message."""
 
 
 class GpioPart:
-    """Pins at every update, modes when they change, and services."""
+    """Topics for pins (at every update) and modes (when they change), and services."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
@@ -64,7 +64,7 @@ class GpioPart:
             ]
 
     def _pin_topics(self) -> list[_Topic]:
-        """Return the topics of every update."""
+        """Return the topics that are published at every update."""
         messages = optional_module(self._context, "ur_msgs.msg", self._context.name)
         if messages is None:
             return []
@@ -75,7 +75,7 @@ class GpioPart:
         ]
 
     def _mode_topics(self) -> list[_Topic]:
-        """Return the topics that are published when they change."""
+        """Return the topics that are published when their values change."""
         create = self._context.node.create_publisher
         topics = [_Topic(create(Bool, "~/robot_program_running", _LATCHED), _program)]
         module = "ur_dashboard_msgs.msg"

@@ -13,7 +13,7 @@ from tool0_ros2.requests import GoalStarted, Outcome, Request
 
 
 class _Gripper:
-    """Shared by both actions: the joint, and a request."""
+    """Base of both actions, with the joint and the request."""
 
     def __init__(self, context: ControllerContext) -> None:
         self.context = context
@@ -37,7 +37,7 @@ class _Gripper:
 
 
 class GripperCommandPart:
-    """``gripper_cmd``, a control_msgs/GripperCommand."""
+    """Action ``gripper_cmd`` of type control_msgs/GripperCommand."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._gripper = _Gripper(context)
@@ -67,7 +67,7 @@ class GripperCommandPart:
 
 
 class ParallelGripperPart:
-    """``gripper_cmd``, a control_msgs/ParallelGripperCommand."""
+    """Action ``gripper_cmd`` of type control_msgs/ParallelGripperCommand."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._gripper = _Gripper(context)
@@ -111,7 +111,7 @@ class ParallelGripperPart:
         return message
 
     def _result(self, outcome: Outcome) -> Any:
-        """Return the state at the goal's end; it has no velocity, as in ROS."""
+        """Return the state at the goal's end, without a velocity, as in ROS."""
         message = action.ParallelGripperCommand.Result()
         message.state.name = [self._own_joint]
         message.state.position = [outcome.get("position") or 0.0]

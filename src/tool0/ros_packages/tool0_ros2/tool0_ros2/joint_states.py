@@ -14,12 +14,12 @@ _LISTS = ("position", "velocity", "effort")
 
 
 class JointStatePart:
-    """``joint_states`` at every update, and ``dynamic_joint_states``."""
+    """Topics ``joint_states`` and ``dynamic_joint_states``, at every update."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
         self._joints: dict[str, list[str]] = {}
-        """Full name of each joint → its interfaces, in the order of the messages."""
+        """Full name of each joint → its interfaces, in the messages' order."""
         for interface in context.status.get("state_interfaces", []):
             joint, _, kind = interface.rpartition("/")
             if kind in _LISTS:

@@ -19,16 +19,16 @@ _MOVABLE = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint of the URDF: how its child link moves in its parent link."""
+    """A joint in the URDF: how its child link moves in its parent link."""
 
     name: str
     type: JointType
     parent: str
     child: str
     origin: Pose
-    """Pose of the child in the parent with the joint at 0."""
+    """Pose of the child link in the parent link with the joint at 0."""
     axis: Vector3
-    """Axis of the joint in the child, of unit length."""
+    """Axis of the joint in the child link, a unit vector."""
     mimic: Mimic | None
 
     @property
@@ -37,22 +37,22 @@ class Joint:
 
 
 def read_joints(urdf: str) -> list[Joint]:
-    """Return every joint of a URDF document, in its order."""
+    """Return the joints of a URDF document, in the document's order."""
     return [_joint(item) for item in ElementTree.fromstring(urdf).findall("joint")]
 
 
 class LinkTree:
-    """The links of a robot: where they are at given positions of its joints."""
+    """The links of a robot, with their poses at given joint positions."""
 
     def __init__(self, urdf: str) -> None:
         joints = read_joints(urdf)
         self._above = {joint.child: joint for joint in joints}
         self.links = {link for joint in joints for link in (joint.parent, joint.child)}
         self.root = next(iter(self.links - self._above.keys()), "")
-        """The link that no joint carries."""
+        """The root link, which is no joint's child."""
 
     def pose(self, link: str, positions: Mapping[str, float]) -> Transform:
-        """Return the pose of a link in the root; positions [rad | m] by joint."""
+        """Return a link's pose in the root at joint positions [rad | m] by name."""
         pose = Transform()
         while (joint := self._above.get(link)) is not None:
             pose = joint_transform(joint, positions) @ pose

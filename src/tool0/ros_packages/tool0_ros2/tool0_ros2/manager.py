@@ -1,4 +1,4 @@
-"""controller_manager: its services, its parameters and its topic."""
+"""The services, parameters and topic of controller_manager."""
 
 import os
 from collections.abc import Callable, Iterable
@@ -24,8 +24,8 @@ from tool0_ros2.simulated_node import SimulatedNode
 
 NAME = "controller_manager"
 STRICT = 2
-"""Strictness as in controller_manager_msgs/SwitchController; 0 is the manager's
-default, anything else best effort."""
+"""Value of STRICT in controller_manager_msgs/SwitchController; 0 means the manager's
+default, and any other value best effort."""
 _BEST_EFFORT_BY_DEFAULT = ("humble", "iron", "jazzy", "kilted")
 _STATES = {
     "unknown": State.PRIMARY_STATE_UNKNOWN,
@@ -39,7 +39,7 @@ _STATES = {
 def manager_node(context: Context, update_rate: float, urdf: str) -> Any:
     """Return the node ``controller_manager`` with its parameters.
 
-    Others, such as ``<controller>.type``, may be set without a declaration.
+    Other parameters, such as ``<controller>.type``, can be set without a declaration.
     """
     names = context.names
     types = context.info["defined_controllers"].items()
@@ -63,12 +63,12 @@ def manager_node(context: Context, update_rate: float, urdf: str) -> Any:
 
 
 class ControllerManager:
-    """Answers as ros2_control's controller_manager does."""
+    """Answers requests as ros2_control's controller_manager does."""
 
     def __init__(self, context: Context, follow: Callable[[], None]) -> None:
-        """Offer the services on the context's node, which ``manager_node`` made.
+        """Offer the services on the context's node, created by ``manager_node``.
 
-        ``follow`` waits until the controllers in ROS are those of the simulation.
+        ``follow`` waits until the controllers in ROS match the simulation's.
         """
         self._context = context
         self._follow = follow
@@ -97,7 +97,7 @@ class ControllerManager:
         self._last_activity: Any = None
 
     def publish_activity(self, statuses: list[ControllerStatus]) -> None:
-        """Publish the states of the controllers if they have changed."""
+        """Publish the controllers' states if they have changed."""
         states = [(item["name"], item["state"]) for item in statuses]
         if self._activity is None or states == self._last_activity:
             return
@@ -137,7 +137,7 @@ class ControllerManager:
         self._context.node.create_service(service, f"~/{name}", answer, qos_profile=qos)
 
     def _changing(self, operation: Callable[[Any], Any]) -> Callable[[Any, Any], Any]:
-        """Return the handler of a service that changes controllers."""
+        """Return the handler for a service that changes controllers."""
 
         def handle(request: Any, response: Any) -> Any:
             operation(request)
@@ -197,7 +197,7 @@ class ControllerManager:
         )
 
     def _load(self, request: Any) -> None:
-        """Load with the present parameters of this node, as the spawner expects."""
+        """Load with this node's present parameters, as the spawner expects."""
         node, name = self._context.node, request.name
         params = {
             key: node.get_parameter_or(f"{name}.{key}").value
@@ -237,9 +237,9 @@ class ControllerManager:
         )
 
     def _reload(self, request: Any) -> None:
-        """Unload all controllers, if they may be killed; there are no libraries here.
+        """Unload all controllers if ``force_kill`` is set; no libraries are reloaded.
 
-        As in ROS it is refused otherwise, unless none is loaded.
+        Otherwise, as in ROS, refuse unless no controller is loaded.
         """
         controllers = self._controllers()
         loaded = [item["name"] for item in controllers]
@@ -294,7 +294,7 @@ class ControllerManager:
         ]
 
     def _set_component(self, request: Any, response: Any) -> Any:
-        """Report the state: simulated hardware has one only."""
+        """Report the state unchanged, as simulated hardware has only one state."""
         by_own = {self._context.names.to_ros(c["name"]): c for c in self._components()}
         component = by_own.get(request.name)
         if component is None:

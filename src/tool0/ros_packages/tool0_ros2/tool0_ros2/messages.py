@@ -1,4 +1,4 @@
-"""Values of requests ↔ ROS messages, whose fields differ by distribution."""
+"""Conversions between requests and ROS messages, which differ by distribution."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -14,11 +14,11 @@ from tool0_ros2.copied import Transform, Vector3
 from tool0_ros2.requests import TrajectoryPoint
 
 INVALID_GOAL = -1
-"""Error code as in control_msgs/FollowJointTrajectory."""
+"""Error code INVALID_GOAL in control_msgs/FollowJointTrajectory."""
 
 
 def fill(item: Any, /, **values: Any) -> Any:
-    """Set the fields that this distribution's message has, and return it."""
+    """Set the fields that the message has in this distribution, and return it."""
     fields = item.get_fields_and_field_types()
     for name, value in values.items():
         if name in fields:
@@ -27,19 +27,19 @@ def fill(item: Any, /, **values: Any) -> Any:
 
 
 def fill_frame(place: Any, turn: Any, frame: Transform) -> None:
-    """Set a position or translation, and a rotation."""
+    """Set a position or translation and a rotation from a frame."""
     place.x, place.y, place.z = map(float, frame.position)
     turn.w, turn.x, turn.y, turn.z = frame.quat_wxyz
 
 
 def to_vector(values: Sequence[float]) -> Vector3:
-    """Return three numbers of a response."""
+    """Return three numbers from a response."""
     x, y, z = values
     return x, y, z
 
 
 def rejected(reason: str) -> RequestFailedError:
-    """Return the error of a goal that is rejected here."""
+    """Return the error for a goal that the node itself rejects."""
     return RequestFailedError("GoalRejectedError", reason, INVALID_GOAL)
 
 
@@ -53,8 +53,8 @@ def to_points(points: Sequence[Any]) -> list[TrajectoryPoint]:
     """Return trajectory_msgs/JointTrajectoryPoints as values of a request.
 
     Raises:
-        RequestFailedError: If a number is not finite: JSON has none such; or if a point
-            has efforts.
+        RequestFailedError: If a number is not finite, which JSON cannot express, or if
+            a point has efforts.
     """
     found = []
     for k, point in enumerate(points):
@@ -80,7 +80,7 @@ def to_points(points: Sequence[Any]) -> list[TrajectoryPoint]:
 
 
 def to_tolerances(tolerances: Iterable[Any]) -> dict[str, list[float]]:
-    """Return control_msgs/JointTolerances by joint."""
+    """Return control_msgs/JointTolerances as values by joint."""
     found = {
         item.name: [item.position, item.velocity, item.acceleration]
         for item in tolerances
@@ -92,7 +92,7 @@ def to_tolerances(tolerances: Iterable[Any]) -> dict[str, list[float]]:
 
 
 def optional_module(context: Any, module: str, use: str) -> ModuleType | None:
-    """Import messages that not every ROS has; without them, say what is missing."""
+    """Import messages that may be missing; in that case, warn and return None."""
     try:
         return import_module(module)
     except ImportError:

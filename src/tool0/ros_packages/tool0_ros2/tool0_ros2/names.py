@@ -1,11 +1,11 @@
-"""The names of the robot, or of one robot of a cell, in ROS."""
+"""ROS names of the robot, or of one robot of a cell."""
 
 import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
 _COMMAND = re.compile(r"`tool0 controllers (\w+) ([^`]*)` or robot\.\w+\([^)]*\)")
-"""Command on a controller, as the simulation's messages suggest it."""
+"""Command for a controller, as suggested by the simulation's messages."""
 _ROS_COMMANDS = {
     "start": "switch_controllers --activate {}",
     "switch": "switch_controllers {}",
@@ -15,12 +15,12 @@ _ROS_COMMANDS = {
 
 
 class Names:
-    """A namespace in ROS, with the whole robot in it, or one robot of a cell.
+    """A ROS namespace that contains the whole robot, or one robot of a cell.
 
-    In a namespace of its own, a robot of a cell has the names that it has alone:
-    ``left_elbow_joint`` of the model is ``elbow_joint`` in ``/left``, and
-    ``left_tool0`` is the frame ``left/tool0``.  *Full* names are those of the model,
-    *own* names those in ROS; without such a namespace they are the same.
+    In its own namespace, a robot of a cell has the names that it has outside of a cell:
+    the model's ``left_elbow_joint`` is ``elbow_joint`` in ``/left``, and ``left_tool0``
+    is the frame ``left/tool0``.  *Full* names are the model's names, and *own* names
+    are the names in ROS; without such a namespace, they are the same.
     """
 
     def __init__(
@@ -31,11 +31,11 @@ class Names:
         tf_prefix: str = "",
         longer: Sequence[str] = (),
     ) -> None:
-        """Take the namespace (``""`` or ``/robot1``) and the prefix of full names.
+        """Create the names for a namespace such as ``""`` or ``/robot1``.
 
         Args:
             root: The namespace, without a slash at its end.
-            prefix: That of the robot's full names, such as ``left_``.
+            prefix: Prefix of the robot's full names, such as ``left_``.
             tf_prefix: Prefix of every frame, without slashes around it.
             longer: Prefixes of other robots that begin with this one.
         """
@@ -46,19 +46,19 @@ class Names:
         self._in_text = re.compile(rf"(?<!\w){re.escape(prefix)}(?=\w)")
 
     def owns(self, full: str) -> bool:
-        """Return whether what has this full name is in the namespace."""
+        """Return whether the item with this full name is in the namespace."""
         return full.startswith(self.prefix) and not full.startswith(self._longer)
 
     def to_ros(self, full: str) -> str:
-        """Return a name of the model as ROS has it; others' names do not change."""
+        """Return the own name for a full name; other robots' names do not change."""
         return full[len(self.prefix) :] if self.owns(full) else full
 
     def to_model(self, own: str) -> str:
-        """Return a name in ROS as the model has it."""
+        """Return the full name for an own name."""
         return self.prefix + own
 
     def text(self, text: object) -> str:
-        """Return a message with ROS names and commands of ``ros2 control``."""
+        """Return a message with own names and with commands of ``ros2 control``."""
         own = self._in_text.sub("", str(text)) if self.prefix else str(text)
         return _COMMAND.sub(self._ros_command, own)
 
@@ -77,7 +77,7 @@ class Names:
         return relative if relative[:1] == "/" else f"{self.root}/{relative}"
 
     def frame(self, link: str) -> str:
-        """Return the frame of the link with a full name."""
+        """Return the frame of a link by its full name."""
         own = self.to_ros(link)
         return f"{self.tf_prefix}/{own}" if self.tf_prefix else own
 

@@ -1,4 +1,4 @@
-"""The node of a bring-up: everything that it presents, put together."""
+"""The complete node of a bring-up, with everything that it presents."""
 
 import threading
 from collections.abc import Callable
@@ -39,18 +39,18 @@ MAX_RATE = 500.0
 _FIELDS: Final = (
     *("joint_names", "position", "velocity", "effort", "controllers", "control_boxes"),
 )
-"""Fields that every update has."""
+"""Fields that every update contains."""
 _MOTION_FIELDS: Final = ("motions", "command")
 _REFRESH_PERIOD = 0.5
-"""Period of looking for changes in what subscribers want [wall s]."""
+"""Period of checks for changes in the parts' ``wants`` [wall s]."""
 _WATCH_PERIOD = 1.0
-"""Period of looking at the other nodes [wall s]."""
+"""Period of checks of other nodes [wall s]."""
 _FOLLOW_TIMEOUT = 10.0
-"""Longest wait for the node of a controller [wall s]."""
+"""Longest wait for a controller's node [wall s]."""
 
 
 class _Worker:
-    """An executor in a thread of its own; an error in a callback does not end it."""
+    """An executor in a separate thread that continues after an error in a callback."""
 
     def __init__(self, ros: Any, name: str) -> None:
         self.executor = SingleThreadedExecutor(context=ros)
@@ -63,11 +63,11 @@ class _Worker:
         self._thread.start()
 
     def submit(self, task: Callable[[], object]) -> None:
-        """Call ``task`` in the thread."""
+        """Schedule a call of ``task`` in the thread."""
         self.executor.create_task(task)
 
     def close(self) -> None:
-        """End the thread; nothing may be submitted any more."""
+        """End the thread; nothing may be submitted afterwards."""
         self._is_closing = True
         self.executor.shutdown(timeout_sec=0.0)
         if self._thread.is_alive():
@@ -153,11 +153,11 @@ class RobotNode:
         self._has_updates = threading.Event()
 
     def start(self, connection: Connection, options: Any) -> None:
-        """Present the robot; return when everything is up.
+        """Present the robot, and return when everything is up.
 
         Args:
-            connection: Not started yet.
-            options: Options of the command line; ``tf_rate`` and others.
+            connection: A connection that has not been started yet.
+            options: Command-line options, such as ``tf_rate``.
         """
         self._connection = connection
         connection.on_message = self._take
@@ -211,7 +211,7 @@ class RobotNode:
             node.destroy_node()
 
     def _made(self, entries: list[str], context: Context) -> list[Part]:
-        """Return the parts of entries whose message packages are installed."""
+        """Return the parts for the entries whose message packages are installed."""
         found = []
         for entry in entries:
             try:
@@ -265,7 +265,7 @@ class RobotNode:
             self._report.error(Names(self._root).text(failure(message["error"])))
 
     def _log(self, message: LogMessage) -> None:
-        """Publish a line of the simulation's log; it is printed there already."""
+        """Publish a line of the simulation's log, which has already printed it."""
         level = Log.ERROR if message["level"] == "error" else Log.WARN
         stamp = self.node.get_clock().now().to_msg()
         name, text = NODE_NAME, Names(self._root).text(message["message"])
@@ -309,7 +309,7 @@ class RobotNode:
                 self._report.error(f"cannot follow the controllers: {error}")
 
     def _follow(self) -> None:
-        """Follow the controllers now; in another thread than the executor's."""
+        """Follow the controllers now; not to be called in the executor's thread."""
         done = threading.Event()
 
         def update() -> None:
@@ -354,7 +354,7 @@ class RobotNode:
 
 
 def _namespaces(root: str, description: DescriptionInfo) -> list[tuple[Names, str]]:
-    """Return the names of each namespace, and the URDF that is in it."""
+    """Return the names and the URDF of each namespace."""
     cell = description["namespaces"]
     if not cell:
         return [(Names(root), _with_mesh_files(description["urdf"], description))]
@@ -374,9 +374,9 @@ def _namespaces(root: str, description: DescriptionInfo) -> list[tuple[Names, st
 
 
 def _with_mesh_files(urdf: str, description: DescriptionInfo) -> str:
-    """Return the URDF with ``file://`` URIs for meshes of tool0's own packages.
+    """Return the URDF with ``file://`` URIs for meshes bundled with tool0.
 
-    ROS does not know the packages inside tool0: RViz would show no robot.
+    ROS does not know the packages inside tool0, so RViz would show no robot otherwise.
     """
     for package, uri in description["packages"].items():
         urdf = urdf.replace(f"package://{package}/", f"{uri}/")

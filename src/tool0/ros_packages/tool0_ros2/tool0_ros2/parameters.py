@@ -1,4 +1,4 @@
-"""Parameters of the nodes of controllers."""
+"""Parameters of the controllers' nodes."""
 
 from collections.abc import Collection, Mapping
 from typing import Any
@@ -12,7 +12,7 @@ from tool0_ros2.requests import set_controller_parameters
 
 
 def to_parameters(values: Mapping[str, Any]) -> list[Parameter]:
-    """Return ROS parameters, by dotted names; those without a value are left out."""
+    """Return ROS parameters with dotted names, without those that have no value."""
     found = []
     for name, value in values.items():
         if isinstance(value, (list, tuple)):
@@ -25,14 +25,14 @@ def to_parameters(values: Mapping[str, Any]) -> list[Parameter]:
 
 
 def _list(values: Any) -> list[Any]:
-    """Return a list of one type: integers among numbers become numbers."""
+    """Return a list of one type: floats if any value is a float."""
     if any(isinstance(value, float) for value in values):
         return [float(value) for value in values]
     return list(values)
 
 
 class ControllerParameters:
-    """Passes changes of a controller's parameters on to the simulation."""
+    """Forwards changes of a controller's parameters to the simulation."""
 
     def __init__(
         self,
@@ -42,10 +42,10 @@ class ControllerParameters:
         values: dict[str, Any],
         adjustable: Collection[str],
     ) -> None:
-        """Declare ``values`` as parameters of ``node``, and take changes.
+        """Declare ``values`` as parameters of ``node``, and accept changes.
 
-        Their names and values are full ones; those of the parameters are own ones.
-        ``adjustable`` are those that may change while the controller runs.
+        ``values`` contains full names; the ROS parameters contain own names.
+        ``adjustable`` are the parameters that may change while the controller runs.
         """
         self._context, self._controller = context, controller
         self._values = values
@@ -69,7 +69,7 @@ class ControllerParameters:
         node.add_on_set_parameters_callback(self._set)
 
     def _set(self, parameters: list[Any]) -> SetParametersResult:
-        """Change them in the simulation, or say why that is impossible."""
+        """Change parameters in the simulation, or return why this is impossible."""
         changes = {
             self._full_names[item.name]: self._full(item.value)
             for item in parameters
@@ -91,7 +91,7 @@ class ControllerParameters:
         return SetParametersResult(successful=True)
 
     def _full(self, value: Any) -> Any:
-        """Return a parameter's value as plain values with full names."""
+        """Return a parameter's value as a plain value with full names."""
         if isinstance(value, str):
             return self._full_texts.get(value, value)
         if isinstance(value, (bool, int, float)):

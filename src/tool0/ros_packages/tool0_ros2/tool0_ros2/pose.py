@@ -16,7 +16,7 @@ from tool0_ros2.messages import fill_frame
 
 
 class PosePart:
-    """``~/pose``: the flange of an arm in the link ``frame_id``; and its frame."""
+    """Topic ``~/pose``: an arm's flange in the link ``frame_id``; and its TF frame."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context

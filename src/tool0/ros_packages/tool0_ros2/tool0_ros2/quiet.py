@@ -1,4 +1,4 @@
-"""Standard error without complaints of C code about nothing."""
+"""Suppression of pointless C output on standard error."""
 
 import contextlib
 import os
@@ -11,10 +11,10 @@ _OF_LOG = re.compile(rb"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[")
 
 @contextlib.contextmanager
 def only_log_lines() -> Iterator[None]:
-    """Drop the output of C code on standard error, except lines of the log.
+    """Drop C code's output on standard error, except for log lines.
 
-    While a service or an action is made of messages that were generated without CMake,
-    the middleware prints an error that it has handled itself, in tens of lines.
+    When a service or an action is created with messages that were generated without
+    CMake, the middleware prints dozens of lines about an error that it handles itself.
     """
     kept = os.dup(2)
     with tempfile.TemporaryFile() as written:

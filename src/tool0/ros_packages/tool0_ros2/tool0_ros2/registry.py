@@ -1,6 +1,6 @@
-"""Classes that present controllers, and the other things that the node presents.
+"""Classes of the parts that present controllers and everything else in ROS.
 
-Each entry is ``module:Class`` within this package, imported when it is needed.
+Each entry is ``module:Class`` in this package, imported when needed.
 """
 
 from importlib import import_module
@@ -36,15 +36,15 @@ CONTROLLERS = {
     ),
     "pose_broadcaster/PoseBroadcaster": "pose:PosePart",
 }
-"""Parts by the controller's type; the class is made with a ControllerContext."""
+"""Controller type → part, created with a ControllerContext."""
 
 ROBOT = ["dashboard:DashboardPart", "cameras:CamerasPart"]
-"""Parts of each namespace that belong to no controller, made with a Context."""
+"""Parts of each namespace that belong to no controller, created with a Context."""
 SIMULATION = ["simulation:SimulationPart"]
-"""Parts of the whole simulation, made with a Context."""
+"""Parts of the whole simulation, created with a Context."""
 
 
 def part_class(entry: str) -> Any:
-    """Return the class of an entry."""
+    """Return the class that an entry names."""
     module, _, name = entry.partition(":")
     return getattr(import_module(f"tool0_ros2.{module}"), name)

@@ -14,20 +14,21 @@ from tool0_ros2.kinematics import Joint, read_joints
 from tool0_ros2.messages import fill_frame
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""The last message also reaches those who subscribe later."""
+"""Quality of service with which the last message also reaches later subscribers."""
 PUBLISHER = "robot_state_publisher"
 STATIC_FRAMES = "/tf_static"
 
 
 class RobotPart:
-    """``/robot_description``, ``/tf`` and ``/tf_static``.
+    """Topics ``/robot_description``, ``/tf`` and ``/tf_static``.
 
-    The frames are published while a joint_state_broadcaster is active, as a
-    robot_state_publisher would; not while one does so itself.
+    As with a robot_state_publisher, frames are published while a
+    joint_state_broadcaster is active.  They are not published while a
+    robot_state_publisher itself runs.
     """
 
     def __init__(self, context: Context, urdf: str, tf_rate: float) -> None:
-        """Publish the description [URDF], and frames at ``tf_rate`` [Hz]."""
+        """Publish the description ``urdf``, and frames at ``tf_rate`` [Hz]."""
         self._context = context
         names, node = context.names, context.node
         joints = [joint for joint in read_joints(urdf) if joint.parent and joint.child]
@@ -67,10 +68,10 @@ class RobotPart:
         self._context.node.destroy_publisher(self._description)
 
     def look_for_publisher(self) -> None:
-        """Stop publishing frames while a robot_state_publisher does, or go on.
+        """Publish frames only while no robot_state_publisher does.
 
-        A node alone tells nothing: the graph of rmw_fastrtps may list one forever
-        whose process has ended.  Its publishers do disappear.
+        The list of nodes does not help: in rmw_fastrtps, it may forever contain a node
+        whose process has ended.  The node's publishers do disappear.
         """
         node, root = self._context.node, self._context.names.root or "/"
         is_there = any(
@@ -84,7 +85,7 @@ class RobotPart:
             self._start()
 
     def look_for_twin(self) -> None:
-        """Warn if another bring-up has the same names in this domain."""
+        """Warn if another bring-up uses the same names in this domain."""
         node = self._context.node
         own = node.get_name(), node.get_namespace()
         named_alike = [
@@ -115,7 +116,7 @@ class RobotPart:
                 self._context.node.destroy_publisher(publisher)
 
     def _place_in_cell(self) -> TransformStamped:
-        """Return the frame of the robot's root, which is the cell's with a prefix."""
+        """Return the transform from the cell's root to the robot's prefixed root."""
         names, message = self._context.names, TransformStamped()
         message.header.frame_id = self._root
         message.child_frame_id = names.frame(names.to_model(self._root))

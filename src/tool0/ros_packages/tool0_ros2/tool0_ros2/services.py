@@ -1,4 +1,4 @@
-"""Services of a controller, which it offers while it is active."""
+"""Services that a controller offers while it is active."""
 
 from collections.abc import Callable
 from typing import Any
@@ -14,8 +14,8 @@ def offer(
 ) -> Any:
     """Create the service ``~/name``, whose response has ``success``.
 
-    ``handler`` takes the request and returns the message of success.  The reason of a
-    refusal is logged, too: not every response has room for it.
+    ``handler`` takes the request and returns the message for success.  The reason for a
+    refusal is also logged, as not every response has a field for it.
     """
 
     def answer(request: Any, response: Any) -> Any:
@@ -33,5 +33,5 @@ def offer(
 
 
 def refused(reason: str) -> RequestFailedError:
-    """Return the error of a request that is refused here."""
+    """Return the error for a request that the node itself refuses."""
     return RequestFailedError("ControlError", reason)

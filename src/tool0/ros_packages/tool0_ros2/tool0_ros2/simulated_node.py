@@ -1,4 +1,4 @@
-"""A node of the controller manager's: in simulated time, without a clock of its own."""
+"""A node of the controller manager, in simulated time but without its own clock."""
 
 from typing import Any
 
@@ -13,8 +13,8 @@ _CLOCK = "/clock"
 class SimulatedNode(Node):  # type: ignore[misc]  # rclpy has no types
     """A node whose parameter ``use_sim_time`` is true, as in gz_ros2_control.
 
-    Its stamps come with the states, so it does not listen to /clock: rclpy would have
-    every such node take each message of it.
+    The stamps come with the states, so it does not subscribe to /clock; rclpy would
+    make every such node receive all of its messages.
     """
 
     def __init__(
@@ -26,14 +26,14 @@ class SimulatedNode(Node):  # type: ignore[misc]  # rclpy has no types
         values: dict[str, Any],
         **options: Any,
     ) -> None:
-        """Create it in the namespace ``root``.
+        """Create the node in the namespace ``root``.
 
         Args:
             name: Name of the node.
-            root: Its namespace; empty for none.
+            root: The node's namespace; empty for none.
             ros: An rclpy.Context.
-            values: Values of parameters.
-            options: Options of rclpy's nodes.
+            values: Values of the node's parameters.
+            options: Options of rclpy.Node.
         """
         super().__init__(
             name,
@@ -47,7 +47,7 @@ class SimulatedNode(Node):  # type: ignore[misc]  # rclpy has no types
     def create_subscription(
         self, msg_type: Any, topic: str, *args: Any, **options: Any
     ) -> Any:
-        """Subscribe to a topic, unless rclpy wants the clock."""
+        """Subscribe to a topic, except to the clock."""
         if topic == _CLOCK:
             return None
         return super().create_subscription(msg_type, topic, *args, **options)

@@ -13,15 +13,16 @@ from tool0_ros2.messages import optional_module
 from tool0_ros2.requests import Request
 
 _MOST_TICKS = 1_000_000
-"""Largest number of ticks of one request."""
+"""Largest number of ticks in one request."""
 _OK, _INCORRECT_STATE, _FAILED, _UNSUPPORTED = 1, 3, 4, 0
 """Result codes of simulation_interfaces/Result."""
 
 
 class SimulationPart:
-    """``pause_physics`` and so on, as gazebo_ros has, and simulation_interfaces.
+    """Services of gazebo_ros, such as ``pause_physics``, and of simulation_interfaces.
 
-    The latter are offered by a node ``simulation``: ``simulation/spawn_entity``.
+    The latter belong to a node ``simulation``; an example is
+    ``simulation/spawn_entity``.
     """
 
     def __init__(self, context: Context) -> None:
@@ -60,7 +61,7 @@ class SimulationPart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Publish nothing: it has services only."""
+        """Publish nothing, as this part only has services."""
 
     def close(self) -> None:
         for service in self._services:
@@ -80,7 +81,7 @@ class SimulationPart:
         return self._node.create_service(Empty, topic, answer)
 
     def _offer(self, kind: Any, title: str, handler: Callable[[Any, Any], None]) -> Any:
-        """Offer a service that says in its ``result`` whether it succeeded."""
+        """Offer a service whose ``result`` says whether it succeeded."""
         name = "".join(f"_{c.lower()}" if c.isupper() else c for c in title)[1:]
 
         def answer(request: Any, response: Any) -> Any:

@@ -9,11 +9,11 @@ from tool0_ros2.bridge import ControllerContext, Rate, Update
 from tool0_ros2.control_box import ControlBox
 
 DEFAULT_RATE = 100.0
-"""Rate at which the topic is published by default [Hz]."""
+"""Default rate at which the topic is published [Hz]."""
 
 
 class SpeedScalingPart:
-    """``~/speed_scaling``: the factor of scaled trajectories, in per cent."""
+    """Topic ``~/speed_scaling`` with the factor of scaled trajectories [%]."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context

@@ -18,11 +18,11 @@ from tool0_ros2.messages import fill, to_duration, to_points, to_tolerances
 from tool0_ros2.requests import ControllerMotion, GoalStarted, Outcome, Request
 
 _OUTPUT_FIELDS = {"position": "positions", "velocity": "velocities", "effort": "effort"}
-"""Field of the output, by command interface."""
+"""Command interface → field of the output."""
 
 
 class FollowTrajectoryPart:
-    """The action ``follow_joint_trajectory`` alone."""
+    """The action ``follow_joint_trajectory`` without topics or services."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
@@ -36,8 +36,8 @@ class FollowTrajectoryPart:
             if kind in _OUTPUT_FIELDS
         ]
         self._has_rate_errors = self._outputs[:1] != ["positions"]
-        """Whether errors of velocities are computed: with position commands, ROS has
-        none."""
+        """Whether velocity errors are computed, which ROS does not do with position
+        commands."""
         self._action = SimulatedAction(
             context,
             action.FollowJointTrajectory,
@@ -106,7 +106,7 @@ class FollowTrajectoryPart:
 
 
 class JointTrajectoryPart(FollowTrajectoryPart):
-    """``joint_trajectory``, ``controller_state``, the action and ``query_state``."""
+    """Topics, action and ``query_state`` service of a JointTrajectoryController."""
 
     def __init__(self, context: ControllerContext) -> None:
         super().__init__(context)
@@ -231,7 +231,7 @@ class JointTrajectoryPart(FollowTrajectoryPart):
 
 
 def _point(motion: list[list[float]], time: float = 0.0) -> JointTrajectoryPoint:
-    """Return positions, velocities and perhaps accelerations as a message."""
+    """Return positions, velocities and, if given, accelerations as a message."""
     positions, velocities, *rest = motion
     message = JointTrajectoryPoint()
     message.positions = array("d", positions)

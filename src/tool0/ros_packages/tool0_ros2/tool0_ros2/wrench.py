@@ -1,4 +1,4 @@
-"""The topic of a force-torque sensor broadcaster: UR's own, or the stock one."""
+"""The topic of a force-torque sensor broadcaster, either UR's or the stock one."""
 
 import threading
 import time
@@ -19,22 +19,23 @@ from tool0_ros2.errors import TransportError
 from tool0_ros2.requests import WrenchReading
 
 RATE = 500.0
-"""Samples per simulated second [Hz], where the control rate allows it."""
+"""Samples per simulated second if the control rate allows it [Hz]."""
 _WAIT = 0.2
-"""Longest wait of a request for a sample, and of the thread for its end [wall s]."""
+"""Longest wait for a sample in a request, and of the thread for its end [wall s]."""
 _IDLE = 0.5
 """Time without updates after which the controller counts as inactive [wall s]."""
 
 
 class WrenchPart:
-    """Samples of a sensor while somebody subscribes.
+    """Topic with a sensor's samples while there are subscribers.
 
-    A thread with its own connection reads them.  The first subscriber starts the
-    sensor.  It continues without subscribers: stopping would lose the tare.
+    A thread with its own connection reads the samples.  The first subscriber starts the
+    sensor, which then continues even without subscribers, since stopping would lose the
+    tare.
     """
 
     def __init__(self, context: ControllerContext) -> None:
-        """Offer ``~/ft_data`` as UR's driver does, or ``~/wrench`` as ROS does."""
+        """Offer ``~/ft_data`` as in UR's driver, or ``~/wrench`` as in ROS."""
         self._context = context
         parameters = context.parameters
         self._frame = context.names.frame(
@@ -93,7 +94,7 @@ class WrenchPart:
             connection.close()
 
     def _publish_samples(self, connection: Connection) -> None:
-        """Publish samples until they are not wanted any more."""
+        """Publish samples until they are no longer wanted."""
         link = self._link
         if not connection.call(requests.read_force_torque_rate(link=link)):
             _start(connection, link)
@@ -120,7 +121,7 @@ class WrenchPart:
         return message
 
     def _corrected(self, kind: str, value: float) -> float:
-        """Apply the parameters of the stock broadcaster."""
+        """Return a value with the stock broadcaster's ``offset`` and ``multiplier``."""
         parameters = self._context.parameters
         offset = parameters.get(f"offset.{kind}") or 0.0
         factor = parameters.get(f"multiplier.{kind}", 1.0)
