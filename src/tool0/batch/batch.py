@@ -183,8 +183,7 @@ class Batch:
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
-        """All movable joints: the order of ``position``, ``velocity`` and
-        ``effort``."""
+        """All movable joints: the order of ``position``, ``velocity``, ``effort``."""
         return self._cores[0].engine.joint_names
 
     @cached_property
@@ -353,8 +352,7 @@ class Batch:
 
     @property
     def object_angular(self) -> Array:
-        """Angular velocities of objects [rad/s] in the root's axes, (n, n_objects,
-        3)."""
+        """Angular velocities [rad/s], in the root's axes, shape (n, n_objects, 3)."""
         return _frozen(self._objects().angular)
 
     def pad_forces(self, gripper: str | None = None) -> Array:
