@@ -6,13 +6,13 @@ is clamped, a joint beyond a position limit gets no outward effort, and a joint 
 its speed limit gets no accelerating effort.  There are three intentional differences:
 
 * A drive whose rotor inertia is known, or whose effort could take the joint beyond its
-speed limit within one step, holds the speed limit (``SpeedLimiter``).  There, ROS
-switches the whole effort on and off, and a light joint then runs far above its limit.
+  speed limit within one step, holds the speed limit (``SpeedLimiter``).  There, ROS
+  switches the whole effort on and off, and a light joint then runs far above its limit.
 * The speed of any other joint is governed (``hardware/speed_governor.py``): with ROS's
-rule, the joints of an arm fling each other to five times their speed limits.  *
-``k_velocity = 0`` means "no soft limit on effort".  ROS uses a window of width zero,
-  so with ``safety_limits:=true`` of the UR description an effort-controlled arm is
-  limp.
+  rule, the joints of an arm fling each other to five times their speed limits.
+* ``k_velocity = 0`` means "no soft limit on effort".  ROS uses a window of width zero,
+  so an effort-controlled arm is limp with ``safety_limits:=true`` in the UR
+  description.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ run_probe(sys.argv[1], sys.argv[2])
 """
 
 ProbeState = Literal["ready", "missing", "not supported", "unknown"]
-"""State of a component whose probe failed."""
+"""State of a component; ``unknown`` if the probe failed."""
 
 
 @final
