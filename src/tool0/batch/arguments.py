@@ -1,4 +1,4 @@
-"""Arrays that a caller passes, checked: one row per copy."""
+"""Checks the arrays that callers pass: one row per copy."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from tool0.errors import ControlError
 from tool0.kinematics.chain import Array
 
 Which = Sequence[int] | Sequence[bool] | NDArray[np.integer] | NDArray[np.bool_] | int
-"""Copies: a mask of shape (n,), or their numbers."""
+"""Selection of copies: a mask of shape (n,), or their numbers."""
 Indices = NDArray[np.intp]
 
 
 def are_finite(values: Array) -> bool:
-    """Return whether all numbers are finite; the sum of their squares tells soonest."""
+    """Return whether all values are finite; tests the sum of squares first (fast)."""
     return math.isfinite(np.vdot(values, values)) or bool(np.isfinite(values).all())
 
 
@@ -36,7 +36,8 @@ class Arguments:
         """Return the numbers of the chosen copies; None is all of them.
 
         Raises:
-            ControlError: If it is no mask of shape (n,) and a number is no copy's.
+            ControlError: If ``given`` is neither a mask of shape (n,) nor numbers of
+                copies.
         """
         n = self._n
         if given is None:
@@ -71,11 +72,11 @@ class Arguments:
     ) -> Array:
         """Return ``values`` for each copy, one row per copy.
 
-        A value of that ``shape`` without the first axis is the same for all copies.
-        ``axes`` explains the shape in messages.
+        A value of this ``shape``, without the axis of the copies, applies to all
+        copies.  Error messages explain the shape with ``axes``.
 
         Raises:
-            ControlError: If the shape is wrong, or a number of a chosen copy is not
+            ControlError: If the shape is wrong, or a number for a chosen copy is not
                 finite.
         """
         whole = (self._n, *shape)
@@ -111,9 +112,9 @@ class Arguments:
         *,
         is_held: bool,
     ) -> None:
-        """Raise ControlError if ``values`` is no array on the device, of one row each.
+        """Raise ControlError unless ``values`` is an array on the device, with n rows.
 
-        ``is_held`` is whether it lies there.
+        ``is_held`` tells whether the array is in the device's memory.
         """
         whole, found = (self._n, *shape), tuple(getattr(values, "shape", ()))
         if not is_held:
@@ -122,7 +123,7 @@ class Arguments:
             raise self._error(f"'{name}' has shape {found}; it must be {whole}{axes}")
 
     def duration(self, value: float) -> float:
-        """Return a duration [s] that is no INSTANT, or raise ControlError."""
+        """Return a duration longer than ``INSTANT`` [s], or raise ControlError."""
         name = "duration"
         if not isinstance(value, int | float | np.floating | np.integer):
             raise self._error(f"'{name}' must be a number, got {value!r:.80}")
@@ -133,7 +134,7 @@ class Arguments:
         return float(value)
 
     def times(self, values: ArrayLike) -> list[float]:
-        """Return increasing times after an INSTANT [s], or raise ControlError."""
+        """Return increasing times, all after ``INSTANT`` [s], or raise ControlError."""
         given = np.asarray(values, dtype=np.float64)
         steps = np.diff(given, prepend=INSTANT) if given.ndim == 1 else np.zeros(0)
         if not given.size or not (steps > 0.0).all():

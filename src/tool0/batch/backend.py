@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from tool0.simulation.executor import Executor
 
 ObjectField = Literal["mass", "friction", "size"]
-"""Field of a ``SceneObject`` that differs between copies; sizes are those of its
+"""Field of a ``SceneObject`` that may differ between copies; ``size`` belongs to its
 geometry."""
 
 Names = frozenset[str]
-"""Links, objects or the ground."""
+"""Names of links or objects, or ``ground``."""
 
 CPU = "cpu"
 _DEVICE = re.compile(r"cpu|cuda(:\d+)?|warp:cpu")
@@ -40,12 +40,13 @@ _DEVICE = re.compile(r"cpu|cuda(:\d+)?|warp:cpu")
 class DeviceArrays(NamedTuple):
     """The state of n copies where it is computed, in single precision.
 
-    These are Warp's arrays; ``torch.from_dlpack`` and the like share their memory.
-    They change when time passes, and must not be written to.
+    The fields are Warp arrays; ``torch.from_dlpack`` and similar functions share their
+    memory.  The arrays change as time advances, and are not to be written to.
     """
 
     position: Any
-    """Joint positions [rad | m], shape (n, n_joints), as ``Batch.joint_names``."""
+    """Joint positions [rad | m], shape (n, n_joints), ordered as
+    ``Batch.joint_names``."""
     velocity: Any
     """Joint velocities [rad/s | m/s], shape (n, n_joints)."""
     effort: Any
@@ -59,13 +60,14 @@ class DeviceArrays(NamedTuple):
     object_angular: Any
     """Angular velocities of the objects in their own axes [rad/s], shape (n, m, 3)."""
     diverged: Any
-    """1 for copies that stopped because their physics failed, shape (n,): int32."""
+    """1 for copies that stopped because their physics failed, else 0; int32, shape
+    (n,)."""
 
 
 class BatchBackend(Protocol):
-    """n copies of a robot and its scene; arguments have been checked.
+    """n copies of a robot and its scene; callers have checked the arguments.
 
-    Arrays have one row per copy, or one per row of ``rows`` where a method has these.
+    Arrays have one row per copy, or one per entry of ``rows`` in methods that take it.
     """
 
     @property
@@ -74,13 +76,13 @@ class BatchBackend(Protocol):
 
     @property
     def has_diverged(self) -> NDArray[np.bool_]:
-        """Copies whose physics failed, until ``reset``."""
+        """Whether each copy's physics has failed since its last ``reset``."""
 
     def step(self, ticks: int, rows: Indices) -> None:
-        """Advance these copies, but for those that have diverged."""
+        """Advance these copies, except those that have diverged."""
 
     def reset(self, rows: Indices, starts: Mapping[str, Array]) -> None:
-        """Reset copies, at the initial pose changed by ``starts`` [rad | m]."""
+        """Reset copies; ``starts`` replaces initial positions of joints [rad | m]."""
 
     def save(self) -> Sequence[SavedCopy]:
         """Return the state of each copy; ControlError if one cannot be saved."""
@@ -89,14 +91,15 @@ class BatchBackend(Protocol):
         """Restore saved states of copies, one per row.
 
         Raises:
-            Tool0Error: If one is of another robot, other objects or controllers.
+            Tool0Error: If a state is of another robot, or has other objects or
+                controllers.
         """
 
     def states(self) -> tuple[Array, Array, Array]:
         """Return positions, velocities and efforts, each of shape (n, n_joints)."""
 
     def arrays(self) -> DeviceArrays:
-        """Return the state where it is computed; ControlError if this is the CPU."""
+        """Return the state on the device that computes it; ControlError on the CPU."""
 
     def objects(self) -> ObjectArrays:
         """Return poses and velocities of the objects."""
@@ -105,20 +108,21 @@ class BatchBackend(Protocol):
         """Return the normal force on each pad in the last step [N], (n, n_pads)."""
 
     def wrenches(self, links: frozenset[str], at: str) -> Array:
-        """Return force [N] and torque [N·m] on links by contacts with others, (n, 6).
+        """Return the force [N] and torque [N·m] of other bodies on links, shape (n, 6).
 
-        They act at the origin of the link ``at``, in its axes, in the last step.
+        The wrench is the sum over the contacts in the last step, at the origin and in
+        the axes of the link ``at``.
         """
 
     def contacts(self, first: Names | None, second: Names | None) -> ContactArrays:
-        """Return the contacts of ``first`` with ``second``; None is everything.
+        """Return the contacts of ``first`` with ``second``; None means any body.
 
         Raises:
-            ControlError: If this is a GPU.
+            ControlError: On a GPU.
         """
 
     def are_touching(self, first: Names, second: Names | None) -> NDArray[np.bool_]:
-        """Return whether there is such a contact in each copy."""
+        """Return whether ``first`` and ``second`` touch, per copy."""
 
     def start_sensor(self, sensor: CopySensor) -> None:
         """Sample in all copies now, and then whenever it is due."""
@@ -127,28 +131,29 @@ class BatchBackend(Protocol):
         """Stop sampling."""
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
-        """Place an object, at rest; ControlError if that is impossible."""
+        """Place an object at rest, or raise ControlError if that is impossible."""
 
     def change(
         self, rows: Indices, name: str, field: ObjectField, values: Array
     ) -> None:
-        """Give an object other values of a field, as if it had been made with them.
+        """Change a field of an object, as if it had been created with these values.
 
         Args:
             rows: The copies.
             name: The object.
             field: The field.
-            values: Shape (len(rows),); or (len(rows), k), of k sizes.
+            values: Values of the field, shape (len(rows),), or (len(rows), k) for k
+                sizes.
 
         Raises:
-            ControlError: If a GPU cannot change that field.
+            ControlError: If this is a GPU, which cannot change that field.
         """
 
     def executor(self, i: int) -> Executor:
-        """Return what moves one copy, whose core is up to date.
+        """Return the executor of one copy, with the copy's core up to date.
 
         Raises:
-            ControlError: If this is no CPU.
+            ControlError: If the copies are not on the CPU.
         """
 
     def start(
@@ -162,25 +167,26 @@ class BatchBackend(Protocol):
         velocities: Array | None,
         lifts_limits: bool,
     ) -> bool:
-        """Start motions of r copies to points; return False if only Python can.
+        """Start motions of r copies through points; return False if this needs Python.
 
         Args:
             rows: The copies.
             controller: Its number among the running controllers.
-            joints: The k of its joints that move, by number.
+            joints: Numbers of its k joints that move.
             times: Times of the points after now [s], shape (r, m).
             positions: Positions [rad | m], shape (r, m, k).
-            velocities: Velocities [rad/s | m/s], the same shape; None makes linear
+            velocities: Velocities [rad/s | m/s], shape (r, m, k); None for linear
                 motions.
-            lifts_limits: Whether the drives of the joints may have limits of a goal,
-                which end.
+            lifts_limits: Whether the drives may still have the limits of a gripper's
+                goal, which this motion removes.
 
         Raises:
-            GoalRejectedError: If no joint can move so; nothing has changed.
+            GoalRejectedError: If the joints cannot make this motion; nothing has
+                changed.
         """
 
     def holds(self, array: object) -> bool:
-        """Return whether ``command`` takes an array without a copy to the host."""
+        """Return whether ``command`` takes an array without copying it to the host."""
 
     def command(
         self,
@@ -190,18 +196,17 @@ class BatchBackend(Protocol):
         velocities: object | None,
         duration: float,
     ) -> None:
-        """Start motions to positions in arrays on the device.
+        """Start motions to positions given as arrays on the device.
 
         Args:
             rows: The copies.
             goals: The joints that move, by the number of their running controller.
-            positions: Positions [rad | m], shape (n, k), as ``velocities`` [rad/s |
-                m/s].
-            velocities: None makes linear motions.
+            positions: Positions [rad | m], shape (n, k).
+            velocities: Velocities [rad/s | m/s], shape (n, k); None for linear motions.
             duration: Duration [s].
 
         Raises:
-            ControlError: If an array is not of single precision, or this is the CPU.
+            ControlError: If an array is not in single precision, or this is the CPU.
         """
 
     def grip(
@@ -212,13 +217,13 @@ class BatchBackend(Protocol):
         openings: object,
         limits: Sequence[DriveLimits],
     ) -> bool:
-        """Move a gripper along ``direct_path``; return False if only Python can.
+        """Move a gripper along ``direct_path``; return False if this needs Python.
 
         Args:
             rows: The copies, at least one.
             controller: Its number among the running controllers.
             joint: The number of the gripper's joint in the controller.
-            openings: Openings [m], shape (n,); perhaps an array on the device.
+            openings: Openings [m], shape (n,); may be an array on the device.
             limits: Limits of speed and force, one per row.
         """
 
@@ -230,23 +235,23 @@ class BatchBackend(Protocol):
         effort: float | None,
         limits: Sequence[DriveLimits],
     ) -> bool:
-        """Start goals of a GripperActionController; return False if only Python can.
+        """Start goals of a GripperActionController; return False if this needs Python.
 
         Args:
             rows: The copies, at least one.
             controller: Its number among the running controllers.
             targets: Targets of its joint, within the limits, one per row [rad | m].
             effort: Largest effort of its joint [N·m | N]; None for the controller's
-                own.
+                default.
             limits: Limits of speed and force, one per row.
         """
 
 
 def changed_object(item: SceneObject, field: ObjectField, value: Any) -> SceneObject:
-    """Return an object with another number in a field, or numbers for the size.
+    """Return a copy of an object with another value of a field.
 
     Raises:
-        ConfigError: If it cannot have that.
+        ConfigError: If the object cannot have that value.
     """
     if field == "size":
         numbers = (value,) if isinstance(value, float) else value
@@ -266,7 +271,7 @@ def needs_gpu(what: str) -> ControlError:
 
 
 def checked_device(device: str, threads: int | None) -> str:
-    """Return ``device``, or raise ConfigError if it is unknown or needs no threads.
+    """Return ``device``; ConfigError if it is unknown or does not take ``threads``.
 
     Raises:
         EngineUnavailableError: If MuJoCo Warp is needed and not installed.

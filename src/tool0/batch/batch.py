@@ -69,14 +69,14 @@ FrozenArray = TypeVar("FrozenArray", bound=NDArray[Any])
 
 @final
 class Batch:
-    """n copies of a robot and its scene, advanced together: MuJoCo only.
+    """n copies of a robot and its scene, advanced together; MuJoCo only.
 
-    Each copy behaves as a single ``bringup`` with ``realtime=False`` that gets the same
-    commands at the same ticks, bit for bit.  Every array has one row per copy, shape
-    (n, …), and is in SI units; a value without that axis applies to all copies.
-    ``which`` chooses copies, by a mask of shape (n,) or by number; the rows of the
-    others are not read.  Returned arrays are read-only, and do not
-    change when time passes.
+    Each copy behaves, bit for bit, like a single ``bringup`` with ``realtime=False``
+    that gets the same commands at the same ticks.  Every array has one row per copy,
+    shape (n, …), and is in SI units; an argument without this axis applies to all
+    copies.  ``which`` selects copies, by a mask of shape (n,) or by number; the rows of
+    other copies are ignored.  Returned arrays are read-only, and do not change as time
+    advances.
     """
 
     def __init__(
@@ -96,18 +96,19 @@ class Batch:
             n: Number of copies.
             description: The robot.
             control: Its controllers and its initial pose.
-            scene: The objects around the robot: for all copies, or one scene per copy.
-                Those of the copies differ in mass, friction, pose, colour, and in the
-                size of boxes, cylinders and spheres only.
+            scene: The objects around the robot: one scene for all copies, or one per
+                copy.  Scenes of copies may differ only in the mass, friction, pose and
+                colour of objects, and in the size of boxes, cylinders and spheres.
             dt: Length of a physics step [s].
-            threads: Threads that step the copies; as many as there are processors, or
-                copies if these are fewer, if not given.  A GPU needs none.
-            device: Device that computes: "cpu"; a GPU, as "cuda" or "cuda:1", in single
-                precision; or "warp:cpu", which computes as a GPU does, slowly.
+            threads: Threads that step the copies; if left out, one per processor, but
+                no more than there are copies.  Not for a GPU.
+            device: Device that computes: "cpu"; a GPU, such as "cuda" or "cuda:1",
+                which computes in single precision; or "warp:cpu", which runs the GPU's
+                code on the CPU, slowly.
 
         Raises:
             ConfigError: If ``n`` or ``threads`` is out of range, scenes differ, or the
-                device cannot run what is asked for.
+                device cannot run the request.
             EngineUnavailableError: If there is no such device, or MuJoCo Warp is not
                 installed.
             Tool0Error: If an option or a file is wrong.
@@ -142,16 +143,16 @@ class Batch:
         self._diverged: NDArray[np.bool_] | None = None
         self._joints: tuple[Array, Array, Array] | None = None
         self._object_arrays: ObjectArrays | None = None
-        """Arrays read since the state last changed, like the two before."""
+        """Poses and velocities of objects, cached until the state changes."""
         self._sizes: dict[str, Array] = {}
-        """Sizes of objects that were read since they last changed, by name."""
+        """Sizes of objects by name, cached until they change."""
         self._sensors: dict[str | None, BatchForceTorque] = {}
-        """Sensors by link, and by any other name by which they were requested."""
+        """Sensors by link, and by every other name that was used to request them."""
         self._is_closed = False
         self._alone = OneThread()
-        """Entered by the thread that reads the state."""
+        """Guard that a thread enters to read the state."""
         self._changing = self._alone.then(self._forget)
-        """Entered by the thread that changes the state."""
+        """Guard that a thread enters to change the state."""
 
     # ---- what it is -----------------------------------------------------------------
 
@@ -187,9 +188,9 @@ class Batch:
 
     @cached_property
     def arm_joints(self) -> tuple[str, ...]:
-        """The joints that ``command`` and ``follow`` move if none are named.
+        """The joints that ``command`` and ``follow`` move by default.
 
-        Those of every running trajectory controller that drives no gripper.
+        They are the joints of all running trajectory controllers that drive no gripper.
         """
         return self._commands.arm_joints
 
@@ -200,14 +201,14 @@ class Batch:
 
     @cached_property
     def link_names(self) -> tuple[str, ...]:
-        """The links of the robot, also those that are fixed to others."""
+        """The links of the robot, including those fixed to other links."""
         return tuple(self._model.link_by_name)
 
     def pad_names(self, gripper: str | None = None) -> tuple[str, str]:
-        """Return the links that are the two pads, in the order of ``pad_forces``.
+        """Return the links of the two pads, in the order of ``pad_forces``.
 
         Raises:
-            ControlError: If there is no such gripper, or it has no two pads.
+            ControlError: If there is no such gripper, or it does not have two pads.
         """
         return pad_links(self._model, self._gripper(gripper))
 
@@ -241,7 +242,7 @@ class Batch:
 
     @property
     def diverged(self) -> NDArray[np.bool_]:
-        """Copies whose physics failed, shape (n,): each stands still until a reset."""
+        """Whether each copy's physics failed, shape (n,); it stops until its reset."""
         found = self._diverged
         if found is None:
             with self._alone:
@@ -249,13 +250,14 @@ class Batch:
         return found
 
     def tool_pose(self, robot: str | None = None) -> tuple[Array, Array]:
-        """Return position [m], (n, 3), and quat_wxyz, (n, 4), of tool0 in the root.
+        """Return tool0's position [m], (n, 3), and quat_wxyz, (n, 4), in the root.
 
         Args:
-            robot: The arm, by name; the only one, if left out.
+            robot: Name of the arm; may be left out if there is only one.
 
         Raises:
-            ControlError: If there is no such arm, or several and no name.
+            ControlError: If there is no such arm, or there are several and none is
+                named.
         """
         arms = find_arms(self._model)
         link = _named(arms, robot, "arm", self._model).flange
@@ -263,16 +265,17 @@ class Batch:
         return _frozen(frames.position), _frozen(frames.quat_wxyz)
 
     def tcp_pose(self, gripper: str | None = None) -> tuple[Array, Array]:
-        """Return position [m], (n, 3), and quat_wxyz, (n, 4), of the tcp in the root.
+        """Return the tcp's position [m], (n, 3), and quat_wxyz, (n, 4), in the root.
 
-        It is the point midway between the pads: y points from pad to pad, z away from
-        the gripper, as for ``Gripper.tcp``.
+        The tcp is the point midway between the pads.  Its y axis points from pad to pad
+        and its z axis away from the gripper, as in ``Gripper.tcp``.
 
         Args:
-            gripper: The gripper, by name; the only one, if left out.
+            gripper: Name of the gripper; may be left out if there is only one.
 
         Raises:
-            ControlError: If there is no such gripper, or several and no name.
+            ControlError: If there is no such gripper, or there are several and none is
+                named.
         """
         geometry = self._gripper(gripper)
         if geometry.name not in self._tcp_frames:
@@ -290,21 +293,21 @@ class Batch:
     ) -> Array:
         """Return joint positions that take tool0 to poses in the root.
 
-        Of the postures within the limits, it is the nearest to the present positions,
-        in time at full speed.
+        Of the postures within the joint limits, it returns the one that the arm reaches
+        first at full speed from its current positions.
 
         Args:
             position: Position [m], shape (n, 3).
             quat: w, x, y, z, shape (n, 4).
-            robot: The arm, by name; the only one, if left out.
+            robot: Name of the arm; may be left out if there is only one.
             which: The copies.
 
         Returns:
-            [rad], shape (n, 6), from base to flange; NaN in a row whose pose is out of
-            reach or singular, and in those of other copies.
+            Joint positions [rad], shape (n, 6), from base to flange; NaN in the rows of
+            poses that are out of reach or singular, and of copies not in ``which``.
 
         Raises:
-            ControlError: If a shape or a number is wrong, or there is no such arm.
+            ControlError: If a shape or a value is wrong, or there is no such arm.
         """
         check = Arguments(self._n, "inverse_kinematics")
         rows = check.which(which)
@@ -349,16 +352,16 @@ class Batch:
 
     @property
     def object_angular(self) -> Array:
-        """Angular velocities of the objects [rad/s], in the same axes and shape."""
+        """Angular velocities [rad/s], in the root's axes, shape (n, n_objects, 3)."""
         return _frozen(self._objects().angular)
 
     def pad_forces(self, gripper: str | None = None) -> Array:
         """Return the normal force on each pad in the last step [N], shape (n, 2).
 
-        The sum over all contacts of a pad, whatever touches it.
+        The force is the sum over all contacts of a pad, whatever touches it.
 
         Raises:
-            ControlError: If there is no such gripper, or it has no two pads.
+            ControlError: If there is no such gripper, or it does not have two pads.
         """
         pads = self.pad_names(gripper)
         with self._alone:
@@ -366,7 +369,7 @@ class Batch:
 
     @property
     def device_arrays(self) -> DeviceArrays:
-        """The state on the device of a GPU, without a copy to the host.
+        """The state in the memory of the GPU, without a copy to the host.
 
         Raises:
             ControlError: If this is the CPU.
@@ -375,19 +378,19 @@ class Batch:
             return self._copies.arrays()
 
     def tool_wrench(self, robot: str | None = None) -> Array:
-        """Return force [N] and torque [N·m] of contacts on the tool, shape (n, 6).
+        """Return the force [N] and torque [N·m] of contacts on the tool, shape (n, 6).
 
-        They act at the origin of tool0, in its axes: the sum over the contacts, in the
-        last step, of the links beyond tool0 with anything else.  That includes a held
-        object, so that its weight and its contacts act on the tool.  The weight and the
+        The wrench is given at the origin and in the axes of tool0.  It is the sum over
+        all contacts, in the last step, between links beyond tool0 and other bodies.
+        These include a held object, so its weight and contacts count.  The weight and
         inertia of the gripper are not part of the wrench.
 
         Args:
-            robot: The arm, by name; the only one, if left out.
+            robot: Name of the arm; may be left out if there is only one.
 
         Raises:
-            ControlError: If there is no such arm, or several and no name, or this is a
-                GPU.
+            ControlError: If there is no such arm, there are several and none is named,
+                or this is a GPU.
         """
         arms = find_arms(self._model)
         flange = _named(arms, robot, "arm", self._model).flange
@@ -401,15 +404,16 @@ class Batch:
         second: Bodies | None = None,
         which: Which | None = None,
     ) -> Contacts:
-        """Return the contacts in the last step, one row per pair that touches.
+        """Return the contacts in the last step, one row per touching pair.
 
-        They are computed on request, and have the same fields as those of
-        ``Robot.contacts``.  Only pairs with a normal force count as contacts.
+        Contacts are computed on request, and have the same fields as in
+        ``Robot.contacts``.  Only pairs with a normal force count.
 
         Args:
-            first: A link, an object, or ``ground``, by name, or several of them: it is
-                ``first`` in each row; any, if left out.
-            second: The link or object that it touches; any, if left out.
+            first: Name of a link or an object, or ``ground``, or several of these.  It
+                is ``first`` in each row.  If left out, any body.
+            second: Name of the link or object that touches ``first``; if left out, any
+                body.
             which: The copies.
 
         Raises:
@@ -434,13 +438,14 @@ class Batch:
     def in_contact(
         self, first: Bodies, second: Bodies | None = None
     ) -> NDArray[np.bool_]:
-        """Return whether bodies touch in the last step, shape (n,).
+        """Return whether two bodies touched in the last step, shape (n,).
 
-        Less is computed than by ``contacts``.
+        This is faster than ``contacts``.
 
         Args:
-            first: A link, an object, or ``ground``, by name, or any of several.
-            second: The thing that it touches; any, if left out.
+            first: Name of a link or an object, or ``ground``; of several, any one
+                counts.
+            second: Name of the body that touches ``first``; if left out, any body.
 
         Raises:
             ControlError: If there is no such link or object.
@@ -452,14 +457,14 @@ class Batch:
 
     @property
     def force_torque(self) -> BatchForceTorque:
-        """The force-torque sensor of the robot's only tool0, in each copy."""
+        """The force-torque sensor at the robot's only tool0, in each copy."""
         return self.force_torque_of(None)
 
     def force_torque_of(self, link: str | None) -> BatchForceTorque:
-        """Return the force-torque sensor at a link, by its name or that of a sensor.
+        """Return the force-torque sensor at a link, given the link's or sensor's name.
 
         Raises:
-            ModelError: If there is neither.
+            ModelError: If there is neither a link nor a sensor of that name.
             ControlError: If no link is named, and the robot has no tool0 or several.
         """
         if link not in self._sensors:
@@ -486,25 +491,25 @@ class Batch:
         joints: Sequence[str] | None = None,
         which: Which | None = None,
     ) -> None:
-        """Move joints to ``positions``, as ROS's topic ``~/command`` with one point.
+        """Move joints to ``positions``, like one point on ROS's topic ``~/command``.
 
-        The motion starts from the present setpoint; it replaces what is left of the
-        motion before it.
+        The motion starts from the current setpoint, and replaces the rest of the
+        previous motion.
 
         Args:
-            positions: Positions [rad | m], shape (n, k).  An array on the device of a
-                GPU, such as PyTorch's, is not copied to the host and its numbers are
-                not checked: those beyond a limit count as the limit, and a copy with
-                one that is not finite diverges.  It must be float32 and of the whole
-                shape.
-            velocities: Those at the positions [rad/s | m/s], shape (n, k); if left out,
-                the setpoints move linearly and then rest, as in ROS.
-            duration: Time until the joints are there [s].
-            joints: The k joints; ``arm_joints``, if left out.
+            positions: Positions [rad | m], shape (n, k).  An array in the GPU's memory,
+                such as a PyTorch tensor, is not copied to the host, and its values are
+                not checked: those beyond a limit are clamped to it, and a copy with a
+                non-finite value diverges.  Such an array must be float32 and have the
+                full shape.
+            velocities: Velocities at the positions [rad/s | m/s], shape (n, k); if left
+                out, the setpoints move linearly and then rest, as in ROS.
+            duration: Time until the joints arrive [s].
+            joints: Names of the k joints; if left out, ``arm_joints``.
             which: The copies.
 
         Raises:
-            ControlError: If a shape, a number or a joint is wrong; nothing has moved.
+            ControlError: If a shape, a value or a joint is wrong; nothing has moved.
         """
         check = Arguments(self._n, "command")
         duration = check.duration(duration)
@@ -539,18 +544,18 @@ class Batch:
         joints: Sequence[str] | None = None,
         which: Which | None = None,
     ) -> None:
-        """Move joints along trajectories, as ROS's topic ``~/command``.
+        """Move joints along trajectories, like a message on ROS's topic ``~/command``.
 
         Args:
             positions: Positions of m points [rad | m], shape (n, m, k).
-            times: Times after now [s], increasing, shape (m,).
-            velocities: Those at the points [rad/s | m/s], shape (n, m, k); if left out,
-                the setpoints move linearly between them.
-            joints: The k joints; ``arm_joints``, if left out.
+            times: Increasing times of the points from now [s], shape (m,).
+            velocities: Velocities at the points [rad/s | m/s], shape (n, m, k); if left
+                out, the setpoints move linearly between the points.
+            joints: Names of the k joints; if left out, ``arm_joints``.
             which: The copies.
 
         Raises:
-            ControlError: If a shape, a number or a joint is wrong; nothing has moved.
+            ControlError: If a shape, a value or a joint is wrong; nothing has moved.
         """
         check = Arguments(self._n, "follow")
         names, parts = self._commands.parts(joints)
@@ -577,17 +582,17 @@ class Batch:
     ) -> None:
         """Move the pads to ``opening``; grip an object on the way with ``force``.
 
-        The driven joint moves along one cubic that ends at rest
-        (``motion.gripper.direct_path``); a GripperActionController moves it its way.
+        The driven joint moves along a single cubic that ends at rest
+        (``motion.gripper.direct_path``); a GripperActionController uses its own motion.
 
         Args:
-            opening: Distance between the pads [m], shape (n,).  An array on the device
-                of a GPU is treated as in ``command``.
+            opening: Distance between the pads [m], shape (n,).  An array in the GPU's
+                memory is treated as in ``command``.
             speed: Speed of the pads relative to each other [m/s], shape (n,); the
-                fastest, if left out.
-            force: Largest force at each pad [N], shape (n,); the strongest, if left
-                out.
-            gripper: The gripper, by name; the only one, if left out.
+                gripper's maximum if left out.
+            force: Largest force at each pad [N], shape (n,); the gripper's maximum if
+                left out.
+            gripper: Name of the gripper; may be left out if there is only one.
             which: The copies.
 
         Raises:
@@ -630,15 +635,15 @@ class Batch:
     def step(self, ticks: int = 1, which: Which | None = None) -> None:
         """Advance copies by ``ticks`` control periods.
 
-        A copy that diverged stands still.
+        A copy that has diverged does not advance.
 
         Args:
             ticks: Number of ticks.
-            which: The copies; all, if left out.  Time stands still in the others.
+            which: The copies to advance; all if left out.  Time stops in the others.
 
         Raises:
-            ControlError: If ``ticks`` is no whole number, or negative, or if only some
-                copies are to advance on a GPU.
+            ControlError: If ``ticks`` is negative or not a whole number, or if
+                ``which`` leaves out copies on a GPU.
         """
         if not isinstance(ticks, int | np.integer) or ticks < 0:
             raise ControlError(
@@ -662,9 +667,9 @@ class Batch:
 
         Args:
             which: The copies.
-            position: Positions of all joints [rad | m], shape (n, n_joints); the
-                initial pose, if left out.  Joints that mimic another follow it; their
-                numbers are not read.
+            position: Positions of all joints [rad | m], shape (n, n_joints); if left
+                out, the initial pose.  Mimic joints follow the joints that they mimic;
+                their values are ignored.
 
         Raises:
             ControlError: If a shape or a number is wrong.
@@ -685,12 +690,12 @@ class Batch:
             self._copies.reset(rows, starts)
 
     def save(self) -> BatchState:
-        """Return the state of all copies; it does not change.
+        """Return an immutable state of all copies.
 
-        It contains everything that determines their future: joints, objects with their
-        sizes, masses and frictions, warm start and contacts of the physics, motions,
-        integrals of the controllers, grippers, and time; and how the copies look in
-        images.
+        It contains everything that determines how the copies continue: joints; objects
+        with their sizes, masses and frictions; warm start and contacts of the physics;
+        motions; integrals of the controllers; grippers; and time.  It also contains the
+        appearance of the copies in images.
 
         Raises:
             ControlError: If a goal of a GripperActionController is active in a copy, or
@@ -705,13 +710,14 @@ class Batch:
         which: Which | None = None,
         source: ArrayLike | None = None,
     ) -> None:
-        """Return copies to saved states, from which they continue bit for bit.
+        """Return copies to saved states; they continue from there bit for bit.
 
         Args:
-            state: State of this batch, or of one with the same robot, controllers and
-                objects, whose sizes may differ.
+            state: State of this batch, or of a batch with the same robot, controllers
+                and objects; the objects' sizes may differ.
             which: The copies.
-            source: Number of the saved copy for each, shape (n,); its own, if left out.
+            source: Number of the saved copy to restore in each copy, shape (n,); if
+                left out, its own number.
 
         Raises:
             ControlError: If a number is not that of a saved copy, the robot or the
@@ -749,18 +755,18 @@ class Batch:
         quat: ArrayLike | None = None,
         which: Which | None = None,
     ) -> None:
-        """Place an object, at rest.  A reset returns it to its start.
+        """Place an object at rest; a reset returns it to its initial pose.
 
         Args:
             name: The object.
             position: Position of its origin in the root [m], shape (n, 3).
-            quat: Its orientation w, x, y, z, shape (n, 4); upright as the root's axes,
-                if left out.
+            quat: Orientation of the object w, x, y, z, shape (n, 4); if left out,
+                aligned with the root's axes.
             which: The copies.
 
         Raises:
-            ControlError: If there is no such object, it is fixed and on a GPU, or a
-                shape or a number is wrong; nothing has changed.
+            ControlError: If there is no such object, it is a fixed object on a GPU, or
+                a shape or a value is wrong; nothing has changed.
         """
         check = Arguments(self._n, "place")
         rows = check.which(which)
@@ -774,7 +780,7 @@ class Batch:
             self._copies.place(rows, name, xyz, quats)
 
     def set_mass(self, name: str, mass: ArrayLike, which: Which | None = None) -> None:
-        """Give a movable object another mass; it keeps its shape.
+        """Change the mass of a movable object; its shape stays the same.
 
         Args:
             name: The object.
@@ -783,31 +789,31 @@ class Batch:
 
         Raises:
             ControlError: If there is no such object, it is fixed, or a mass is not
-                above 0; nothing has changed.
+                positive; nothing has changed.
         """
         self._change_objects("set_mass", name, "mass", mass, which)
 
     def set_friction(
         self, name: str, friction: ArrayLike, which: Which | None = None
     ) -> None:
-        """Give an object another friction coefficient.
+        """Change the friction coefficient of an object.
 
         Args:
             name: The object.
-            friction: Friction as ``SceneObject.friction``, shape (n,).
+            friction: Friction coefficient, as in ``SceneObject.friction``, shape (n,).
             which: The copies.
 
         Raises:
-            ControlError: If there is no such object, or a number is below 0; nothing
+            ControlError: If there is no such object, or a value is negative; nothing
                 has changed.
         """
         self._change_objects("set_friction", name, "friction", friction, which)
 
     def set_size(self, name: str, size: ArrayLike, which: Which | None = None) -> None:
-        """Give a box, a cylinder or a sphere another size; it keeps its mass.
+        """Change the size of a box, a cylinder or a sphere; its mass stays the same.
 
-        Its origin stays where it is, in its middle: place it so that it overlaps
-        nothing.  A reset keeps the size.
+        The object's origin, which is its centre, does not move: place the object so
+        that it overlaps nothing.  A reset keeps the size.
 
         Args:
             name: The object.
@@ -816,8 +822,8 @@ class Batch:
             which: The copies.
 
         Raises:
-            ControlError: If there is no such object, it has another shape, a number is
-                not above 0, or this is a GPU; nothing has changed.
+            ControlError: If there is no such object, it has another shape, a value is
+                not positive, or this is a GPU; nothing has changed.
         """
         shape = self._size_shape("set_size", name)
         self._change_objects("set_size", name, "size", size, which, shape=shape)
@@ -871,10 +877,10 @@ class Batch:
     def segment_all(
         self, camera: str, which: Which | None = None
     ) -> tuple[NDArray[np.int32], ...]:
-        """Return what each pixel shows, one array of shape (height, width) per copy.
+        """Return a segmentation image per copy, each of shape (height, width).
 
-        The number of an object in ``object_names``; -1 for the robot, -2 for the
-        ground, and -3 for nothing.
+        Each pixel is the index of an object in ``object_names``, -1 for the robot, -2
+        for the ground, or -3 for the background.
 
         Args:
             camera: A camera of the robot or of the scene.
@@ -894,7 +900,7 @@ class Batch:
         quat: ArrayLike,
         which: Which | None = None,
     ) -> None:
-        """Move a camera of each copy, in the link that carries it.
+        """Move a camera of each copy, relative to the link that carries it.
 
         Args:
             name: A camera of the robot or of the scene.
@@ -916,7 +922,7 @@ class Batch:
         brightness: ArrayLike = 1.0,
         which: Which | None = None,
     ) -> None:
-        """Change the light in images of copies.
+        """Change the light in the images of copies.
 
         Args:
             lamp: Position of the lamp in the root [m], shape (n, 3).
@@ -933,11 +939,11 @@ class Batch:
     def set_colour(
         self, name: str, rgba: ArrayLike, which: Which | None = None
     ) -> None:
-        """Change the colour of an object in images.
+        """Change the colour of an object in the images of copies.
 
         Args:
             name: The object.
-            rgba: Each 0 … 1, shape (n, 4).
+            rgba: Red, green, blue and alpha, each 0 … 1, shape (n, 4).
             which: The copies.
 
         Raises:
@@ -969,7 +975,7 @@ class Batch:
     # ---- details --------------------------------------------------------------------
 
     def _backend(self) -> BatchBackend:
-        """Return the backend of the device."""
+        """Return a backend for the device."""
         if self._device == CPU:
             from tool0.batch.copies import Copies
 
@@ -979,13 +985,13 @@ class Batch:
         return DeviceCopies(self._cores[0], self._model, self._n, self._device)
 
     def _forget(self) -> None:
-        """Forget arrays that were read: the state changes."""
+        """Discard the cached arrays, because the state changes."""
         if self._is_closed:
             raise ControlError("the batch is closed")
         self._diverged = self._joints = self._object_arrays = None
 
     def __reduce__(self) -> NoReturn:
-        """Refuse to be pickled or copied."""
+        """Raise an error: a batch cannot be pickled or copied."""
         raise TypeError(
             "a Batch cannot be pickled or copied: it is memory of the physics and "
             "threads of this process; make one where it is needed, from the same "
@@ -1011,7 +1017,7 @@ class Batch:
         return found
 
     def _positions(self) -> dict[str, Array]:
-        """Return each joint's positions, shape (n,)."""
+        """Return the positions of each joint, shape (n,)."""
         return dict(zip(self.joint_names, self.position.T, strict=True))
 
     def _link_frames(self, link: str) -> LinkFrames:
@@ -1056,7 +1062,7 @@ class Batch:
             self._sizes.pop(name, None)
 
     def _size_shape(self, method: str, name: str) -> tuple[int, ...]:
-        """Return the shape of an object's size; ControlError if it has none."""
+        """Return the shape of an object's size; ControlError if the object has none."""
         self._object(name)
         item = self._cores[0].scene.objects[self.object_names.index(name)]
         match item.geometry:
@@ -1081,7 +1087,7 @@ class Batch:
             )
 
     def _snapshot(self, i: int) -> Snapshot:
-        """Return the state of one copy, for its image."""
+        """Return the state of one copy, to render it."""
         core = self._cores[i if self._device == CPU else 0]
         arrays, time = self._objects(), float(self.time[i])
         states = (arrays.position, arrays.quat, arrays.linear, arrays.angular)
@@ -1109,7 +1115,7 @@ class Batch:
 def _named(
     parts: Mapping[str, Item], name: str | None, kind: str, model: RobotModel
 ) -> Item:
-    """Return a part by name, or the only one; ControlError otherwise."""
+    """Return a part by name, or the only one if unnamed; ControlError otherwise."""
     if name is None:
         return only_part(parts, kind, model)
     if name not in parts:

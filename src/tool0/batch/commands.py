@@ -1,4 +1,4 @@
-"""Motions of the copies: started all at once, or by each core in Python."""
+"""Starts motions of the copies: all at once in the kernel, or one by one in Python."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class ControllerJoints(NamedTuple):
     controller: str
     joints: tuple[str, ...]
     columns: list[int]
-    """Columns of the joints, in an array of all joints that are commanded."""
+    """Columns of these joints in an array of all commanded joints."""
     number: int
     """The controller's number among the running ones."""
     numbers: IntArray
@@ -43,17 +43,17 @@ class ControllerJoints(NamedTuple):
     """Whether a gripper's goal may limit the drives of the joints."""
 
     def chosen(self, values: Array) -> Array:
-        """Return the columns of the joints in (…, k)."""
+        """Return the columns of these joints in ``values``, shape (…, k)."""
         n = values.shape[-1]
         return values if self.columns == list(range(n)) else values[..., self.columns]
 
 
 @final
 class Commands:
-    """Checks and starts motions.  ``rows`` are the numbers of the chosen copies."""
+    """Checks and starts motions; ``rows`` are the numbers of the chosen copies."""
 
     def __init__(self, model: RobotModel, copies: BatchBackend, first: Core) -> None:
-        """Command ``copies``; all have the controllers of the ``first``."""
+        """Command ``copies``; all have the same controllers as the core ``first``."""
         self._model = model
         self._copies = copies
         self._first = Executor(first)
@@ -62,9 +62,9 @@ class Commands:
         self._period = first.control_period
         self._parts: dict[tuple[str, ...], list[ControllerJoints]] = {}
         self._position_ranges: dict[tuple[str, ...], Array] = {}
-        """Position ranges of the joints that were commanded before."""
+        """Position ranges, cached by the joints of earlier commands."""
         self._drive_limits: dict[tuple[str, float, float], DriveLimits] = {}
-        """Limits of the last grip, by gripper, speed and force."""
+        """Drive limits of grips, cached by gripper, speed and force."""
         self._gripper_controllers: dict[str, tuple[str, Role]] = {}
 
     @cached_property
@@ -80,7 +80,7 @@ class Commands:
     def parts(
         self, joints: Sequence[str] | None
     ) -> tuple[tuple[str, ...], list[ControllerJoints]]:
-        """Return the joints to move, and those of each controller."""
+        """Return the joints to move, in total and by controller."""
         names = self.arm_joints if joints is None else tuple(joints)
         if names not in self._parts:
             self._parts[names] = self._found_parts(names)
@@ -137,7 +137,7 @@ class Commands:
             check_position(joint, float(chosen[i, m, k]), where)
 
     def _ranges(self, names: tuple[str, ...]) -> Array:
-        """Return the ranges of joints' positions [rad | m], shape (2, k)."""
+        """Return joints' lower and upper position limits [rad | m], shape (2, k)."""
         if names not in self._position_ranges:
             ranges = [position_range(joint) for joint in self._limited(names)]
             self._position_ranges[names] = np.array(ranges).T
@@ -179,7 +179,7 @@ class Commands:
         velocities: object | None,
         duration: float,
     ) -> None:
-        """Start motions to positions (n, k) that lie on the device."""
+        """Start motions to positions in the device's memory, shape (n, k)."""
         goals = {}
         for part in parts:
             limited = self._limited(part.joints)
@@ -201,10 +201,10 @@ class Commands:
         *,
         has_force: bool,
     ) -> None:
-        """Move the pads with speeds [m/s] and forces [N] by row.
+        """Move the pads, with one speed [m/s] and force [N] per row.
 
-        ``openings`` [m] have shape (n,), and may lie on the device.  Without
-        ``has_force`` a GripperActionController applies its own effort.
+        ``openings`` [m] have shape (n,), and may be in the device's memory.  Without
+        ``has_force``, a GripperActionController applies its own effort.
         """
         old, bounds = self._drive_limits, []
         self._drive_limits = {}
@@ -261,7 +261,7 @@ class Commands:
             executor.command_gripper(name, target, effort, bound)
 
     def _limited(self, names: Sequence[str]) -> list[Joint]:
-        """Return the joints with the limits of their drives."""
+        """Return the joints, with their limits replaced by those of their drives."""
         limits = self._limits
         return [
             replace(joint, limits=limits.get(joint.name, joint.limits))
@@ -276,7 +276,7 @@ class Commands:
         velocities: Array | None,
         times: Sequence[float],
     ) -> bool:
-        """Start motions without Python; False if only Python can."""
+        """Start motions without Python; return False if this needs Python."""
         return self._copies.start(
             rows,
             part.number,
@@ -310,7 +310,7 @@ class Commands:
         }
 
     def _gripper_controller(self, gripper: ParallelGripper) -> tuple[str, Role]:
-        """Return name and role of the running controller that drives a gripper."""
+        """Return the name and role of the running controller that drives a gripper."""
         if gripper.name not in self._gripper_controllers:
             self._gripper_controllers[gripper.name] = self._found_controller(gripper)
         return self._gripper_controllers[gripper.name]

@@ -15,13 +15,13 @@ from tool0.description.transform_arrays import Array
 from tool0.errors import ControlError, did_you_mean
 
 Bodies = str | Sequence[str]
-"""A link, an object or the ground, by name, or several."""
+"""Name of a link or an object, or ``ground``, or several of these."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Contacts:
-    """Contacts of all copies in the last step: m rows, in the order of the copies.
+    """Contacts of all copies in the last step: m rows, sorted by copy.
 
     Each row is a ``Contact`` of one copy: the resultant of all contact points between
     two links or objects.  Vectors are in the axes of the root.
@@ -37,8 +37,8 @@ class Contacts:
     """Mean of the contact points, weighted by their normal forces [m], (m, 3)."""
     normal: Array
     """Mean normal of the contact points from ``first`` to ``second``, with the same
-    weights.  Its length is 1, or 0 where one body has the other between two of its
-    sides, shape (m, 3)."""
+    weights.  Its length is 1, or 0 where one body is clamped between two sides of the
+    other; shape (m, 3)."""
     distance: Array
     """Least distance of the surfaces, below 0 if they overlap [m], shape (m,)."""
     force: Array
@@ -57,10 +57,10 @@ class Contacts:
 def checked_bodies(
     what: str, given: Bodies | None, model: RobotModel, objects: Sequence[str]
 ) -> frozenset[str] | None:
-    """Return the names as a set; None, for everything, stays None.
+    """Return the names as a set; None, which stands for any body, stays None.
 
     Raises:
-        ControlError: If one is no link, object or ground.
+        ControlError: If a name is not a link, an object or ``ground``.
     """
     if given is None:
         return None

@@ -44,21 +44,21 @@ from tool0.simulation.core import Core
 from tool0.simulation.executor import Executor
 
 MOST_TICKS = 1000
-"""Ticks of each copy that the kernel executes in one call: a signal such as Ctrl-C is
-handled between two."""
+"""Ticks of each copy that the kernel executes per call; signals such as Ctrl-C are
+handled between calls."""
 
 
 @final
 class Copies:
     """Cores of one robot, with their state in the kernel's memory.
 
-    While a copy is loaded there, its core is out of date; ``executor`` brings it up to
-    date.  Python runs the copies that the kernel cannot run, and the ticks that it
-    leaves to Python.
+    While a copy is loaded into the kernel, its core is out of date; ``executor`` brings
+    the core up to date.  Python runs the copies that the kernel cannot run, and the
+    ticks that the kernel leaves to it.
     """
 
     def __init__(self, cores: Sequence[Core], threads: int) -> None:
-        """Take the cores over; the kernel runs them in so many threads."""
+        """Take over the cores; the kernel runs them in this number of threads."""
         self._cores = tuple(cores)
         self._period = cores[0].control_period
         self._executors = tuple(map(Executor, cores))
@@ -68,8 +68,8 @@ class Copies:
         self._n_joints = len(self._engines[0].joint_names)
         compiled = library.load()
         self._left, self._ticks, self._untold = np.zeros((3, n), dtype=np.int64)
-        """Ticks to execute, those since the reset, and those that the kernel executed
-        and the core does not know of."""
+        """Numbers of ticks, by copy: to execute, since the reset, and executed by the
+        kernel but not yet known to the core."""
         self._kernel: BatchKernel | None = None
         if compiled is not None:
             counts = {"left": self._left, "ticks": self._ticks, "untold": self._untold}
@@ -78,10 +78,11 @@ class Copies:
         self._programs: list[TickProgram | None] = [None] * n
         self._has_diverged = np.zeros(n, dtype=np.bool_)
         self._last_steps: Addresses = np.zeros((n, 3), dtype=np.uintp)
-        """Addresses of the last step of loaded copies in the kernel; otherwise 0."""
+        """Addresses of the last steps of copies that are loaded into the kernel, else
+        0."""
         self._sensors: list[CopySensor] = []
         self._laws: dict[int, Addresses] = {}
-        """Addresses of the laws of each running controller, by number."""
+        """Addresses of the control laws of each running controller, by its number."""
 
     @property
     def ticks(self) -> NDArray[np.int64]:
@@ -95,11 +96,11 @@ class Copies:
 
     @property
     def has_diverged(self) -> NDArray[np.bool_]:
-        """Copies whose physics failed, until ``reset``."""
+        """Whether each copy's physics has failed since its last ``reset``."""
         return self._has_diverged
 
     def step(self, ticks: int, rows: Indices) -> None:
-        """Advance these copies, but for those that have diverged."""
+        """Advance these copies, except those that have diverged."""
         left = self._left
         left[:] = 0
         left[rows] = ticks
@@ -116,9 +117,9 @@ class Copies:
                 return
 
     def _run(self, kernel: BatchKernel) -> bool:
-        """Let the kernel execute what is left, or a part; follow how that ends.
+        """Let the kernel execute some or all remaining ticks, and handle the results.
 
-        Return whether ticks may be left.
+        Return whether ticks may remain.
         """
         most = kernel.most
         most[:] = MOST_TICKS
@@ -132,7 +133,7 @@ class Copies:
         return True
 
     def _load_left(self) -> list[int]:
-        """Load the copies with ticks left; return those that Python must execute."""
+        """Load the copies with ticks to do; return those that Python must execute."""
         if np.count_nonzero(self._is_loaded) == len(self._left):
             return []
         self.load(rows := self._left.nonzero()[0])
@@ -140,7 +141,7 @@ class Copies:
         return others
 
     def _tick(self, i: int, event: Ended | None, left: int) -> int:
-        """Execute a tick of one copy in Python; return by how much less is left."""
+        """Execute a tick of one copy in Python; return how many fewer ticks remain."""
         core, untold = self._cores[i], int(self._untold[i])
         self._untold[i] = 0
         try:
@@ -157,7 +158,7 @@ class Copies:
         return 1
 
     def load(self, rows: Indices) -> bool:
-        """Load these copies into the kernel; return whether all are."""
+        """Load these copies into the kernel; return whether all are loaded."""
         is_loaded = self._is_loaded[rows]
         if np.count_nonzero(is_loaded) == len(rows):
             return True
@@ -178,13 +179,13 @@ class Copies:
         return bool(self._is_loaded[rows].all())
 
     def executor(self, i: int) -> Executor:
-        """Return what moves one copy, whose core is up to date."""
+        """Return the executor of one copy, with the copy's core up to date."""
         self.observed(i).sync_from_kernel()
         self._unload(i)
         return self._executors[i]
 
     def observed(self, i: int) -> Core:
-        """Return the core of one copy with an up-to-date state, only to read it."""
+        """Return the core of one copy with an up-to-date state, for reading only."""
         core, untold = self._cores[i], int(self._untold[i])
         if untold:
             self._untold[i] = 0
@@ -192,7 +193,7 @@ class Copies:
         return core
 
     def reset(self, rows: Indices, starts: Mapping[str, Array]) -> None:
-        """Reset copies, as ``BatchBackend.reset``."""
+        """Reset copies; see ``BatchBackend.reset``."""
         for row, i in enumerate(rows.tolist()):
             core = self._cores[i]
             core.sync_from_kernel()
@@ -205,7 +206,7 @@ class Copies:
             sensor.restart(rows)
 
     def save(self) -> tuple[SavedCopy, ...]:
-        """Return the state of each copy, as ``BatchBackend.save``."""
+        """Return the state of each copy; see ``BatchBackend.save``."""
         found = []
         for i, engine in enumerate(self._engines):
             core = self.observed(i).saved()
@@ -216,7 +217,7 @@ class Copies:
         return tuple(found)
 
     def restore(self, rows: Indices, saved: Sequence[SavedCopy]) -> None:
-        """Continue with saved states, as ``BatchBackend.restore``."""
+        """Restore saved states; see ``BatchBackend.restore``."""
         for state in saved:
             self._engines[0].check_saved(state.engine)
             self._cores[0].manager.check_saved(state.core.controllers)
@@ -245,7 +246,7 @@ class Copies:
     def change(
         self, rows: Indices, name: str, field: ObjectField, values: Array
     ) -> None:
-        """Give an object other values of a field: ``BatchBackend.change``."""
+        """Change a field of an object; see ``BatchBackend.change``."""
         for i, value in zip(rows.tolist(), values.tolist(), strict=True):
             scene = self._cores[i].scene
             (item,) = (item for item in scene.objects if item.name == name)
@@ -282,15 +283,15 @@ class Copies:
         return np.array([engine.world.normal_forces(pads) for engine in self._engines])
 
     def wrenches(self, links: frozenset[str], at: str) -> Array:
-        """Return the wrench of contacts on ``links``, as ``BatchBackend.wrenches``."""
+        """Return the wrench of contacts on ``links``; see ``BatchBackend.wrenches``."""
         return np.array([engine.world.wrench_on(links, at) for engine in self._engines])
 
     def contacts(self, first: Names | None, second: Names | None) -> ContactArrays:
-        """Return the contacts, as ``BatchBackend.contacts``."""
+        """Return the contacts; see ``BatchBackend.contacts``."""
         return contact_arrays([each.world for each in self._engines], first, second)
 
     def are_touching(self, first: Names, second: Names | None) -> NDArray[np.bool_]:
-        """Return where bodies touch, as ``BatchBackend.are_touching``."""
+        """Return whether bodies touch, per copy; see ``BatchBackend.are_touching``."""
         return are_touching([each.world for each in self._engines], first, second)
 
     def start_sensor(self, sensor: CopySensor) -> None:
@@ -317,10 +318,11 @@ class Copies:
         velocities: Array | None,
         lifts_limits: bool,
     ) -> bool:
-        """Start motions, as ``BatchBackend.start``, in the kernel if it can.
+        """Start motions, in the kernel if possible; see ``BatchBackend.start``.
 
         Raises:
-            GoalRejectedError: If no joint can move so; nothing has changed.
+            GoalRejectedError: If the joints cannot make this motion; nothing has
+                changed.
         """
         if lifts_limits or min(times[:, 0].tolist(), default=1.0) <= 2.0 * INSTANT:
             return False
@@ -347,7 +349,7 @@ class Copies:
         raise needs_gpu("Batch.device_arrays")
 
     def holds(self, array: object) -> bool:
-        """Return False: every array is of the host."""
+        """Return False: every array is in the host's memory."""
         return False
 
     def command(
@@ -369,7 +371,7 @@ class Copies:
         openings: object,
         limits: Sequence[DriveLimits],
     ) -> bool:
-        """Move a gripper, as ``BatchBackend.grip``: the kernel, if it can."""
+        """Move a gripper, in the kernel if possible; see ``BatchBackend.grip``."""
         if self._kernel is None or not self.load(rows):
             return False
         laws = self._laws[controller][rows]
@@ -404,9 +406,9 @@ class Copies:
         effort: float | None,
         limits: Sequence[DriveLimits],
     ) -> bool:
-        """Start goals of a gripper, as ``BatchBackend.drive``, in the kernel's memory.
+        """Start goals of a gripper in the kernel's memory; see ``BatchBackend.drive``.
 
-        Nobody has their handles.
+        Nobody holds handles to these goals.
         """
         if self._kernel is None or not self.load(rows):
             return False
@@ -421,7 +423,7 @@ class Copies:
         return True
 
     def _limit_drives(self, rows: Indices, limits: Sequence[DriveLimits]) -> None:
-        """Limit the drive of a gripper in copies that are loaded."""
+        """Limit the drive of a gripper in copies that are loaded into the kernel."""
         driven = self._engines[0].joint_names.index(limits[0].gripper.joint)
         for i, each in zip(rows.tolist(), limits, strict=True):
             program = self._programs[i]

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 class SensorKind(NamedTuple):
-    """Properties that distinguish a sensor from another one."""
+    """Properties that identify a sensor."""
 
     link: str
     ticks: int
@@ -32,7 +32,7 @@ class SensorKind(NamedTuple):
 
 
 class SavedSensor(NamedTuple):
-    """A sensor of one copy at one instant, without its tare."""
+    """State of the sensor in one copy at one instant, without its tare."""
 
     left: int
     raw: Array
@@ -42,10 +42,10 @@ class SavedSensor(NamedTuple):
 
 @final
 class CopySensor:
-    """One sensor in all n copies: ``ForceTorqueSensor`` for each of them."""
+    """One sensor in all n copies, each with its own ``ForceTorqueSensor``."""
 
     def __init__(self, kind: SensorKind, cores: Sequence[Core]) -> None:
-        """Sample nothing yet."""
+        """Create the sensor without taking a sample."""
         n = len(cores)
         self.kind = kind
         self._cores = cores
@@ -53,36 +53,37 @@ class CopySensor:
         self._meter = ToolMeter(cores[0].model, kind.link, cores[0].engine)
         self._meter.subtract(cores[0].hardware.payloads)
         self.left = np.zeros(n, dtype=np.int64)
-        """Ticks until the next sample of each copy, at least one."""
+        """Ticks until the next sample of each copy, at least 1."""
         self._raw, self._passed, self._offset = np.zeros((3, n, 6))
         self._memory = np.zeros((n, 6, 2))
 
     @property
     def raw(self) -> Array:
-        """The newest samples without filter and with tare, shape (n, 6)."""
+        """The newest samples, unfiltered and tared, shape (n, 6)."""
         return self._raw - self._offset
 
     @property
     def passed(self) -> Array:
-        """The newest samples behind the filter, with tare, shape (n, 6)."""
+        """The newest samples, filtered and tared, shape (n, 6)."""
         return self._passed - self._offset
 
     def zero(self, rows: Indices) -> None:
-        """Tare these copies: subtract the filtered sample from now on."""
+        """Tare these copies: subtract the current filtered sample from now on."""
         self._offset[rows] = self._passed[rows]
 
     def restart(self, rows: Indices) -> None:
-        """Sample these copies, whose cores are up to date, with a new filter."""
+        """Restart the filter of copies, whose cores are up to date, with a sample."""
         raw = self._measured(rows, None)
         b0, _, a2 = self._filter
         self._memory[rows] = np.stack([(1.0 - b0) * raw, (b0 - a2) * raw], axis=-1)
         self._take(rows, raw)
 
     def tick(self, ticks: NDArray[np.int64], steps: Addresses) -> None:
-        """Sample the copies that are due after so many ticks of each, shape (n,).
+        """Sample the copies that are due after ``ticks`` of each copy, shape (n,).
 
-        ``steps`` is where the kernel has their last step, as ``ToolMeter.wrenches``
-        takes it, shape (n, 3); 0 where it is that of the core.
+        ``steps`` are the addresses of the last steps in the kernel, as for
+        ``ToolMeter.wrenches``, shape (n, 3); 0 for a copy whose last step is in its
+        core.
         """
         self.left -= ticks
         rows = (self.left == 0).nonzero()[0]

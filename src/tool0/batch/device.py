@@ -27,10 +27,10 @@ from tool0.simulation.executor import Executor
 
 @final
 class DeviceCopies:
-    """Copies of one core whose state, controllers and drives are on a Warp device."""
+    """Copies of one core, with state, controllers and drives on a Warp device."""
 
     def __init__(self, core: Core, model: RobotModel, n: int, device: str) -> None:
-        """Copy the state of ``core``, which is not stepped itself.
+        """Copy the state of ``core``; the core itself is never stepped.
 
         Raises:
             ConfigError: If the device cannot run a controller.
@@ -64,7 +64,7 @@ class DeviceCopies:
             device=name,
         )
         self._launch: Callable[[], None] | None = None
-        """Launch of one tick; None until it is made."""
+        """Recorded launch of one tick; None until it is recorded."""
         self._layout = self._control.layout
 
     @property
@@ -75,11 +75,11 @@ class DeviceCopies:
 
     @property
     def has_diverged(self) -> NDArray[np.bool_]:
-        """Copies whose physics failed, until ``reset``."""
+        """Whether each copy's physics has failed since its last ``reset``."""
         return self._worlds.has_diverged
 
     def step(self, ticks: int, rows: Indices) -> None:
-        """Advance all copies, but for those that have diverged; ``rows`` are all."""
+        """Advance all copies, except those that have diverged; ``rows`` must be all."""
         self._control.upload()
         if self._layout != self._control.layout:
             self._launch, self._layout = None, self._control.layout
@@ -97,7 +97,7 @@ class DeviceCopies:
             self._worlds.step()
 
     def reset(self, rows: Indices, starts: Mapping[str, Array]) -> None:
-        """Reset copies, as ``BatchBackend.reset``."""
+        """Reset copies; see ``BatchBackend.reset``."""
         if not rows.size:
             return
         joints = self._model.movable_joints
@@ -140,39 +140,40 @@ class DeviceCopies:
         return self._worlds.normal_forces(pads)
 
     def wrenches(self, links: frozenset[str], at: str) -> NoReturn:
-        """Raise ControlError: contacts on a device have no torques here."""
+        """Raise ControlError: contacts on a device have no torques."""
         raise needs_cpu("Batch.tool_wrench", self._device)
 
     def contacts(self, first: Names | None, second: Names | None) -> NoReturn:
-        """Raise ControlError: contacts on a device have no torques here."""
+        """Raise ControlError: contacts on a device have no torques."""
         raise needs_cpu("Batch.contacts", self._device)
 
     def are_touching(self, first: Names, second: Names | None) -> NDArray[np.bool_]:
-        """Return where bodies touch, as ``BatchBackend.are_touching``."""
+        """Return whether bodies touch, per copy; see ``BatchBackend.are_touching``."""
         return self._worlds.are_touching(first, second)
 
     def start_sensor(self, sensor: CopySensor) -> NoReturn:
-        """Raise ControlError: contacts on a device have no torques here."""
+        """Raise ControlError: contacts on a device have no torques."""
         raise needs_cpu("Batch.force_torque", self._device)
 
     def stop_sensor(self, sensor: CopySensor) -> None:
-        """Do nothing: none was started."""
+        """Do nothing: a device has no sensors to stop."""
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
         """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4).
 
         Raises:
-            ControlError: If it is fixed.
+            ControlError: If the object is fixed.
         """
         self._worlds.place(name, rows, position, quat)
 
     def change(
         self, rows: Indices, name: str, field: ObjectField, values: Array
     ) -> None:
-        """Give an object other values of a field: ``BatchBackend.change``.
+        """Change a field of an object; see ``BatchBackend.change``.
 
         Raises:
-            ControlError: If it is the size: all copies have the same shapes here.
+            ControlError: If the field is the size: on a device, all copies have the
+                same shapes.
         """
         if field == "size":
             raise needs_cpu("Batch.set_size", self._device)
@@ -198,10 +199,11 @@ class DeviceCopies:
         velocities: Array | None,
         lifts_limits: bool,  # it always does
     ) -> bool:
-        """Start motions, as ``BatchBackend.start``; they always start.
+        """Start motions and return True; see ``BatchBackend.start``.
 
         Raises:
-            GoalRejectedError: If no joint can move so; nothing has changed.
+            GoalRejectedError: If the joints cannot make this motion; nothing has
+                changed.
         """
         refused = self._control.start(
             rows,
@@ -220,7 +222,7 @@ class DeviceCopies:
         return True
 
     def holds(self, array: object) -> bool:
-        """Return whether an array lies on the device; those of NumPy do not."""
+        """Return whether an array is in the device's memory; NumPy arrays are not."""
         return not isinstance(array, np.ndarray) and is_on_device(array, self._name)
 
     def command(
@@ -231,7 +233,7 @@ class DeviceCopies:
         velocities: object | None,
         duration: float,
     ) -> None:
-        """Start motions to positions in arrays on the device: ``BatchBackend``."""
+        """Start motions to positions on the device; see ``BatchBackend.command``."""
         for controller, its in goals.items():
             self._control.command(
                 rows,
@@ -250,7 +252,7 @@ class DeviceCopies:
         openings: object,
         limits: Sequence[DriveLimits],
     ) -> bool:
-        """Move a gripper, as ``BatchBackend.grip``; it always can."""
+        """Move a gripper and return True; see ``BatchBackend.grip``."""
         speeds, forces = np.zeros((2, self._n))
         speeds[rows] = [each.speed for each in limits]
         forces[rows] = [each.force for each in limits]

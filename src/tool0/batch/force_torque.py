@@ -1,4 +1,4 @@
-"""Force-torque sensors of the copies of a batch, as a program uses them."""
+"""Force-torque sensors of a batch's copies: the interface for programs."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ if TYPE_CHECKING:
 class BatchForceTorque:
     """Measures the wrench that a tool exerts on the link that carries it, in each copy.
 
-    It measures as ``robot.force_torque``: force [N] and torque [N·m] include the tool's
-    weight, inertia and contacts, in the axes of the link, at its origin.  It costs
-    nothing until it is started; the first reading starts it.  Each copy is sampled in
-    its own time: at the start, at its reset, and every ``1 / rate`` after that.
+    It measures like ``robot.force_torque``: force [N] and torque [N·m] include the
+    tool's weight, inertia and contacts, and are given in the axes of the link, at its
+    origin.  The sensor costs nothing until the first reading starts it.  Each copy is
+    sampled by its own clock: when the sensor starts, when the copy is reset, and every
+    ``1 / rate`` after that.
     """
 
     def __init__(
@@ -37,9 +38,9 @@ class BatchForceTorque:
         alone: OneThread,
         changing: OneThread,
     ) -> None:
-        """Measure at a link, by its name or that of a sensor; see ``measured_link``.
+        """Measure at a link, given its or a sensor's name; see ``measured_link``.
 
-        ``alone`` and ``changing`` are those of ``Batch``.
+        ``alone`` and ``changing`` are the guards of the ``Batch``.
         """
         self._link = measured_link(description, link)
         self._cores, self._copies = cores, copies
@@ -53,21 +54,21 @@ class BatchForceTorque:
 
     @property
     def rate(self) -> float:
-        """Samples per simulated second [Hz]; 0 while it is not started."""
+        """Samples per simulated second [Hz]; 0 while the sensor is stopped."""
         return 0.0 if self._sensor is None else self._sensor.kind.rate
 
     def start(self, rate: float | None = None, cutoff: float = DEFAULT_CUTOFF) -> float:
-        """Start sampling without a tare and return the rate [Hz].
+        """Start sampling without a tare, and return the rate [Hz].
 
-        A sensor that is running starts again.
+        A running sensor is restarted.
 
         Args:
             rate: Samples per simulated second [Hz], 50 … 1000 and a divisor of the
-                control rate.  If you leave it out, 125 or the next divisor below.
-            cutoff: Cut-off of the low-pass filter [Hz], below half the rate.
+                control rate.  If left out, 125 or the next lower divisor.
+            cutoff: Cutoff frequency of the low-pass filter [Hz], below half the rate.
 
         Raises:
-            ControlError: If either is out of range, or this is a GPU.
+            ControlError: If an argument is out of range, or this is a GPU.
         """
         period = self._cores[0].control_period
         ticks = ticks_between_samples(rate, period)
@@ -85,13 +86,13 @@ class BatchForceTorque:
             self._stop()
 
     def zero(self, which: Which | None = None) -> None:
-        """Tare the sensor of copies until it is started again; resets keep the tare."""
+        """Tare the sensor of copies; the tare survives resets, but not a restart."""
         rows = Arguments(len(self._cores), "force_torque.zero").which(which)
         with self._changing:
             self._running().zero(rows)
 
     def read(self) -> Array:
-        """Return force and torque of the newest samples, filtered, shape (n, 6).
+        """Return the newest force and torque samples, filtered, shape (n, 6).
 
         The first call starts the sensor with its defaults.
 
@@ -104,7 +105,7 @@ class BatchForceTorque:
         return found
 
     def read_raw(self) -> Array:
-        """Return the same without the filter, shape (n, 6)."""
+        """Return the newest force and torque samples, unfiltered, shape (n, 6)."""
         with self._alone:
             found = self._running().raw
         found.flags.writeable = False

@@ -17,11 +17,11 @@ from tool0.description.transform_arrays import Array, Frames
 class GripperFrames:
     """The frame midway between the pads of one gripper, for n copies.
 
-    As ``Gripper.tcp``: y points from pad to pad, z away from the gripper.
+    As in ``Gripper.tcp``, y points from pad to pad, and z away from the gripper.
     """
 
     def __init__(self, model: RobotModel, gripper: ParallelGripper) -> None:
-        """Find the pads; ControlError if there are not two of them."""
+        """Find the pads; ControlError unless there are two."""
         self._gripper = gripper
         base = model.joint(gripper.joint).parent
         self._flange = flange_of(model, gripper)
@@ -30,7 +30,7 @@ class GripperFrames:
         self._fingers = LinkFrames(model, [self._flange, *self._links])
 
     def poses(self, position: Mapping[str, Array], n: int) -> Frames:
-        """Return the frame in the root, by measured positions of shape (n,)."""
+        """Return the frame in the root, at measured joint positions of shape (n,)."""
         q = position[self._gripper.joint]
         # The fingers follow their drive here, as they do in ``Gripper.tcp``.
         fingers = {self._gripper.joint: self._within_range(q)}
@@ -46,7 +46,7 @@ class GripperFrames:
         return carrier @ Frames(middle, rotation)
 
     def _within_range(self, position: Array) -> Array:
-        """Return the positions [rad | m] of openings within the gripper's range."""
+        """Return joint positions [rad | m] with openings within the gripper's range."""
         gripper = self._gripper
         closed, opened = gripper.position(0.0), gripper.position(gripper.max_opening)
         return position.clip(min(closed, opened), max(closed, opened))

@@ -1,4 +1,4 @@
-"""Appearance of each copy of a batch: its cameras, its light, and its images."""
+"""Appearance of each copy of a batch: cameras, light and images."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class CopyLook:
     """Appearance of one copy, where it differs from the default."""
 
     cameras: Mapping[str, Camera] = field(default_factory=dict)
-    """Cameras that were moved."""
+    """Cameras that were moved, by name."""
     light: Look = Look()
     colours: Mapping[str, RGBA] = field(default_factory=dict)
-    """Colours of objects."""
+    """Changed colours of objects, by name."""
 
 
 @final
@@ -49,23 +49,23 @@ class Images:
         n: int,
         threads: int,
     ) -> None:
-        """Begin without OpenGL; ``snapshot`` returns the state of a copy."""
+        """Prepare without starting OpenGL; ``snapshot`` returns the state of a copy."""
         self._cameras = Cameras(model, cameras, ground, lambda: snapshot(0), threads)
         self._n, self._snapshot = n, snapshot
         self._looks = [CopyLook()] * n
 
     def render(self, camera: str, rows: Indices) -> tuple[CameraImage, ...]:
-        """Return an image of each of the copies; RenderError as ``Batch.render``."""
+        """Return an image of each copy; raises RenderError like ``Batch.render``."""
         return tuple(self._cameras.render_all(self._views(camera, rows)))
 
     def segment(self, camera: str, rows: Indices) -> tuple[NDArray[np.int32], ...]:
-        """Return what each pixel shows, as ``Batch.segment_all``."""
+        """Return segmentation images; see ``Batch.segment_all``."""
         return tuple(self._cameras.segment_all(self._views(camera, rows)))
 
     def set_camera(
         self, name: str, position: ArrayLike, quat: ArrayLike, which: Which | None
     ) -> None:
-        """Move a camera of copies, as ``Batch.set_camera``."""
+        """Move a camera of copies; see ``Batch.set_camera``."""
         check = Arguments(self._n, "set_camera")
         rows = check.which(which)
         p = check.rows("position", position, (3,), rows)[rows]
@@ -82,7 +82,7 @@ class Images:
     def set_look(
         self, lamp: ArrayLike, brightness: ArrayLike, which: Which | None
     ) -> None:
-        """Change the light, as ``Batch.set_look``."""
+        """Change the light; see ``Batch.set_look``."""
         check = Arguments(self._n, "set_look")
         rows = check.which(which)
         places = check.rows("lamp", lamp, (3,), rows)[rows].tolist()
@@ -95,7 +95,7 @@ class Images:
             self._looks[i] = replace(self._looks[i], light=light)
 
     def set_colour(self, name: str, rgba: ArrayLike, which: Which | None) -> None:
-        """Change the colour of an object, as ``Batch.set_colour``."""
+        """Change the colour of an object; see ``Batch.set_colour``."""
         check = Arguments(self._n, "set_colour")
         rows = check.which(which)
         given = check.rows("rgba", rgba, (4,), rows)[rows]
@@ -106,16 +106,16 @@ class Images:
             self._looks[i] = replace(self._looks[i], colours=colours)
 
     def save(self) -> tuple[CopyLook, ...]:
-        """Return how each copy looks."""
+        """Return the appearance of each copy."""
         return tuple(self._looks)
 
     def restore(self, rows: Indices, looks: Sequence[CopyLook]) -> None:
-        """Restore saved looks of copies, one per row."""
+        """Restore the saved appearance of copies, one per row."""
         for i, look in zip(rows.tolist(), looks, strict=True):
             self._looks[i] = look
 
     def close(self) -> None:
-        """Free OpenGL."""
+        """Release the OpenGL resources."""
         self._cameras.close()
 
     def _views(self, camera: str, rows: Indices) -> list[View]:

@@ -1,4 +1,4 @@
-"""The cores of a batch: how many, in how many threads, with which scenes."""
+"""Makes the cores of a batch: their number, threads and scenes."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from tool0.simulation.setup import Setup, chosen_scene
 
 
 def checked_count(n: int) -> int:
-    """Return how many copies there are; ConfigError if that is no such number."""
+    """Return the number of copies, or raise ConfigError if it is not valid."""
     if not isinstance(n, int | np.integer) or isinstance(n, bool) or n < 1:
         raise ConfigError(f"a batch needs a whole number of copies, 1 or more, got {n}")
     return int(n)
 
 
 def checked_threads(threads: int | None, n: int) -> int:
-    """Return how many threads step ``n`` copies, by default one per processor."""
+    """Return the number of threads for ``n`` copies; by default one per processor."""
     if threads is None:
         return min(n, os.cpu_count() or 1)
     if not isinstance(threads, int | np.integer) or not 1 <= threads <= n:
@@ -41,14 +41,14 @@ def checked_threads(threads: int | None, n: int) -> int:
 def copied_scenes(
     robot: RobotDescription, scene: Scene | File | Sequence[Scene] | None, n: int
 ) -> list[Scene]:
-    """Return the scene of each copy; ConfigError if they cannot be copies."""
+    """Return the scene of each copy; ConfigError if the scenes differ too much."""
     if scene is None or isinstance(scene, Scene | str | Path):
         return [chosen_scene(robot, scene)] * n
     return _checked_scenes([chosen_scene(robot, one) for one in scene], n)
 
 
 def only_scene(scenes: Sequence[Scene]) -> Scene:
-    """Return the scene that all copies on a GPU have; ConfigError if they differ."""
+    """Return the common scene of all copies on a GPU; ConfigError if they differ."""
     if any(scene != scenes[0] for scene in scenes):
         raise ConfigError(
             "on a GPU, all copies have the same scene; place their objects with "
@@ -71,7 +71,7 @@ def make_cores(
 
 
 def _checked_scenes(scenes: list[Scene], n: int) -> list[Scene]:
-    """Return the scenes, after checks of the differences between copies."""
+    """Return the scenes after checking the differences between copies."""
     if len(scenes) != n:
         raise ConfigError(f"give one scene for all copies, or {n}, got {len(scenes)}")
     first = scenes[0]

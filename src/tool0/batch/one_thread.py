@@ -15,9 +15,9 @@ def _nothing() -> None: ...
 
 @final
 class OneThread:
-    """A context that one thread may be in, any number of times.
+    """A context that only one thread at a time may enter; re-entrant.
 
-    A class, because ``contextlib.contextmanager`` takes several times as long.
+    It is a class because ``contextlib.contextmanager`` takes several times as long.
     """
 
     def __init__(
@@ -25,16 +25,16 @@ class OneThread:
         lock: threading.RLock | None = None,
         begin: Callable[[], None] = _nothing,
     ) -> None:
-        """Guard what ``lock`` does, and call ``begin`` on entering."""
+        """Share the given ``lock``, or make one; call ``begin`` on entering."""
         self._lock = threading.RLock() if lock is None else lock
         self._begin = begin
 
     def then(self, begin: Callable[[], None]) -> OneThread:
-        """Return the same context, which also calls ``begin`` on entering."""
+        """Return a context with the same lock that calls ``begin`` on entering."""
         return OneThread(self._lock, begin)
 
     def __enter__(self) -> None:
-        """Enter it; ControlError if another thread is in it."""
+        """Enter the context; ControlError if another thread is in it."""
         if not self._lock.acquire(blocking=False):
             raise ControlError(
                 "another thread is using this batch; give each thread a batch of its "

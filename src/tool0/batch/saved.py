@@ -1,4 +1,4 @@
-"""States of copies to return to."""
+"""Saved states of copies."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True)
 class SavedCopy:
-    """One copy at one instant."""
+    """State of one copy at one instant."""
 
     core: SavedCore
     engine: SavedEngine
@@ -28,10 +28,10 @@ class SavedCopy:
 @final
 @dataclass(frozen=True, slots=True)
 class BatchState:
-    """Result of ``Batch.save``: the state of n copies, only for ``restore``."""
+    """Result of ``Batch.save``: the state of n copies, for use with ``restore``."""
 
     copies: Sequence[SavedCopy] = field(repr=False)
-    """State of each copy, only for ``restore``."""
+    """State of each copy, for use with ``restore``."""
     looks: Sequence[CopyLook] = field(repr=False)
     """Appearance of the copies in images."""
     dt: float

@@ -1,6 +1,6 @@
-"""Tasks for Gymnasium: importing this module registers them.
+"""Tasks for Gymnasium, registered when this module is imported.
 
-For ``gymnasium.make`` and ``gymnasium.make_vec``::
+Use them with ``gymnasium.make`` and ``gymnasium.make_vec``::
 
     import gymnasium, tool0.gym
 

@@ -1,4 +1,4 @@
-"""Converts actions to targets of the joints and of the gripper, for n copies."""
+"""Converts actions of n copies to joint and gripper targets."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ LINEAR_SPEED = 0.4
 TURN_SPEED = 1.5
 """Angular velocity of the tool at an action of 1 [rad/s]."""
 JOINT_SPEED = 0.5
-"""Speed of a joint at an action of 1, part of its largest velocity."""
+"""Speed of a joint at an action of 1, as a fraction of its velocity limit."""
 FASTEST = 0.9
-"""Largest speed of a joint, part of its largest velocity."""
+"""Largest speed of a joint, as a fraction of its velocity limit."""
 LEAD = 0.25
-"""Largest distance of a joint's target from its position [rad]: a joint that something
-blocks does not wind up."""
+"""Largest distance of a joint's target from its position [rad], so that the target of a
+blocked joint does not run away."""
 MARGIN = 0.02
-"""Distance of the targets from the joints' limits [rad]."""
+"""Least distance of targets from the joint limits [rad]."""
 NAMES = {
     "joint": (),
     "cartesian": ("x", "y", "z", "yaw"),
@@ -37,7 +37,7 @@ NAMES = {
 
 @final
 class Actions:
-    """Actions of n copies: numbers within -1 … 1, those of one arm after another."""
+    """Actions of n copies: numbers within -1 … 1, arm by arm."""
 
     def __init__(self, arms: Sequence[ArmActions]) -> None:
         self.names = tuple(name for arm in arms for name in arm.names)
@@ -45,7 +45,7 @@ class Actions:
         ends = np.cumsum([len(arm.names) for arm in arms])
         self._starts = ends[:-1].tolist()
         self.grippers = tuple((ends - 1).tolist())
-        """Numbers that are openings of grippers."""
+        """Indices of the numbers that are gripper openings."""
 
     def checked(self, actions: ArrayLike, n: int) -> Array:
         """Return actions of n copies as numbers within -1 … 1, shape (n, m).
@@ -75,13 +75,13 @@ class Actions:
         return np.asarray(np.minimum(np.maximum(given, -1.0), 1.0))
 
     def of_arms(self, actions: Array) -> list[Array]:
-        """Return the part of each arm, shape (n, m) each, of checked actions."""
+        """Split checked actions by arm; each part has shape (n, m)."""
         return np.split(actions, self._starts, axis=1)
 
 
 @final
 class ArmActions:
-    """The meaning of one arm's actions: those of its gripper are the last."""
+    """The meaning of one arm's actions; the last number is for its gripper."""
 
     def __init__(self, workspace: Workspace, options: EnvOptions) -> None:
         self._workspace = workspace
@@ -94,28 +94,28 @@ class ArmActions:
         """Names of the numbers, after the things that they move."""
         period = options.period
         self.linear = LINEAR_SPEED * workspace.scale * period
-        """Way of the tcp at an action of 1 [m]."""
+        """Distance that the tcp moves per action of 1 [m]."""
         self.turn = TURN_SPEED * period
-        """Turn of the tool at an action of 1 [rad]."""
+        """Angle that the tool turns per action of 1 [rad]."""
         self.joint = JOINT_SPEED * workspace.fastest * period
-        """Way of each joint at an action of 1 [rad], shape (6,)."""
+        """Angle that each joint moves per action of 1 [rad], shape (6,)."""
         self.limit = FASTEST * workspace.fastest * period
-        """Largest way of each joint [rad], shape (6,)."""
+        """Largest angle that each joint moves per action [rad], shape (6,)."""
         self._moves = np.array([*[self.linear] * 3, self.turn])
         self._lower, self._upper = workspace.lower + MARGIN, workspace.upper - MARGIN
-        # Below, the finger tips would press on the table; out of there is allowed.
+        # Below, the fingertips would press on the table; rising from there is allowed.
         self._lowest = workspace.lowest
 
     def openings(self, actions: Array) -> Array:
-        """Return the openings of the gripper: -1 is closed, 1 open [m], shape (n,)."""
+        """Return the gripper's openings [m], shape (n,): -1 is closed, 1 open."""
         return (actions[:, -1] + 1.0) / 2.0 * self._workspace.gripper.max_opening
 
     def positions(self, actions: Array, target: Array, q: Array) -> Array:
         """Return the new targets of the joints [rad], shape (n, 6).
 
         Args:
-            actions: Checked ones, shape (n, m).
-            target: The present targets [rad], shape (n, 6).
+            actions: Checked actions, shape (n, m).
+            target: The current targets [rad], shape (n, 6).
             q: The measured positions [rad], shape (n, 6).
         """
         if self.mode == "joint":
@@ -131,7 +131,7 @@ class ArmActions:
         return np.asarray(np.minimum(np.maximum(found, low), high))
 
     def approach(self, target: Array, pose: Frames) -> Array:
-        """Return targets [rad], (n, 6), with which the tool is nearer to a pose."""
+        """Return joint targets one step closer to a pose of the tool [rad], (n, 6)."""
         return self._workspace.tool.approach(target, pose, self.limit)
 
     def _tool_target(self, actions: Array, target: Array) -> Frames:

@@ -1,4 +1,4 @@
-"""The arms in n copies of a task: their targets and measurements."""
+"""The arms in n copies of a task, with their targets and measurements."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
 GRIP_FORCE = 60.0
-"""Force of a grip at each pad [N], as far as the gripper can."""
+"""Grip force at each pad [N], clamped to the range of the gripper."""
 DEADBAND = 0.02
-"""Change of a gripper's target that moves it, part of its largest opening."""
+"""Least change of a gripper's target that is commanded, as a fraction of its stroke."""
 
 
 @final
@@ -28,7 +28,7 @@ class ArmCopies:
     def __init__(
         self, batch: Batch, space: Workspace, options: EnvOptions, *, has_wrench: bool
     ) -> None:
-        """Take the arm of a workspace; ``has_wrench`` adds what its tool feels."""
+        """Take the arm of a workspace; ``has_wrench`` adds the wrench on its tool."""
         self.space, self.actions = space, ArmActions(space, options)
         self._batch, self._options, self._has_wrench = batch, options, has_wrench
         names, gripper = batch.joint_names, space.gripper
@@ -37,18 +37,18 @@ class ArmCopies:
         self.force = min(max(GRIP_FORCE, gripper.force[0]), gripper.force[1])
         """Force of the arm's gripper at each pad [N]."""
         self.target = np.tile(space.start, (batch.n, 1))
-        """Targets of its joints [rad], shape (n, 6)."""
+        """Targets of the arm's joints [rad], shape (n, 6)."""
         self._opening_target = np.full(batch.n, gripper.max_opening)
         self._last_opening = self._opening_target.copy()
 
     def copy_from(self, other: ArmCopies) -> None:
-        """Take the targets of the same arm in other copies."""
+        """Copy the targets from the same arm in other copies."""
         self.target = other.target.copy()
         self._opening_target = other._opening_target.copy()
         self._last_opening = other._last_opening.copy()
 
     def put(self, position: Array, q: Array) -> None:
-        """Put it at ``q`` [rad], shape (…, 6), in positions of all joints, (…, k)."""
+        """Write ``q`` [rad], (…, 6), and an open gripper into ``position``, (…, k)."""
         position[..., self._joints] = q
         position[..., self._drive] = self.space.gripper.position(
             self.space.gripper.max_opening
@@ -57,19 +57,19 @@ class ArmCopies:
     def restart(self, which: Mask, q: Array, is_held: Mask) -> None:
         """Start episodes of ``which``: targets ``q`` [rad], (n, 6), open grippers.
 
-        Those in ``is_held`` are closed.
+        Grippers of the copies in ``is_held`` start closed.
         """
         self._opening_target[which] = self.space.gripper.max_opening
         self._opening_target[is_held] = 0.0
         self.target[which] = q[which]
 
     def settle(self, which: Mask) -> None:
-        """Take the present openings of ``which`` as those before the first action."""
+        """Take the current openings of ``which`` as those before the first action."""
         opening = self._batch.opening(self.space.gripper_name)
         self._last_opening[which] = opening[which]
 
     def move(self, q: Array, duration: float, which: Mask) -> None:
-        """Move copies to ``q`` [rad], shape (n, 6), to rest there."""
+        """Move copies to rest at ``q`` [rad], shape (n, 6)."""
         self._batch.command(
             q,
             velocities=0.0 * q,
@@ -79,9 +79,9 @@ class ArmCopies:
         )
 
     def act(self, actions: Array, opening: Array) -> None:
-        """Command one control period: checked ``actions``, shape (n, m).
+        """Command checked ``actions``, shape (n, m), for one control period.
 
-        ``opening`` is the measured one [m], shape (n,).
+        ``opening`` is the measured opening [m], shape (n,).
         """
         batch, options = self._batch, self._options
         q = batch.position[:, self._joints]
@@ -112,7 +112,7 @@ class ArmCopies:
             )
 
     def measure(self) -> ArmState:
-        """Return what is measured now."""
+        """Return the current measurements."""
         batch = self._batch
         q = finite(batch.position[:, self._joints])
         pose = self.space.tool.pose(q)

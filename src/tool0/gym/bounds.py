@@ -1,4 +1,4 @@
-"""Bounds and columns of observations."""
+"""Bounds and column indices of observations."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ STRONGEST, MOST_TORQUE = 1000.0, 100.0
 
 
 def finite(values: Array) -> Array:
-    """Return a copy in which diverged values are finite numbers."""
+    """Return a copy with finite numbers in place of diverged values."""
     if are_finite(values):
         return values.copy()
     return np.nan_to_num(values, nan=0.0, posinf=FARTHEST, neginf=-FARTHEST)
 
 
 def columns(numbers: list[int]) -> slice | list[int]:
-    """Return an index for columns: a slice, which is quicker, if they are in a row."""
+    """Return an index for columns: a slice, which is faster, if they are contiguous."""
     first = numbers[0] if numbers else 0
     row = slice(first, first + len(numbers))
     return row if numbers == list(range(row.start, row.stop)) else numbers

@@ -1,4 +1,4 @@
-"""Checks the functions of a user's task once, before the task is used."""
+"""Checks the functions of a user's task once, before its first use."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from tool0.gym.task import Start, State, Task
 
 
 def check_objects(task: Task, scene: Scene) -> list[SceneObject]:
-    """Return the objects of a task.
+    """Return a task's objects from its scene.
 
     Raises:
-        ConfigError: If the scene lacks one.
+        ConfigError: If the scene lacks an object.
     """
     by_name = {item.name: item for item in scene.objects}
     for name in task.objects:
@@ -28,10 +28,10 @@ def check_objects(task: Task, scene: Scene) -> list[SceneObject]:
 
 
 def check_start(task: Task, start: object) -> Start:
-    """Return what a task drew.
+    """Return the start that a task drew.
 
     Raises:
-        ConfigError: If it is no start of this task.
+        ConfigError: If it is not a valid start of this task.
     """
     if not isinstance(start, Start):
         raise _wrong(task, "draw", f"a {type(start).__name__}", "a tool0.gym.Start")
@@ -50,7 +50,8 @@ def check_functions(task: Task, state: State) -> None:
     """Check the shapes of what the functions return for a state.
 
     Raises:
-        ConfigError: If one is wrong, with the function and the shape that it must have.
+        ConfigError: If a shape is wrong; the message has the function and the right
+            shape.
     """
     n, g = len(state.goal), len(task.goal_names)
     achieved, desired = task.achieved(state), task.desired(state)

@@ -1,4 +1,4 @@
-"""n copies of a task: reset, act, observe, all of them at once."""
+"""n copies of a task, which reset, act and observe together."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ from tool0.gym.workspace import workspaces
 from tool0.kinematics.chain import Array
 
 MOVING = 0.4
-"""Time in which an arm that holds an object moves to its random start [s]."""
+"""Duration of the move to a random start for an arm that holds an object [s]."""
 
 
 @final
 class Copies:
-    """n copies of one task.  Each one has a random generator of its own."""
+    """n copies of one task, each with its own random generator."""
 
     def __init__(self, task: str | type[Task], n: int, options: EnvOptions) -> None:
-        """Make the copies; each needs a reset before it acts.
+        """Make the copies; each must be reset before it acts.
 
         Raises:
             Tool0Error: If an option is wrong.
@@ -97,8 +97,8 @@ class Copies:
     def reset(self, which: Mask, generators: Sequence[np.random.Generator]) -> None:
         """Start new episodes of the copies in ``which``, shape (n,).
 
-        What is random comes from each copy's own generator alone, so that an episode
-        does not depend on the other copies.
+        All random values of a copy come from its own generator, so that an episode does
+        not depend on the other copies.
         """
         n, count = self.n, len(self.task.objects)
         q = [np.tile(arm.space.start, (n, 1)) for arm in self.arms]
@@ -154,7 +154,7 @@ class Copies:
         return mass, friction
 
     def _put_arms(self, which: Mask, q: Sequence[Array]) -> None:
-        """Reset copies, each arm at its ``q`` [rad], (n, 6), and grippers open."""
+        """Reset copies, each arm at its ``q`` [rad], (n, 6), with open grippers."""
         position = np.tile(self._start, (self.n, 1))
         for arm, each in zip(self.arms, q, strict=True):
             arm.put(position, each)
@@ -162,7 +162,7 @@ class Copies:
 
     @cached_property
     def _grasp(self) -> BatchState:
-        """The start with the first object in the first gripper, of one copy."""
+        """State of a single copy with the first object in the first gripper."""
         assert self.task.hold is not None
         with self._make_batch(1, 1, CPU) as batch:
             return grasped(
@@ -193,7 +193,7 @@ class Copies:
         return self._state
 
     def goals(self) -> tuple[Array, Array]:
-        """Return the goals that are achieved now, and those to achieve, (n, g)."""
+        """Return the currently achieved and the desired goals, shape (n, g) each."""
         if self._goals is None:
             task, state = self.task, self.state
             self._goals = task.achieved(state), task.desired(state)
@@ -216,7 +216,7 @@ class Copies:
         return self._sizes.names
 
     def rewards(self, success: Mask) -> Array:
-        """Return the rewards, shape (n,); a copy that diverged gets the worst."""
+        """Return the rewards, shape (n,); a diverged copy gets the worst reward."""
         state, task = self.state, self.task
         if self.options.reward == "sparse":
             found = np.where(success, 0.0, -1.0)
@@ -229,7 +229,7 @@ class Copies:
         return np.where(self.batch.diverged, task.worst_reward, found)
 
     def goal_rewards(self, achieved: Array, desired: Array) -> Array:
-        """Return the rewards that follow from goals alone, shape (…)."""
+        """Return the rewards computed from goals alone, shape (…)."""
         success = self.task.is_success(achieved, desired)
         if self.options.reward == "sparse":
             return np.where(success, 0.0, -1.0)
@@ -243,20 +243,21 @@ class Copies:
         return done & ~self.batch.diverged
 
     def checked(self, actions: ArrayLike) -> Array:
-        """Return actions as numbers, shape (n, m), or raise ControlError."""
+        """Return actions as an array, shape (n, m), or raise ControlError."""
         return self.actions.checked(actions, self.n)
 
     def image(self, i: int) -> NDArray[np.uint8]:
-        """Return what the first camera sees of copy ``i``, (height, width, 3)."""
+        """Return the first camera's image of copy ``i``, shape (height, width, 3)."""
         return self.batch.render(i, self.options.cameras[0]).rgb
 
     def images(self) -> dict[str, NDArray[Any]]:
         """Return the cameras' images of all copies.
 
-        ``rgb``, uint8 of shape (n, height, width, 3), perhaps ``depth`` [m], float32 of
-        shape (n, height, width), at most ``FARTHEST``, and perhaps ``segmentation``,
-        int32 of that shape, as ``Batch.segment_all``; with several cameras as
-        ``rgb_scene``.
+        Keys are ``rgb``, uint8 of shape (n, height, width, 3); if enabled, ``depth``
+        [m], float32 of shape (n, height, width), at most ``FARTHEST``; and if enabled,
+        ``segmentation``, int32 of the same shape, with values as in
+        ``Batch.segment_all``.  With several cameras, keys end with the camera's name,
+        such as ``rgb_scene``.
         """
         found = {}
         for name, keys in self.options.image_keys.items():

@@ -18,23 +18,24 @@ from tool0.kinematics.chain import Array
 
 CUBE, LOWER = "cube", "lower_cube"
 REACHED = 0.02
-"""Largest distance of a tcp that has reached its goal [m]."""
+"""Distance from the goal within which a tcp counts as having reached it [m]."""
 LIFTED = 0.08
-"""Height from which a cube is lifted [m]."""
+"""Height above which a cube counts as lifted [m]."""
 PUSHED = 0.03
-"""Largest distance of a cube that is pushed to its goal [m]."""
+"""Distance from the goal within which a pushed cube counts as having arrived [m]."""
 ON_LOWER = 0.4
-"""Largest offset of a cube that stands on another, part of the smallest edge."""
+"""Largest offset of a cube stacked on another, as a fraction of the smaller edge."""
 LEVEL = 0.006
-"""Largest error of the height of a cube at rest [m]."""
+"""Largest height error of a cube at rest [m]."""
 RELEASED = 0.006
-"""Least opening beyond a cube's edge that has released it [m]."""
+"""Opening beyond a cube's edge from which the cube counts as released [m]."""
 APART = 0.13
-"""Least distance of two cubes at the start: the open gripper fits between [m]."""
+"""Least distance between two cubes at the start [m]: the open gripper fits in
+between."""
 SLIDING = 0.4
-"""Friction coefficient of a cube to push: with 1, one that is pushed tips over."""
+"""Friction coefficient of a cube to push; with 1, the cube would tip over."""
 PUSH_WAY = (0.08, 0.20)
-"""Range of the way to push, for an arm of scale 1 [m]."""
+"""Range of the distance to push, for an arm of scale 1 [m]."""
 
 
 @final
@@ -136,7 +137,7 @@ class PickPlace(Task):
     def is_success(self, achieved: Array, desired: Array) -> Mask:
         offset = np.abs(achieved - desired)
         is_inside = (offset[..., :2] < self._room).all(axis=-1)
-        # A cube that leans on a wall is in the bin, too.
+        # A cube that leans on a wall is also in the bin.
         is_down = achieved[..., 2] - desired[..., 2] < self.workspace.edges[1] / 2.0
         return is_inside & is_down & _same(achieved, desired)
 
@@ -152,7 +153,7 @@ class PickPlace(Task):
 
 @final
 class Stack(Task):
-    """Place a cube on another one, and release it."""
+    """Place a cube on another cube, and release it."""
 
     instruction = "Stack the cube on the other cube."
     objects = (CUBE, LOWER)
@@ -254,7 +255,7 @@ def _distance(first: Array, second: Array) -> Array:
 
 
 def _raised(state: State, space: Workspace) -> Array:
-    """Return the goals that were drawn, for the height of a cube of the usual size."""
+    """Return the drawn goals, with heights corrected for cubes of random size."""
     if not space.has_sizes:
         return state.goal
     goal = state.goal.copy()
@@ -263,19 +264,19 @@ def _raised(state: State, space: Workspace) -> Array:
 
 
 def _place_and_release(state: State, space: Workspace) -> Array:
-    """Return where the first object is, and 1 if the pads are wider, (n, 4)."""
+    """Return the first object's position, and 1 if it is released, shape (n, 4)."""
     edge, _ = Cube.of(space, state.object_size)
     released = state.opening > edge + RELEASED
     return np.concatenate([state.object_position[:, 0], released[:, None]], axis=1)
 
 
 def _same(achieved: Array, desired: Array) -> Mask:
-    """Return whether what is to be released is released."""
+    """Return whether the object is released, if the goal requires it."""
     return np.asarray(achieved[..., 3] >= desired[..., 3])
 
 
 def _grasping(state: State, space: Workspace, near: float, held: float) -> Array:
-    """Return the part of the progress up to a grasp."""
+    """Return the progress of reaching and grasping the first object."""
     away = _distance(state.tcp_position, state.object_position[:, 0])
     is_held = is_holding(state, Cube.of(space, state.object_size).hold)
     return np.asarray(near * nearness(away, 5.0) + held * is_held)

@@ -1,4 +1,4 @@
-"""The environments that Gymnasium makes: of one copy, and of many."""
+"""Gymnasium environments with a single copy, or with many copies, of a task."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ RENDER_MODES = ["rgb_array"]
 
 @final
 class TaskEnv(gymnasium.Env[Any, Any]):
-    """One copy of a task: what ``gymnasium.make`` returns, inside its wrappers."""
+    """One copy of a task: the environment inside the wrappers of ``gymnasium.make``."""
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES}  # noqa: RUF012  # theirs
 
@@ -38,7 +38,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         """Make the environment.
 
         Args:
-            task: Such as ``Lift``, or a class of your own.
+            task: Name of a built-in task, such as ``Lift``, or your own class.
             render_mode: ``rgb_array``, or None.
             options: Options of ``EnvOptions``.
 
@@ -67,7 +67,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Start an episode.  The same ``seed`` starts the same one."""
+        """Start an episode; the same ``seed`` always starts the same episode."""
         super().reset(seed=seed)
         self.copies.reset(np.ones(1, dtype=bool), [self.np_random])
         self._is_reset = True
@@ -77,7 +77,8 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         """Act for one control period.
 
         Raises:
-            ControlError: If the action has a wrong shape or NaN, or before a reset.
+            ControlError: If the action has a wrong shape or contains NaN, or before a
+                reset.
         """
         if not self._is_reset:
             raise ControlError("the environment must be reset before its first step")
@@ -100,11 +101,11 @@ class TaskEnv(gymnasium.Env[Any, Any]):
     def compute_reward(
         self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: object
     ) -> Array | np.float64:
-        """Return the rewards of goals, shape (…); ``info`` is not read."""
+        """Return the rewards of goals, shape (…); ``info`` is ignored."""
         return _goal_rewards(self.copies, achieved_goal, desired_goal)
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return an image, shape (height, width, 3), if ``render_mode`` says so."""
+        """Return an image, shape (height, width, 3), in mode ``rgb_array``."""
         return None if self.render_mode is None else self.copies.image(0)
 
     def close(self) -> None:
@@ -121,10 +122,10 @@ class TaskEnv(gymnasium.Env[Any, Any]):
 
 @final
 class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
-    """Many copies of a task, stepped together: what ``gymnasium.make_vec`` returns.
+    """Many copies of a task, stepped together: the result of ``gymnasium.make_vec``.
 
-    Copy i of ``reset(seed=s)`` is the single environment of ``reset(seed=s + i)``, bit
-    for bit, however many copies there are.
+    After ``reset(seed=s)``, copy i behaves, bit for bit, like a single environment
+    after ``reset(seed=s + i)``, however many copies there are.
     """
 
     def __init__(
@@ -139,11 +140,11 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
         """Make the environments.
 
         Args:
-            task: Such as ``Lift``, or a class of your own.
+            task: Name of a built-in task, such as ``Lift``, or your own class.
             num_envs: Number of copies.
             render_mode: ``rgb_array``, or None.
-            max_episode_steps: Actions after which an episode is truncated.
-            autoreset_mode: When a copy whose episode has ended is reset.
+            max_episode_steps: Number of actions after which an episode is truncated.
+            autoreset_mode: Time at which a copy is reset after its episode has ended.
             options: Options of ``EnvOptions``.
 
         Raises:
@@ -192,9 +193,9 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
         """Start an episode of each copy.
 
         Args:
-            seed: Copy i gets ``seed + i``, or its own from a sequence; without one,
-                its generator goes on.
-            options: ``reset_mask``, shape (num_envs,), chooses copies.
+            seed: Copy i gets ``seed + i``, or entry i of a sequence.  For None, the
+                copy's generator continues.
+            options: ``reset_mask``, shape (num_envs,), selects the copies to reset.
 
         Raises:
             ControlError: If a seed is missing, or the mask has a wrong shape.
@@ -216,12 +217,12 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
     ) -> tuple[Any, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """Act for one control period in each copy.
 
-        A copy whose episode ended in the step before starts a new one instead, and its
-        action is ignored, if ``autoreset_mode`` is NEXT_STEP.
+        If ``autoreset_mode`` is NEXT_STEP, a copy whose episode ended in the previous
+        step ignores its action and starts a new episode instead.
 
         Raises:
-            ControlError: If the actions have a wrong shape or NaN, before a reset, or
-                if an episode has ended and nothing resets it.
+            ControlError: If the actions have a wrong shape or contain NaN, before a
+                reset, or if an episode has ended and was not reset.
         """
         if not self._generators:
             raise ControlError("the environment must be reset before its first step")
@@ -255,11 +256,11 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
     def compute_reward(
         self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: object
     ) -> Array | np.float64:
-        """Return the rewards of goals, shape (…); ``info`` is not read."""
+        """Return the rewards of goals, shape (…); ``info`` is ignored."""
         return _goal_rewards(self.copies, achieved_goal, desired_goal)
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
-        """Return an image of each copy, if ``render_mode`` says so."""
+        """Return an image of each copy in mode ``rgb_array``."""
         if self.render_mode is None:
             return None
         return tuple(self.copies.image(i) for i in range(self.num_envs))
@@ -287,7 +288,7 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
 def _final(
     observation: Observation, infos: Mapping[str, Any], ended: Mask
 ) -> dict[str, Any]:
-    """Return the last observations and infos of episodes, as Gymnasium keeps them."""
+    """Return the final observations and infos of episodes in Gymnasium's format."""
     final = np.full(len(ended), None, dtype=object)
     for i in np.flatnonzero(ended).tolist():
         final[i] = row(observation, i)

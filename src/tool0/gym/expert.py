@@ -1,7 +1,7 @@
-"""Scripted experts: they solve a task with the full state of the simulation.
+"""Scripted experts, which solve tasks from the full state of the simulation.
 
-A task returns the next target of tool and gripper (``Task.expert``); here, it becomes
-an action.
+A task returns the next target of the tool and gripper (``Task.expert``); this module
+converts the target to an action.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from tool0.kinematics.chain import Array
 from tool0.kinematics.geometry import wrapped
 
 GAIN = 0.6
-"""Part of the way to a target that one action goes."""
+"""Fraction of the distance to a target that one action covers."""
 
 
 @final
@@ -34,10 +34,10 @@ class Expert:
         self._single = single
 
     def __call__(self, observation: object = None) -> NDArray[np.float32]:
-        """Return the action, shape (m,), or those of all copies, shape (n, m).
+        """Return the action, shape (m,), or the actions of all copies, shape (n, m).
 
-        ``observation`` is not read: the expert sees the simulation's own state, so that
-        it works with images, too.
+        ``observation`` is ignored: the expert reads the simulation's state, so that it
+        also works with image observations.
         """
         copies = self._copies
         commanded = {
@@ -61,14 +61,14 @@ class Expert:
 
 
 def _action(arm: ArmCopies, target: Target, pose: Frames) -> Array:
-    """Return the actions of an arm whose tcp is sent to ``pose`` now, shape (n, m)."""
+    """Return actions that command an arm's tcp to ``pose`` now, shape (n, m)."""
     widest = arm.space.gripper.max_opening
     opening = np.clip(2.0 * target.opening / widest - 1.0, -1.0, 1.0)
     return np.concatenate([_motion(arm, target, pose), opening[:, None]], axis=1)
 
 
 def _motion(arm: ArmCopies, target: Target, pose: Frames) -> Array:
-    """Return the actions without those of the gripper, shape (n, m - 1)."""
+    """Return the actions without the gripper's, shape (n, m - 1)."""
     actions, q = arm.actions, arm.target
     way = GAIN * (target.position - pose.position)
     if actions.mode == "cartesian":
@@ -87,10 +87,10 @@ def _motion(arm: ArmCopies, target: Target, pose: Frames) -> Array:
 
 
 def expert(env: Any) -> Expert:  # Env or VectorEnv, in any wrappers
-    """Return an expert for an environment of tool0, single or vector.
+    """Return an expert for one of tool0's environments, single or vector.
 
     Raises:
-        ConfigError: If it is not one of these, or its task has no expert.
+        ConfigError: If the environment is not tool0's, or its task has no expert.
     """
     inner = getattr(env, "unwrapped", env)
     if not isinstance(inner, TaskEnv | TaskVectorEnv):
@@ -107,6 +107,6 @@ def expert(env: Any) -> Expert:  # Env or VectorEnv, in any wrappers
 
 
 def _within(action: Array, largest: Array) -> Array:
-    """Return actions (n, m), shortened so that no number is above ``largest``, (n,)."""
+    """Return actions (n, m), scaled so that no number exceeds ``largest``, (n,)."""
     excess = np.maximum(1.0, np.abs(action).max(axis=1) / largest)
     return np.asarray(action / excess[:, None])

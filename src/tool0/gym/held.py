@@ -1,4 +1,4 @@
-"""Starts of episodes with the first object in the closed gripper."""
+"""Initial states of episodes in which the gripper holds the first object."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
 CLOSING, RISING, SETTLING = 0.8, 1.0, 0.5
-"""Duration of the parts of a grasp [s]."""
+"""Durations of the phases of a grasp [s]."""
 SLIP: Final = 0.003
-"""Largest distance that the object slips between the pads meanwhile [m]."""
+"""Largest distance that the object may slip between the pads while it is lifted [m]."""
 
 
 def grasped(
@@ -29,15 +29,16 @@ def grasped(
     force: float,
     start: Array,
 ) -> BatchState:
-    """Grasp an object on the table, lift it, and return the state of the only copy.
+    """Grasp an object on the table, lift it, and return the resulting state.
 
     Args:
-        batch: One copy, to be closed by the caller.
+        batch: Batch of a single copy, which the caller closes.
         item: The object.
-        space: The arm that grasps it, and which rises to its start.
-        hold: Hold of the object.
+        space: The arm that grasps the object, and then rises to its start pose.
+        hold: How the gripper holds the object.
         force: Force at each pad [N].
-        start: Positions of all joints at the start, grippers open, (n_joints,).
+        start: Positions of all joints at the start, with open grippers, shape
+            (n_joints,).
 
     Raises:
         ConfigError: If the gripper does not hold the object.
@@ -70,6 +71,6 @@ def grasped(
 
 
 def _offset(batch: Batch, space: Workspace, item: SceneObject) -> Array:
-    """Return where an object is relative to the tool [m], shape (3,)."""
+    """Return an object's position relative to the tool [m], shape (3,)."""
     k = batch.object_names.index(item.name)
     return np.asarray(batch.object_position[0, k] - batch.tool_pose(space.arm)[0][0])

@@ -1,4 +1,4 @@
-"""The hold of an object between the pads."""
+"""How a gripper holds an object between its pads."""
 
 from __future__ import annotations
 
@@ -13,29 +13,34 @@ from tool0.kinematics.chain import Array
 
 @final
 class Hold(NamedTuple):
-    """Hold of an upright object between the pads, from above."""
+    """How the pads hold an upright object from above."""
 
     width: float | Array
-    """Width of the object between the pads [m]; shape (n,) if copies differ."""
+    """Width of the object between the pads [m]; an array of shape (n,) if copies
+    differ."""
     point: tuple[float, float, float | Array] = (0.0, 0.0, 0.0)
-    """Position of the tcp in the object's frame [m]; z as ``width``."""
+    """Position of the tcp in the object's frame [m]; z may be an array, like
+    ``width``."""
     turns: int = 4
-    """Yaws at which the pads fit, in a full turn: 4 for a cube, 2 for a bar along x."""
+    """Number of yaws per full turn at which the pads fit: 4 for a cube, 2 for a bar
+    along x."""
     hover: float | None = None
-    """Height of the tcp in the root at which the fingers pass over everything [m]; over
-    cubes, if left out."""
+    """Height of the tcp in the root at which the fingers clear all objects [m]; if left
+    out, the height at which they clear cubes."""
     opening: float | None = None
-    """Opening of the gripper around the object [m]; the largest, if left out."""
+    """Opening of the gripper around the object [m]; the gripper's maximum if left
+    out."""
 
     def places(self, position: Array, quat: Array) -> Array:
         """Return the positions of the tcp in the root [m], shape (n, 3).
 
         Args:
             position: Position of the object in the root [m], shape (n, 3).
-            quat: Its orientations w, x, y, z, shape (n, 4); only their yaw counts.
+            quat: Orientations of the object w, x, y, z, shape (n, 4); only their yaw
+                counts.
         """
         x, y, z = self.point
-        if x == y == 0.0:  # no yaw moves it
+        if x == y == 0.0:  # independent of the yaw
             found = position.copy()
             found[:, 2] += z
             return found
@@ -45,25 +50,26 @@ class Hold(NamedTuple):
         return np.asarray(position + away)
 
     def turn(self, yaw: Array, quat: Array) -> Array:
-        """Return the smallest turn from a yaw of the tcp to one that fits [rad], (n,).
+        """Return the smallest turn from the tcp's yaw to a yaw that fits [rad], (n,).
 
-        ``quat`` is the object's, w, x, y, z, shape (n, 4).
+        ``quat`` is the object's orientation w, x, y, z, shape (n, 4).
         """
         return folded(yaws_of_quats(quat) - yaw, self.turns)
 
 
 @final
 class Cube(NamedTuple):
-    """A cube of each copy.  The numbers are arrays, (n,), if sizes are random."""
+    """A cube in each copy; fields are arrays of shape (n,) if sizes are random."""
 
     edge: float | Array
     """Edge of the cube [m]."""
     grasp_height: float | Array
-    """Height of the tcp above what carries the cube, when it grasps it [m]."""
+    """Height of the tcp above the cube's support when the gripper grasps the cube
+    [m]."""
 
     @staticmethod
     def of(space: Workspace, object_size: Array, k: int = 0) -> Cube:
-        """Return object ``k``; ``object_size`` is that of the ``State``."""
+        """Return object ``k`` as a cube; ``object_size`` is that of the ``State``."""
         if not space.has_sizes:
             return Cube(space.edge, space.grasp_height)
         edge = np.nan_to_num(object_size[:, k, 0], nan=space.edge)
@@ -71,14 +77,14 @@ class Cube(NamedTuple):
 
     @property
     def hold(self) -> Hold:
-        """Hold of the cube."""
+        """How the gripper holds the cube."""
         return Hold(self.edge, (0.0, 0.0, self.grasp_height - self.edge / 2.0))
 
 
 def folded(angle: Array, turns: int) -> Array:
-    """Return the smallest angle with the same effect on what has ``turns`` symmetries.
+    """Return the smallest equivalent angle for a ``turns``-fold symmetric object.
 
-    Angles are in [rad], of any shape; the result is within half of such a turn.
+    Angles [rad] have any shape; results are within ±π / ``turns``.
     """
     part = 2.0 * np.pi / turns
     return np.asarray(np.remainder(angle + part / 2.0, part) - part / 2.0)

@@ -1,4 +1,4 @@
-"""Looks of copies at the start of an episode: colours, light, and cameras."""
+"""Random appearance of copies in each episode: colours, light and cameras."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tool0.gym.options import Randomisation
 
 @final
 class Looks:
-    """Draws looks, each from the generator of its copy."""
+    """Draws the appearance of each copy from the copy's own generator."""
 
     def __init__(
         self,
@@ -26,12 +26,12 @@ class Looks:
         objects: Sequence[SceneObject],
         cameras: Sequence[Camera],
     ) -> None:
-        """Prepare for the task's objects, and the cameras of observations."""
+        """Prepare for the task's objects and the cameras of observations."""
         self._batch, self._ranges = batch, ranges
         self._objects, self._cameras = objects, cameras
 
     def draw(self, i: int, rng: np.random.Generator) -> None:
-        """Give copy ``i`` another look."""
+        """Draw a new appearance of copy ``i``."""
         batch, ranges = self._batch, self._ranges
         for item in self._objects:
             *rgb, alpha = item.rgba

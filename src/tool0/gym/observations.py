@@ -1,4 +1,4 @@
-"""Observations of n copies, and their spaces."""
+"""Observations of n copies, and the observation spaces."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tool0.gym.parts import parts, values
 from tool0.kinematics.chain import Array
 
 Observation = Array | dict[str, NDArray[Any]]
-"""One array, or one per key; the first axis is that of the copies."""
+"""One array, or one per key; the first axis is the copy."""
 
 
 @final
@@ -25,18 +25,19 @@ class NumberNames:
     """Names of the numbers of observations and actions."""
 
     observations: Mapping[str, tuple[str, ...]]
-    """Observation → names of its numbers; ``""`` if there is only one."""
+    """Key of an observation → names of its numbers; the key is ``""`` if there is only
+    one."""
     surroundings: frozenset[str]
-    """Names of the numbers that a robot does not measure on itself: objects and
+    """Names of the numbers that the robot's own sensors do not measure: objects and
     goals."""
     action: tuple[str, ...]
     grippers: tuple[int, ...] = ()
-    """Numbers of an action that are openings of grippers."""
+    """Indices of an action's numbers that are gripper openings."""
 
 
 @final
 class Observer:
-    """Makes the observations of one mode; numbers are float64, images uint8."""
+    """Makes the observations of one mode; numbers are float64, RGB images uint8."""
 
     def __init__(self, copies: Copies) -> None:
         self._copies = copies
@@ -55,7 +56,7 @@ class Observer:
 
     @property
     def space(self) -> spaces.Space[Any]:
-        """The space of the observations of one copy."""
+        """The observation space of one copy."""
         state = spaces.Box(self._low, self._high, dtype=np.float64)
         if self._mode == "state":
             return state
@@ -88,7 +89,7 @@ class Observer:
         return found
 
     def observe(self) -> Observation:
-        """Return what the copies are observed to be now; nothing is shared."""
+        """Return the current observations of the copies, as new arrays."""
         copies = self._copies
         numbers = np.concatenate(values(copies), axis=1)
         state: Array = np.minimum(np.maximum(numbers, self._low), self._high)

@@ -27,7 +27,7 @@ _LARGEST = {
     "camera": (0.2, " m"),
     "camera_turn": (0.5, " rad"),
 }
-"""Upper bound and unit of the randomised deviations."""
+"""Upper bound and unit of each random deviation, by name."""
 _NAMES = {"arm": "ur5", "gripper": "2f85"}
 
 
@@ -36,29 +36,30 @@ _NAMES = {"arm": "ur5", "gripper": "2f85"}
 class Randomisation:
     """Variation between episodes, in addition to the poses of objects and goals.
 
-    Factors are drawn uniformly, for each movable object; a range whose ends are equal
-    is constant.
+    Factors are drawn uniformly for each movable object; for a constant factor, use a
+    range with equal ends.
     """
 
     mass: tuple[float, float] = (0.5, 2.0)
-    """Range of the factor on the task's own mass."""
+    """Range of the factor on the mass that the task specifies."""
     friction: tuple[float, float] = (0.8, 1.25)
-    """Range of the factor on the task's own friction coefficient."""
+    """Range of the factor on the friction coefficient that the task specifies."""
     size: tuple[float, float] = (1.0, 1.0)
-    """Range of the factor on the size of each object of ``Task.resizable``, cut to what
-    the gripper can grasp; constant, if left out."""
+    """Range of the factor on the size of each object in ``Task.resizable``, clipped to
+    sizes that the gripper can grasp; if left out, sizes are constant."""
     joint_noise: float = 0.03
-    """Largest deviation of an arm's joint from the start pose [rad]."""
+    """Largest deviation of an arm's joints from the start pose [rad]."""
     colour: float = 0.15
-    """Largest change of an object's red, green and blue, each 0 … 1; in images."""
+    """Largest change of an object's red, green and blue, each 0 … 1; only for
+    images."""
     brightness: tuple[float, float] = (0.6, 1.2)
-    """Range of the light's brightness, relative to the usual one; in images."""
+    """Range of the light's brightness, relative to the default; only for images."""
     lamp: float = 1.0
-    """Largest displacement of the lamp along each axis [m]; in images."""
+    """Largest displacement of the lamp along each axis [m]; only for images."""
     camera: float = 0.02
-    """Largest displacement of a camera along each axis [m]; in images."""
+    """Largest displacement of a camera along each axis [m]; only for images."""
     camera_turn: float = 0.03
-    """Largest turn of a camera about each axis [rad]; in images."""
+    """Largest rotation of a camera about each axis [rad]; only for images."""
 
     def __post_init__(self) -> None:
         for name in ("mass", "friction", "size", "brightness"):
@@ -83,7 +84,7 @@ class Randomisation:
 
 
 class ImageKeys(NamedTuple):
-    """Keys of the images of one camera in observations."""
+    """Keys of one camera's images in observations."""
 
     rgb: str
     depth: str
@@ -93,38 +94,38 @@ class ImageKeys(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnvOptions:
-    """The options of an environment: keywords of ``gymnasium.make``."""
+    """The options of an environment: keyword arguments of ``gymnasium.make``."""
 
     arm: str = "ur5"
-    """An arm of the catalogue."""
+    """Name of an arm in the catalogue."""
     gripper: str = "2f85"
-    """A gripper of the catalogue."""
+    """Name of a gripper in the catalogue."""
     action: ActionMode = "cartesian"
-    """Kind of action, by what it moves (docs/how-to/gym.md)."""
+    """Kind of action: joint, cartesian or pose (docs/how-to/gym.md)."""
     observation: ObservationMode = "state"
     """Kind of observation (docs/how-to/gym.md)."""
     reward: RewardMode = "dense"
-    """Reward in each step, or for success alone."""
+    """Kind of reward: dense, in each step, or sparse, for success only."""
     control_rate: float = 20.0
     """Actions per simulated second [Hz]."""
     terminate_on_success: bool = True
     """Whether an episode ends with success."""
     randomise: bool | Randomisation = False
-    """Whether masses, frictions and start poses differ, and in which ranges."""
+    """Whether to randomise masses, frictions and start poses, and in which ranges."""
     camera: str | tuple[str, ...] = "scene"
-    """The cameras of images, one or several: scene, wrist."""
+    """The cameras for images, one or several of scene and wrist."""
     depth: bool = False
-    """Whether observations have depth images, too."""
+    """Whether observations also have depth images."""
     segmentation: bool = False
-    """Whether observations have segmentation images, too."""
+    """Whether observations also have segmentation images."""
     image_size: tuple[int, int] = (96, 96)
-    """Width and height of images in observations and of ``render`` [pixels]."""
+    """Width and height of images, in observations and from ``render`` [pixels]."""
     dt: float = 0.001
     """Length of a physics step [s]."""
     threads: int | None = None
-    """Threads that step the copies; those of ``tool0.Batch`` if not given."""
+    """Threads that step the copies; if left out, as for ``tool0.Batch``."""
     device: str = "cpu"
-    """The device that computes the physics, as in ``tool0.Batch``."""
+    """The device that computes the physics; see ``tool0.Batch``."""
 
     def __post_init__(self) -> None:
         for name, choices in _CHOICES.items():
@@ -180,12 +181,12 @@ class EnvOptions:
 
     @property
     def cameras(self) -> tuple[str, ...]:
-        """The cameras of images, at least one."""
+        """The cameras for images, at least one."""
         return (self.camera,) if isinstance(self.camera, str) else tuple(self.camera)
 
     @property
     def image_keys(self) -> dict[str, ImageKeys]:
-        """Keys of images in observations, by camera."""
+        """Keys of the images in observations, by camera."""
         names = self.cameras
         if len(names) == 1:
             return {names[0]: ImageKeys(*ImageKeys._fields)}
@@ -206,14 +207,14 @@ class EnvOptions:
 
     @property
     def ranges(self) -> Randomisation | None:
-        """Ranges to randomise; None for nothing."""
+        """Ranges to randomise; None if nothing is random."""
         if self.randomise is True:
             return Randomisation()
         return self.randomise or None
 
 
 def read_options(given: Mapping[str, object]) -> EnvOptions:
-    """Return the options of keywords, or raise ConfigError."""
+    """Return the options given by keyword arguments, or raise ConfigError."""
     names = [item.name for item in fields(EnvOptions)]
     for name in given:
         if name not in names:

@@ -25,21 +25,22 @@ _SPEED: Final = ("vx", "vy", "vz")
 
 
 class ObservationPart(NamedTuple):
-    """One part of the state that an observation has."""
+    """One part of the observed state."""
 
     name: str
     columns: tuple[str, ...]
-    """Names of its m numbers."""
+    """Names of the m numbers of the part."""
     low: Array
-    """Shape (m,)."""
+    """Least values, shape (m,)."""
     high: Array
-    """Shape (m,)."""
+    """Largest values, shape (m,)."""
     of_robot: bool = True
-    """Whether a robot measures it on itself; otherwise, it is of the surroundings."""
+    """Whether the robot's own sensors measure it; otherwise, it describes the
+    surroundings."""
 
 
 def values(copies: Copies) -> list[Array]:
-    """Return the observed state by its parts, each of shape (n, m)."""
+    """Return the parts of the observed state, each of shape (n, m)."""
     state, task = copies.state, copies.task
     found = []
     for own, arm in zip(copies.arms, state.arms.values(), strict=True):
@@ -71,7 +72,7 @@ def values(copies: Copies) -> list[Array]:
 
 
 def parts(copies: Copies) -> list[ObservationPart]:
-    """Return what ``values`` are, in their order."""
+    """Return the descriptions of ``values``, in the same order."""
     found = []
     for arm in copies.arms:
         found += list(_of_arm(arm.space, has_wrench=copies.task.needs_wrench))
@@ -79,7 +80,7 @@ def parts(copies: Copies) -> list[ObservationPart]:
 
 
 def _of_arm(space: Workspace, *, has_wrench: bool) -> Iterator[ObservationPart]:
-    """Yield what an arm and its gripper measure on themselves."""
+    """Yield the parts that an arm and its gripper measure themselves."""
     prefix, joints = space.prefix, space.chain.joint_names
     fastest, widest = 2.0 * space.fastest, 1.1 * space.gripper.max_opening
     yield ObservationPart(
@@ -108,7 +109,7 @@ def _of_arm(space: Workspace, *, has_wrench: bool) -> Iterator[ObservationPart]:
 
 
 def _around(copies: Copies) -> Iterator[ObservationPart]:
-    """Yield what the robot does not measure on itself: objects and goal."""
+    """Yield the parts that the robot does not measure itself: objects and goal."""
     task = copies.task
     for name in task.objects:
         yield _symmetric(f"{name}_position", _of(name, _XYZ), FARTHEST)

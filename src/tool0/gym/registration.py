@@ -1,4 +1,4 @@
-"""Registration of tasks with Gymnasium: those of tool0 and those of users."""
+"""Registers tool0's and users' tasks with Gymnasium."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ _VECTOR: Final = "tool0.gym.environments:TaskVectorEnv"
 def register(
     env_id: str, task: type[Task], *, max_episode_steps: int, **options: object
 ) -> None:
-    """Register a task of your own, for ``gymnasium.make`` and ``make_vec``.
+    """Register your own task for ``gymnasium.make`` and ``gymnasium.make_vec``.
 
-    A module that registers its tasks when it is imported can be named with them:
+    If a module registers its tasks when it is imported, its name can precede the id:
     ``gymnasium.make("my_module:MyTask-v0")``.
 
     Args:
-        env_id: Its id, such as ``MyTask-v0`` or ``my_lab/MyTask-v0``.
-        task: The class; it is called with a ``Workspace``.
-        max_episode_steps: Its time limit, in actions.
+        env_id: Id of the environment, such as ``MyTask-v0`` or ``my_lab/MyTask-v0``.
+        task: Class of the task; it is called with a ``Workspace``.
+        max_episode_steps: Time limit of an episode, in actions.
         options: Defaults of the environment's options.
 
     Raises:
-        ConfigError: If the class is no task, or an option is wrong.
+        ConfigError: If the class is not a task, or an option is wrong.
     """
     if not (isinstance(task, type) and issubclass(task, Task)):
         raise ConfigError(f"{task!r:.80} is no subclass of tool0.gym.Task")
@@ -50,7 +50,7 @@ def register_tasks() -> None:
 
 
 def task_of(spec: EnvSpec) -> type[Task] | None:
-    """Return the task of an environment; None if it is not one of tool0."""
+    """Return the task of an environment; None if it is not a tool0 environment."""
     if spec.vector_entry_point != _VECTOR:
         return None
     return task_class(spec.kwargs["task"])

@@ -26,19 +26,20 @@ from tool0.gym.options import EnvOptions
 LARGEST_EDGE = 0.045
 """Largest edge of a cube [m]."""
 FILL = 0.8
-"""Largest part of the gripper's opening that a cube takes."""
+"""Largest edge of a cube, as a fraction of the gripper's largest opening."""
 VIEWPOINT: Final = (0.85, -0.65, 0.6)
-"""Position of the camera from the middle of the table, for an arm of scale 1 [m]."""
+"""Position of the camera relative to the middle of the table, for an arm of scale 1
+[m]."""
 SIDE_VIEWPOINT: Final = (0.1, -1.5, 0.9)
-"""The same from the middle between two arms [m]."""
+"""Position of the camera relative to the middle between two arms, for scale 1 [m]."""
 
 
 @final
 class Site:
-    """The arms of a task, all of one kind, with a gripper each, and the cameras.
+    """The identical arms of a task, each with a gripper, and the cameras.
 
-    The root is in the base of the first arm, which looks along x.  A second one stands
-    ahead of it, and looks back.
+    The root is in the base of the first arm, which faces along x.  A second arm stands
+    opposite and faces the first.
     """
 
     def __init__(
@@ -49,10 +50,10 @@ class Site:
         Args:
             options: Arm, gripper and cameras.
             names: Names of two arms; none for a single one.
-            distance: Between the bases of two arms of scale 1 [m].
+            distance: Distance between the bases of two arms of scale 1 [m].
 
         Raises:
-            Tool0Error: If the arm or the gripper is unknown, or not built for this.
+            Tool0Error: If the arm or the gripper is unknown or not supported.
         """
         if options.gripper in (None, "none"):
             raise ConfigError("the tasks need a gripper; give one, such as 2f85")
@@ -71,14 +72,14 @@ class Site:
             robot = load_description(self.description)
         self.model = robot.model
         self.ready = named_poses(robot)["ready"]
-        """Positions of all joints in that pose [rad | m]."""
+        """Positions of all joints in the pose ``ready`` [rad | m]."""
         self.tables = {
             name: PickTable(scale=self.scale, base=base, arm=name, is_turned=k > 0)
             for k, (name, base) in enumerate(
                 zip(find_arms(self.model), bases, strict=False)
             )
         }
-        """The table in front of each arm, by its name in the robot."""
+        """The table in front of each arm, by the arm's name in the robot."""
         (widest,) = {item.max_opening for item in find_grippers(self.model).values()}
         self.edge = round(min(LARGEST_EDGE, FILL * widest), 4)
         """Edge of each cube [m]."""
@@ -86,7 +87,7 @@ class Site:
         self.size_range = (1.0, 1.0) if ranges is None else ranges.size
         """Range of the factor on the size of objects."""
         self.cameras = self._cameras(options)
-        """The cameras of images."""
+        """The cameras for images."""
 
     def _cameras(self, options: EnvOptions) -> tuple[Camera, ...]:
         cameras = {camera.name: camera for camera in default_cameras(self.model)}
@@ -101,7 +102,7 @@ class Site:
         )
 
     def _overview(self) -> Camera:
-        """Return a camera that sees table and grippers from the front."""
+        """Return a camera that shows the table and the grippers from the front."""
         tables = list(self.tables.values())
         viewpoint: Vector3 = VIEWPOINT
         x, y = tables[0].at((NEAR + FAR) / 2.0, (BIN_Y + LEFT) / 2.0)
@@ -116,7 +117,7 @@ class Site:
 def _facing(
     arm: DescriptionConfig, names: tuple[str, ...], bases: Sequence[tuple[float, float]]
 ) -> DescriptionConfig:
-    """Return a cell of two arms with bases at places [m]; the second is turned."""
+    """Return a cell of two arms with these bases [m]; the second faces the first."""
     return DescriptionConfig(
         cell=Cell(
             name="facing",

@@ -20,7 +20,7 @@ from tool0.kinematics.chain import Array
 
 @final
 class Sizes:
-    """Sizes of the objects of n copies of a task, by a random factor on their own."""
+    """Random object sizes in n copies of a task: the scene's sizes times factors."""
 
     def __init__(
         self,
@@ -30,7 +30,7 @@ class Sizes:
         options: EnvOptions,
         n: int,
     ) -> None:
-        """Begin with the scene's own sizes.
+        """Start with the sizes in the scene.
 
         Raises:
             ConfigError: If ``Randomisation.size`` cannot be chosen for this task, or
@@ -66,7 +66,8 @@ class Sizes:
             for k, item in enumerate(items)
             if item.name in self.names
         }
-        """Name and size of each object of random size, by its number."""
+        """Name and original size of each object of random size, by the object's
+        number."""
         self._own = np.reshape([_extents(item) for item in items], (len(items), 3))
         ranges = [workspace.size_factors(self._own[k]) for k in self._resized]
         self._ranges = np.reshape(ranges, (len(self._resized), 2))
@@ -74,14 +75,14 @@ class Sizes:
         """Sizes of the objects, as ``State.object_size``, shape (n, k, 3)."""
 
     def draw(self, rng: np.random.Generator) -> Array:
-        """Return random factors of all objects, shape (k,); 1 for what is constant."""
+        """Return random factors of all objects, shape (k,); 1 for constant sizes."""
         factors = np.ones(len(self._own))
         if self.names:
             factors[[*self._resized]] = rng.uniform(*self._ranges.T)
         return factors
 
     def apply(self, batch: Batch, factors: Array, which: Mask) -> None:
-        """Give the objects of copies the sizes of these factors, shape (n, k)."""
+        """Scale the objects of copies by these factors, shape (n, k)."""
         if not self.names:
             return
         found = self._own * factors[..., None]
@@ -91,7 +92,7 @@ class Sizes:
             batch.set_size(name, size if own.size > 1 else size[:, 0], which)
 
     def risen(self, places: Array) -> Array:
-        """Return places (n, k, 3) at which the objects' bottoms are where they were."""
+        """Return places (n, k, 3) with heights changed to keep the objects' bottoms."""
         if not self.names:
             return places
         higher = (self.extents - self._own)[..., 2] / 2.0
@@ -102,14 +103,14 @@ class Sizes:
 
 
 def _own_size(item: SceneObject) -> Array:
-    """Return the numbers of an object's size [m]; none of a mesh or a compound."""
+    """Return the dimensions of an object [m]; empty for a mesh or a compound."""
     if isinstance(item.geometry, Box | Cylinder | Sphere):
         return np.array(sizes(item.geometry))
     return np.empty(0)
 
 
 def _extents(item: SceneObject) -> tuple[float, ...]:
-    """Return the extents of an object as ``State.object_size`` has them."""
+    """Return the extents of an object, in the form of ``State.object_size``."""
     if isinstance(item.geometry, Box | Cylinder | Sphere):
         return extents(item.geometry)
     return (np.nan,) * 3

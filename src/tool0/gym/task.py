@@ -1,7 +1,7 @@
-"""A task: functions of the state of n copies, with arrays over all of them.
+"""Base class of tasks: functions of the state of n copies, on arrays.
 
-Subclass ``Task`` for a task of your own (docs/how-to/gym.md), and register it by
-``tool0.gym.register``.  A *goal* is an array of shape (n, g); ``achieved`` and
+To define your own task, subclass ``Task`` (docs/how-to/gym.md) and register the class
+with ``tool0.gym.register``.  A *goal* is an array of shape (n, g); ``achieved`` and
 ``desired`` have the same meaning, column by column.
 """
 
@@ -24,11 +24,11 @@ from tool0.kinematics.chain import Array
 Mask = NDArray[np.bool_]
 
 NEARNESS = 5.0
-"""Rate at which progress falls with the distance from the goal [1/m]."""
+"""Rate at which progress decreases with the distance from the goal [1/m]."""
 
 
 class ArmState(NamedTuple):
-    """Measured state of one arm and its gripper in n copies, in the root."""
+    """Measured state of one arm and its gripper in n copies; poses are in the root."""
 
     q: Array
     """Positions of the arm's joints [rad], shape (n, 6)."""
@@ -41,18 +41,19 @@ class ArmState(NamedTuple):
     opening: Array
     """Distance between the pads [m], shape (n,)."""
     opening_rate: Array
-    """Mean change of the opening in the last control period [m/s], shape (n,)."""
+    """Mean rate of change of the opening in the last control period [m/s], shape
+    (n,)."""
     opening_target: Array
     """The commanded opening [m], shape (n,)."""
     wrench: Array
-    """Force [N] and torque [N·m] on the tool, as ``Batch.tool_wrench``, shape (n, 6);
-    (n, 0) without ``Task.needs_wrench``."""
+    """Force [N] and torque [N·m] on the tool, as from ``Batch.tool_wrench``, shape (n,
+    6), or (n, 0) without ``Task.needs_wrench``."""
 
 
 class State(NamedTuple):
-    """Measured state of n copies with k objects.  Poses are in the root.
+    """Measured state of n copies with k objects; poses are in the root.
 
-    The properties are those of the arm, if the task has one arm; ``of`` chooses one of
+    If the task has one arm, the properties are that arm's; ``of`` selects one of
     several arms.
     """
 
@@ -61,17 +62,18 @@ class State(NamedTuple):
     object_position: Array
     """Positions of the objects [m], shape (n, k, 3)."""
     object_quat: Array
-    """Orientations of the objects w, x, y, z, shape (n, k, 4)."""
+    """Orientations of the objects, w, x, y, z, shape (n, k, 4)."""
     object_velocity: Array
     """Linear velocities of the objects [m/s], shape (n, k, 3)."""
     object_size: Array
-    """Edges of the box around each object, in its axes [m], shape (n, k, 3); NaN for
-    meshes and compounds."""
+    """Edges of each object's bounding box, in the object's axes [m], shape (n, k, 3);
+    NaN for meshes and compounds."""
     goal: Array
-    """Goal drawn at the start of the episode, as wide as ``Start.goal``."""
+    """Goal drawn at the start of the episode, with the same columns as
+    ``Start.goal``."""
 
     def of(self, arm: str) -> State:
-        """Return the state with one of the arms, and everything else.
+        """Return the same state with only one of the arms.
 
         Raises:
             ControlError: If there is no such arm.
@@ -101,7 +103,7 @@ class State(NamedTuple):
 
     @property
     def qd(self) -> Array:
-        """Their velocities [rad/s], shape (n, 6)."""
+        """Velocities of the arm's joints [rad/s], shape (n, 6)."""
         return self.arm.qd
 
     @property
@@ -111,7 +113,7 @@ class State(NamedTuple):
 
     @property
     def tcp_rotation(self) -> Array:
-        """Rotation matrices, shape (n, 3, 3)."""
+        """Rotation matrices of the tcp, shape (n, 3, 3)."""
         return self.arm.tcp_rotation
 
     @property
@@ -121,7 +123,7 @@ class State(NamedTuple):
 
     @property
     def opening_rate(self) -> Array:
-        """Its mean change in the last control period [m/s], shape (n,)."""
+        """Mean rate of change of the opening in the last period [m/s], shape (n,)."""
         return self.arm.opening_rate
 
     @property
@@ -136,83 +138,85 @@ class State(NamedTuple):
 
 
 class Start(NamedTuple):
-    """Random start of an episode of one copy."""
+    """Random start of an episode in one copy."""
 
     places: Array
     """Positions of the objects [m], shape (k, 3)."""
     yaws: Array
-    """Turns of the objects about z [rad], shape (k,)."""
+    """Yaws of the objects [rad], shape (k,)."""
     goal: Array
-    """Goal, shape (g,); any other shape if ``Task.desired`` converts it."""
+    """Goal, shape (g,), or any other shape that ``Task.desired`` converts."""
     is_held: bool = False
-    """Whether the closed gripper of the first arm holds the first object, as given by
-    ``Task.hold``.  The object's place and yaw are then ignored."""
+    """Whether the closed gripper of the first arm holds the first object in the way
+    that ``Task.hold`` defines.  The object's place and yaw are then ignored."""
 
 
 class Target(NamedTuple):
-    """Next target of the tool and gripper of n copies, from an expert."""
+    """Next targets of an expert for the tool and gripper of n copies."""
 
     position: Array
     """Target position of the tcp in the root [m], shape (n, 3)."""
     yaw: Array
-    """Target yaw of the tcp, which looks down [rad], shape (n,)."""
+    """Target yaw of the tcp [rad], shape (n,); the tool points down."""
     opening: Array
     """Target opening of the gripper [m], shape (n,)."""
     speed: Array
-    """Largest part of the fastest action, 0 … 1, shape (n,)."""
+    """Largest speed as a fraction of the fastest action, 0 … 1, shape (n,)."""
 
 
 class Task(abc.ABC):
     """A task of one arm, or of two that face each other.
 
-    Its functions have no memory and get arrays over all copies; what they return has
-    one row per copy, which depends on no other copy.
+    The functions have no memory and take arrays over all copies.  Their results have
+    one row per copy, which must not depend on other copies.
     """
 
     instruction: str = ""
-    """Description of the task, as given to a robot."""
+    """Description of the task as an instruction to a robot."""
     objects: tuple[str, ...] = ()
-    """Names of the objects that a start places, in the order of ``State``: movable, or
-    fixed where they are placed."""
+    """Names of the objects that a start places, in the order of ``State``.  They are
+    movable, or stay fixed where they are placed."""
     goal_names: tuple[str, ...] = ()
     """Names of the columns of a goal."""
     arms: tuple[str, ...] = ()
-    """Names of two arms, such as ``("left", "right")``; none for a single arm."""
+    """Names of two arms, such as ``("left", "right")``; empty for a single arm."""
     distance_of_arms: float = 1.5
     """Distance between the bases of two arms of scale 1 [m]."""
     hold: Hold | None = None
-    """Hold of the first object by a start's gripper; a task without such starts needs
-    none."""
+    """How the gripper holds the first object in starts with ``is_held``; None if the
+    task has no such starts."""
     resizable: tuple[str, ...] = ()
     """Objects whose size ``Randomisation.size`` may change: boxes, cylinders or spheres
     with a mass.  Starts are drawn for the size in the scene; an object of another size
-    has its bottom where that one would.  The functions find the size in the state."""
+    is placed with its bottom at the same height.  The functions find its actual size in
+    the state."""
     needs_wrench: bool = False
-    """Whether ``State`` and observations have the wrench on the tool."""
+    """Whether ``State`` and observations include the wrench on the tool."""
     worst_reward: float = -1.0
     """Reward of a copy whose physics diverged."""
 
     def __init__(self, workspace: Workspace) -> None:
-        """Prepare the task for an arm, a gripper, and the table that fits them.
+        """Prepare the task for an arm, a gripper and a matching table.
 
-        Of two arms, it is the workspace of the first; ``workspace.of`` has both.
+        For two arms, ``workspace`` is that of the first; ``workspace.of`` returns
+        either.
         """
         self.workspace = workspace
 
     @abc.abstractmethod
     def scene(self) -> Scene:
-        """Return what is around the robot, ``workspace.cameras`` among it."""
+        """Return the scene around the robot; it must include ``workspace.cameras``."""
 
     @abc.abstractmethod
     def draw(self, rng: np.random.Generator) -> Start:
-        """Return the random start of an episode, from ``rng`` alone."""
+        """Return a random start of an episode, drawn only from ``rng``."""
 
     @abc.abstractmethod
     def achieved(self, state: State) -> Array:
         """Return the goals that the states achieve, shape (n, g)."""
 
     def desired(self, state: State) -> Array:
-        """Return the goals to achieve, shape (n, g): those that were drawn."""
+        """Return the goals to achieve, shape (n, g): by default, the drawn goals."""
         return state.goal
 
     @abc.abstractmethod
@@ -220,37 +224,37 @@ class Task(abc.ABC):
         """Return whether goals are achieved, of any shape (…, g)."""
 
     def distance(self, achieved: Array, desired: Array) -> Array:
-        """Return how far goals are from being achieved [m], shape (…)."""
+        """Return the distances from achieved to desired goals [m], shape (…)."""
         return length(achieved - desired)
 
     def progress(self, state: State) -> Array:
-        """Return how far the task is done, 0 … 1, shape (n,)."""
+        """Return the progress of the task, 0 … 1, shape (n,)."""
         return nearness(self.distance(self.achieved(state), self.desired(state)))
 
     def reward(self, state: State, success: Mask) -> Array:
-        """Return the dense rewards, shape (n,): progress - 1, and 0 with success."""
+        """Return the dense rewards, shape (n,): progress - 1, or 0 upon success."""
         progress = np.minimum(np.maximum(self.progress(state), 0.0), 1.0)
         return np.where(success, 0.0, progress - 1.0)
 
     def observe(self, state: State) -> Mapping[str, Array]:
-        """Return further parts of observations by name, shapes (n,) or (n, m)."""
+        """Return additional parts of observations by name, shape (n,) or (n, m)."""
         return {}
 
     def expert(self, state: State, commanded: Frames) -> Target:
-        """Return where to go next; ``commanded`` is the tcp's target now.
+        """Return the expert's next target; ``commanded`` is the tcp's current target.
 
-        It has no memory, and tells from the state how far the task is.  A task needs
-        none; ``tool0.gym.expert`` says so then.
+        The expert has no memory, and infers the progress from the state.  It is
+        optional: without it, ``tool0.gym.expert`` raises an error.
         """
         raise NotImplementedError
 
     def experts(
         self, state: State, commanded: Mapping[str, Frames]
     ) -> Mapping[str, Target]:
-        """Return where each arm goes next, by its name.
+        """Return the expert's next target for each arm, by the arm's name.
 
-        A task of two arms has this instead of ``expert``.  ``commanded`` has the target
-        of each tcp now.
+        Tasks of two arms implement this instead of ``expert``.  ``commanded`` has the
+        current target of each tcp.
         """
         return {arm: self.expert(state, pose) for arm, pose in commanded.items()}
 
@@ -261,5 +265,5 @@ def length(vectors: Array) -> Array:
 
 
 def nearness(distance: Array, rate: float = NEARNESS) -> Array:
-    """Return 1 at no distance, falling to 0 with ``rate`` [1/m]."""
+    """Return 1 at distance 0, decreasing to 0 at ``rate`` [1/m]."""
     return np.asarray(1.0 - np.tanh(rate * distance))

@@ -1,4 +1,4 @@
-"""The tasks of tool0 by name."""
+"""The built-in tasks by name."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ EPISODE_STEPS = {
 
 
 def task_class(task: str | type[Task]) -> type[Task]:
-    """Return a class as it is, and one of the tasks by name.
+    """Return the class of a task, given by name; a class is returned as it is.
 
     Raises:
         ConfigError: If there is no such task.

@@ -1,4 +1,4 @@
-"""Kinematics of the tool of n copies of an arm, vectorized over the copies."""
+"""Kinematics of the tool in n copies of an arm, vectorized over the copies."""
 
 from __future__ import annotations
 
@@ -13,17 +13,19 @@ from tool0.kernel.tool import ToolKernel
 from tool0.kinematics.chain import ArmChain, Array, Posture
 
 DAMPING = 1e-4
-"""Damping of the Jacobian's inverse, squared [m²]: near a singularity the tool lags
-instead of the joints racing."""
+"""Squared damping of the Jacobian's inverse [m²]: near a singularity, the tool lags
+behind, rather than the joints speeding up."""
 STEPS = 2
-"""Newton steps per action: the second leaves less than 0.1 mm of a step of 2 cm."""
+"""Newton steps per action; after the second, the error of a 2 cm move is below 0.1
+mm."""
 
 
 @final
 class Tool:
     """The tcp of a gripper: a frame fixed in the arm's flange.
 
-    The kernel computes it; without the kernel NumPy does, which is the reference.
+    The kernel computes it if available, otherwise NumPy, which is the reference
+    implementation.
     """
 
     def __init__(
@@ -45,13 +47,13 @@ class Tool:
             )
 
     def pose(self, q: Array) -> Frames:
-        """Return the poses in the root at positions ``q`` [rad], shape (n, 6)."""
+        """Return the poses in the root at joint positions ``q`` [rad], shape (n, 6)."""
         if self._kernel is not None:
             return Frames(*self._kernel.poses(q))
         return self._T_root_base @ self._in_base(self._chain.forward(q))
 
     def quats(self, rotations: Array) -> Array:
-        """Return rotations, (n, 3, 3), as unit quaternions with w >= 0, (n, 4)."""
+        """Convert rotations, (n, 3, 3), to unit quaternions with w >= 0, (n, 4)."""
         if self._kernel is not None:
             return self._kernel.quats(rotations)
         return quats_wxyz(rotations)
@@ -61,11 +63,12 @@ class Tool:
         return Frames(T[:, :3, 3], T[:, :3, :3]) @ self._T_tip_tcp
 
     def steered(self, q: Array, moves: Array, lowest: float, limit: Array) -> Array:
-        """Return positions after moves of the tool, which looks down [rad], (n, 6).
+        """Return joint positions after moves of a tool pointing down [rad], (n, 6).
 
         Args:
             q: Start of the motion [rad], shape (n, 6).
-            moves: Along the root's axes [m], and the turn about z [rad], shape (n, 4).
+            moves: Moves along the root's axes [m], and turn about z [rad], shape (n,
+                4).
             lowest: Height below which the tool does not go down [m].
             limit: As in ``approach``.
         """
@@ -77,13 +80,13 @@ class Tool:
         return self.approach(q, target, limit)
 
     def approach(self, q: Array, target: Frames, limit: Array) -> Array:
-        """Return positions nearer to ``target`` [rad], shape (n, 6).
+        """Return joint positions closer to ``target`` [rad], shape (n, 6).
 
         Args:
             q: Start of the motion [rad], shape (n, 6).
-            target: Target of the tool in the root: a step away.
-            limit: Largest change of each joint [rad], shape (6,).  Beyond it all joints
-                of a copy move a shorter way along the same line.
+            target: Target pose of the tool in the root, about one step away.
+            limit: Largest change of each joint [rad], shape (6,).  If one would exceed
+                it, the changes of all joints of the copy are scaled down together.
         """
         if self._kernel is not None:
             return self._kernel.approach(q, target.position, target.rotation, limit)
@@ -106,9 +109,9 @@ class Tool:
 
 
 def chord_vectors(R: Array, R_wanted: Array) -> Array:
-    """Return the turn from R to R_wanted in the root's axes [rad], shape (n, 3).
+    """Return the rotation from R to R_wanted in the root's axes [rad], shape (n, 3).
 
-    Its length is that of the angle below about 1 rad, and never above 2.
+    The length equals the angle below about 1 rad, and never exceeds 2.
     """
     E = R_wanted @ R.swapaxes(1, 2)
     trace = E[:, 0, 0] + E[:, 1, 1] + E[:, 2, 2]
@@ -117,9 +120,9 @@ def chord_vectors(R: Array, R_wanted: Array) -> Array:
 
 
 def raised(position: Array, start: Array, lowest: float) -> Array:
-    """Return positions not below ``lowest`` [m], nor below a start that is lower.
+    """Return positions raised to ``lowest``, or to a start that is lower [m].
 
-    All are in the root [m], shape (n, 3).
+    All positions are in the root, shape (n, 3).
     """
     found = position.copy()
     found[:, 2] = np.maximum(found[:, 2], np.minimum(start[:, 2], lowest))
@@ -127,7 +130,7 @@ def raised(position: Array, start: Array, lowest: float) -> Array:
 
 
 def downward(yaw: Array) -> Array:
-    """Return rotations of a tool that looks down, its x axis at ``yaw`` [rad], (n,)."""
+    """Return rotations of a tool that points down, with its x axis at ``yaw`` [rad]."""
     c, s = np.cos(yaw), np.sin(yaw)
     R = np.zeros((len(yaw), 3, 3))
     R[:, 0, 0], R[:, 1, 0] = c, s

@@ -1,7 +1,7 @@
-"""Next targets of experts: to a grasp, up, to a place, behind a pushed object.
+"""Next targets of experts: to grasp, lift, place or push an object.
 
-The functions have no memory: they infer the progress from the state, so that they also
-continue after a disturbance.
+The functions have no memory: they infer the progress from the state, so that they can
+recover from disturbances.
 """
 
 from __future__ import annotations
@@ -19,26 +19,27 @@ from tool0.kinematics.chain import Array
 from tool0.kinematics.geometry import wrapped
 
 HELD = 0.025
-"""Largest distance from the tcp of a cube that is held [m]."""
+"""Largest distance from the tcp at which a cube counts as held [m]."""
 ALIGNED = 0.006
-"""Largest offset of pads around a cube [m]."""
+"""Largest offset between pads and cube at which the pads may close [m]."""
 PARALLEL = 0.08
-"""Largest angle between pads and the sides of a cube [rad]."""
+"""Largest angle between the pads and a cube's sides at which they may close [rad]."""
 NEAR = 2.0
-"""Times the tolerances: within them an expert goes on with what it began."""
+"""Factor on the tolerances within which an expert continues an action that it began."""
 STILL = 0.004
-"""Speed of pads below which they hold [m/s]."""
+"""Speed of the pads below which they count as holding [m/s]."""
 DROP = 0.002
-"""Height above its place at which a cube is released [m]."""
+"""Height above the goal at which a cube is released [m]."""
 FINE, FINE_GAIN = 0.003, 0.3
-"""Distance within which a held object is moved by this part of it in a step [m]."""
+"""Distance within which a held object is moved more slowly [m], and fraction of the
+remaining distance per step."""
 BEGUN = 0.0003
-"""Way down that shows that an object is being lowered [m]."""
+"""Downward move that indicates that an object is being lowered [m]."""
 PUSH_OPENING = 0.4
-"""Opening of the gripper that pushes, part of the cube's edge: two fingers keep it
-straight."""
+"""Opening of the gripper while pushing, as a fraction of the cube's edge; two fingers
+keep the cube straight."""
 PUSH_SLOW = 0.35
-"""Speed of a push, part of the fastest action."""
+"""Speed of a push, as a fraction of the fastest action."""
 
 
 def is_holding(state: State, hold: Hold) -> Mask:
@@ -53,7 +54,7 @@ def _hold_place(state: State, hold: Hold) -> Array:
 
 
 def reach(space: Workspace, state: State) -> Target:
-    """Return the way to the goal, a point."""
+    """Return the next target on the way to the goal, a point."""
     n = len(state.q)
     yaw = np.full(n, space.start_yaw)
     return Target(state.goal, yaw, state.opening_target, np.ones(n))
@@ -64,7 +65,7 @@ class Grasp(NamedTuple):
 
     target: Target
     held: Mask
-    """Whether it is squeezed firmly, shape (n,)."""
+    """Whether the pads hold the first object firmly, shape (n,)."""
 
 
 def grasp(
@@ -74,14 +75,14 @@ def grasp(
     hold: Hold | None = None,
     yaw: Array | None = None,
 ) -> Grasp:
-    """Return the way to a grasp of the first object.
+    """Return the next target on the way to grasping the first object.
 
     Args:
         space: Arm and gripper.
         state: The measured state.
-        commanded: The tcp's target now.
-        hold: Hold of the object; that of a cube, if left out.
-        yaw: Yaw of the tcp [rad], shape (n,); the nearest that fits, if left out.
+        commanded: The current target of the tcp.
+        hold: How to hold the object; if left out, like a cube.
+        yaw: Yaw of the tcp [rad], shape (n,); if left out, the nearest yaw that fits.
     """
     cube = Cube.of(space, state.object_size)
     hold = hold or cube.hold
@@ -123,15 +124,15 @@ def carried(
 ) -> Array:
     """Return positions of the tcp that bring a point of a held object to a place.
 
-    They follow from where the object is in the gripper; shape (n, 3), in the root [m].
-    The last millimetres are slow: the object swings a little as the arm moves.
+    They account for where the object is in the gripper; shape (n, 3), in the root [m].
+    The last millimetres are slow, since the object swings a little as the arm moves.
 
     Args:
         state: The measured state.
-        commanded: The tcp's target now.
+        commanded: The current target of the tcp.
         point: The point in the root [m], shape (n, 3).
         place: Target of the object in the root [m], shape (n, 3).
-        turn: Turn of the tcp about z meanwhile [rad], shape (n,).
+        turn: Turn of the tcp about z during the move [rad], shape (n,).
     """
     c, s = np.cos(turn), np.sin(turn)
     x, y, z = (point - state.tcp_position).T
@@ -143,10 +144,10 @@ def carried(
 
 
 def is_sent_below(state: State, commanded: Frames, point: Array, height: float) -> Mask:
-    """Return whether a point of a held object is to be below a height, shape (n,).
+    """Return whether a held object's point is commanded below a height, shape (n,).
 
-    The command tells, not what is measured: so an expert knows that it has begun to
-    lower the object from there.  ``point`` is in the root [m], shape (n, 3).
+    It uses the commanded, not the measured, position, so that an expert knows that it
+    has begun to lower the object.  ``point`` is in the root [m], shape (n, 3).
     """
     ahead = commanded.position[:, 2] - state.tcp_position[:, 2]
     return np.asarray(point[:, 2] + ahead < height - BEGUN)
@@ -159,7 +160,7 @@ def lift(
     hold: Hold | None = None,
     yaw: Array | None = None,
 ) -> Target:
-    """Return the way to grasp the first object, as ``grasp``, and to lift it."""
+    """Return the next target to grasp (see ``grasp``) and lift the first object."""
     target, held = grasp(space, state, commanded, hold, yaw)
     up = commanded.position.copy()
     cube = Cube.of(space, state.object_size)
@@ -168,7 +169,7 @@ def lift(
 
 
 def place(space: Workspace, state: State, commanded: Frames, goal: Array) -> Target:
-    """Return the way to carry the first object to its goal, and to release it."""
+    """Return the next target to carry the first object to its goal and release it."""
     edge, grasp_height = Cube.of(space, state.object_size)
     target, held = grasp(space, state, commanded)
     cube = state.object_position[:, 0]
@@ -188,7 +189,7 @@ def place(space: Workspace, state: State, commanded: Frames, goal: Array) -> Tar
     placed = (length(cube[:, :2] - goal[:, :2]) < NEAR * ALIGNED) & low
     position = np.where(held[:, None], aim, target.position)
     opening = np.where(held, 0.0, target.opening)
-    # It is there: let go of it, then leave.
+    # The cube is in place: let go of it, then retreat.
     gone = state.opening > edge + 0.01
     leave = np.where(gone[:, None], up, commanded.position)
     position = np.where(placed[:, None], leave, position)
@@ -198,7 +199,7 @@ def place(space: Workspace, state: State, commanded: Frames, goal: Array) -> Tar
 
 
 def push(space: Workspace, state: State, commanded: Frames) -> Target:
-    """Return the way to push the first object to the goal, a point on the table."""
+    """Return the next target to push the first object to the goal on the table."""
     edge, _ = Cube.of(space, state.object_size)
     cube, tcp = state.object_position[:, 0], state.tcp_position
     way = state.goal[:, :2] - cube[:, :2]
@@ -230,7 +231,7 @@ def push(space: Workspace, state: State, commanded: Frames) -> Target:
     forward = on_line + along * (length(way) + 0.02)[:, None]
     aim[:, :2] = np.where(pushing[:, None], forward, aim[:, :2])
     speed = np.where(pushing, PUSH_SLOW, 1.0)
-    # A cube between the fingers is let go.
+    # Release a cube that got between the fingers.
     caught = cube[:, 2] > TABLE_TOP + edge
     aim = np.where(caught[:, None], commanded.position, aim)
     opening = np.where(caught, space.gripper.max_opening, opening)

@@ -37,30 +37,30 @@ from tool0.kinematics.geometry import wrapped
 from tool0.kinematics.inverse import InverseKinematics
 
 HIGHEST = 0.6
-"""Largest part of the height at which cubes are carried that a cube is high."""
+"""Largest height of a cube, as a fraction of the height at which cubes are carried."""
 OPENINGS = 33
-"""Number of openings of the gripper between which the place of the pads is interpolated
-linearly: within 0.02 mm for the grippers of the catalogue."""
+"""Number of gripper openings between which the position of the pads is interpolated
+linearly; the error is within 0.02 mm for the grippers of the catalogue."""
 CUBE_MASS, CUBE_FRICTION = 0.1, 1.0
 """Mass [kg] and coefficient of friction of a cube, unless they are randomised."""
 HOVER = 0.02
-"""Least distance of the finger tips from cubes that they pass over [m]."""
+"""Least clearance between the fingertips and cubes that they pass over [m]."""
 RUN_UP = 0.03
-"""The same from its nearest corner, which leaves room for the fingers [m]."""
+"""Clearance from a cube's nearest corner when a tool goes down to push the cube [m]."""
 FIXTURE_RGBA = (0.35, 0.37, 0.4, 1.0)
-"""Colour of what is fixed on the table: steel."""
+"""Colour of objects fixed on the table: steel."""
 NEARER = 0.05
-"""Depth in front of the area of the starts in which an arm of scale 1 can work [m]."""
+"""Depth of the area in front of the start area where an arm of scale 1 can work [m]."""
 ATTEMPTS = 200
-"""Draws of a place before the last one is taken."""
+"""Number of attempts to draw a valid place; then the last draw is used."""
 
 
 @final
 class Workspace:
     """One arm with a gripper, and the table in front of it.
 
-    Lengths on the table are in proportion to the arm; cubes and the bin are not.
-    Poses are in the robot's root.
+    Lengths on the table scale with the arm; cubes and the bin do not.  Poses are in the
+    robot's root.
     """
 
     def __init__(self, site: Site, arm: str, beside: Mapping[str, Workspace]) -> None:
@@ -68,26 +68,26 @@ class Workspace:
 
         Args:
             site: All arms of the task.
-            arm: The name of this one in the robot.
-            beside: The workspaces of all arms, once they are made.
+            arm: Name of this arm in the robot.
+            beside: Workspaces of all arms by name, filled in as they are made.
 
         Raises:
-            Tool0Error: If the arm or the gripper is not built for this.
+            Tool0Error: If the arm or the gripper is not supported.
         """
         model = site.model
         self.arm = arm
         """Name of the arm in the robot."""
         self.gripper_name = gripper_of(model, arm) or ""
-        """Name of its gripper in the robot."""
+        """Name of the arm's gripper in the robot."""
         self.gripper = find_grippers(model)[self.gripper_name]
         """The gripper's geometry."""
         self._site, self._beside = site, beside
         self.description, self.scale = site.description, site.scale
         self.cameras = site.cameras
-        """The cameras of images."""
+        """The cameras for images."""
         self.table = site.tables[arm]
         self.edge = site.edge
-        """Edge of each cube [m]; with random sizes, of the usual one."""
+        """Edge of each cube [m]; with random sizes, the nominal edge."""
         self.chain = find_chains(model)[arm]
         self._inverse = InverseKinematics(self.chain)
         self.fastest = self._inverse.fastest
@@ -95,7 +95,7 @@ class Workspace:
         limits = [joint.limits for joint in self.chain.joints]
         self.lower = np.array([item.lower for item in limits])
         self.upper = np.array([item.upper for item in limits])
-        """Limits of the arm's joints [rad], shape (6,)."""
+        """Lower and upper limits of the arm's joints [rad], shape (6,) each."""
         tip = self.chain.tip
         T_tip_tcp = grasp_frame(model, self.gripper, self.edge, tip)
         T_root_base = fixed_transform(model, model.root, self.chain.base)
@@ -104,13 +104,14 @@ class Workspace:
         self._T_base_root = T_root_base.inverse().matrix
         self._T_tcp_tip = T_tip_tcp.inverse().matrix
         self.reach = finger_reach(model, self.gripper)
-        """Reach of the fingers beyond the tcp, when they hold a cube [m]."""
+        """Reach of the fingers beyond the tcp when they hold a cube [m]."""
         closed = grasp_frame(model, self.gripper, 0.0, tip)
         away = closed.position[2] - T_tip_tcp.position[2]
         self.advance = max(0.0, away)
-        """Advance of the finger tips, from holding a cube to closed [m]."""
+        """Advance of the fingertips from holding a cube to closed [m]."""
         self.grasp_height = self.grasp_height_of(self.edge)
-        """Height of the tcp above what carries the cube, when it grasps it [m]."""
+        """Height of the tcp above a cube's support when the gripper grasps the cube
+        [m]."""
         self._size_range = site.size_range
         self.has_sizes = tuple(self._size_range) != (1.0, 1.0)
         """Whether objects have random sizes."""
@@ -125,7 +126,8 @@ class Workspace:
             ]
             z = np.array([frame.position[2] for frame in frames])
             self._aheads = z - T_tip_tcp.position[2]
-            """Distance from the tcp ahead to the middle of the pads, by opening [m]."""
+            """Distance from the tcp forward to the middle of the pads, by opening
+            [m]."""
 
     @property
     def prefix(self) -> str:
@@ -136,25 +138,25 @@ class Workspace:
         """Return the workspace of an arm of the task.
 
         Raises:
-            ConfigError: If there is none.
+            ConfigError: If there is no such arm.
         """
         if arm not in self._beside:
             raise ConfigError(f"no arm '{arm}'{did_you_mean(arm, self._beside)}")
         return self._beside[arm]
 
     def grasp_height_of(self, height: float) -> float:
-        """Return the height of the tcp above what carries an object [m].
+        """Return the height of the tcp above the support of a grasped object [m].
 
-        ``height`` [m] is the object's.  Lower, the fingers would touch the table, or
-        the knuckles the object.
+        ``height`` [m] is the height of the object.  If the tcp were lower, the fingers
+        would touch the table, or the knuckles the object.
         """
         return max(height / 2.0, height - self.reach, self.reach + CLEARANCE)
 
     def grasp_heights(self, edge: Array) -> Array:
-        """Return heights of the tcp above what carries cubes, when it grasps them [m].
+        """Return heights of the tcp above the support of grasped cubes [m], shape (n,).
 
-        As ``grasp_height_of`` by the cubes' edges [m], shape (n,).  The middle of the
-        pads is not where it is around the usual cube, since fingers turn as they open.
+        Like ``grasp_height_of``, but for cubes with these edges [m], shape (n,).  The
+        middle of the pads moves relative to the tcp, since fingers turn as they open.
         """
         height = np.maximum(edge / 2.0, edge - self.reach)
         height = np.maximum(height, self.reach + CLEARANCE)
@@ -163,13 +165,14 @@ class Workspace:
     def size_factors(self, extents: Array) -> tuple[float, float]:
         """Return the range of random factors on the size of an object.
 
-        It is that of ``Randomisation.size``, as far as the pads' middle is beside the
-        object, the gripper opens far enough, and a cube is carried above another one;
-        an object that is beyond that itself does not get farther.  ``extents`` [m],
-        shape (3,), are those of the object.
+        It is the range of ``Randomisation.size``, limited so that the middle of the
+        pads is beside the object, the gripper opens wide enough, and a cube can be
+        carried above another one.  An object whose nominal size is outside these limits
+        does not get further outside.  ``extents`` [m], shape (3,), are those of the
+        object.
 
         Raises:
-            ConfigError: If nothing is left of the range.
+            ConfigError: If the limited range is empty.
         """
         smallest = self.reach + CLEARANCE
         largest = min(FILL * self.gripper.max_opening, HIGHEST * self.lift)
@@ -187,12 +190,12 @@ class Workspace:
 
     @property
     def lowest(self) -> float:
-        """Least height of the tcp in the root [m]: the finger tips clear the table."""
+        """Least height of the tcp in the root: fingertips clear the table [m]."""
         return TABLE_TOP + self.reach + CLEARANCE
 
     @property
     def hover_height(self) -> float:
-        """Height of the tcp above the table where fingers pass over cubes [m]."""
+        """Height of the tcp above the table when fingers pass over cubes [m]."""
         return max(self.grasp_height, self.reach) + self.edges[1] + HOVER
 
     @property
@@ -202,17 +205,17 @@ class Workspace:
 
     @property
     def lift(self) -> float:
-        """Height at which a cube is carried above where it is grasped [m]."""
+        """Height at which a cube is carried, relative to where it is grasped [m]."""
         return self.table.lift
 
     @cached_property
     def bin_centre(self) -> Vector3:
-        """The middle of the bin's floor [m]."""
+        """Position of the middle of the bin's floor [m]."""
         x, y, z = find_bin(self._shipped, BIN).center
         return x, y, z
 
     def area(self, *, beside_bin: bool = False) -> tuple[Array, Array]:
-        """Return the corners of the area where objects start [m], each (2,)."""
+        """Return the corners of the start area of objects [m], shape (2,) each."""
         right = RIGHT
         if beside_bin:  # the bin keeps its size, so on a small table it reaches further
             right = max(RIGHT, BIN_Y + (BIN_HALF_WIDTH + GAP) / self.scale)
@@ -220,7 +223,7 @@ class Workspace:
         return np.minimum(*corners), np.maximum(*corners)
 
     def draw_place(self, rng: np.random.Generator, low: Array, high: Array) -> Array:
-        """Return a random place in reach [m], shape (3,), between two corners."""
+        """Return a random place within reach, between two corners [m], shape (3,)."""
         for _ in range(ATTEMPTS):
             place = rng.uniform(low, high)
             if self.is_in_reach(place):
@@ -228,13 +231,13 @@ class Workspace:
         return place
 
     def is_in_reach(self, position: Array) -> bool:
-        """Return whether the arm reaches a point [m], (3,), in its usual posture."""
+        """Return whether the arm reaches a point [m], (3,), in its start posture."""
         return bool(np.isfinite(self.posture(position)).all())
 
     def posture(self, position: Array) -> Array:
-        """Return the arm's joints at a place of the tcp [rad], (6,); NaN out of reach.
+        """Return the joint positions at a tcp position [rad], (6,); NaN out of reach.
 
-        ``position`` [m], (3,), is in the root; yaw and posture are those of the start.
+        ``position`` [m], (3,), is in the root; yaw and posture are as at the start.
         """
         T = self._flange(position, self.start_yaw)
         with np.errstate(invalid="ignore"):
@@ -243,7 +246,7 @@ class Workspace:
     def reaches_from_above(self, positions: Array) -> bool:
         """Return whether the tcp can be at one of k points, (k, 3) [m], in any posture.
 
-        The tool looks down; the joints' limits do not count.
+        The tool points down; joint limits are ignored.
         """
         T = np.array([self._flange(each, self.start_yaw) for each in positions])
         with np.errstate(invalid="ignore"):
@@ -258,7 +261,7 @@ class Workspace:
         )
 
     def can_work(self, place: Array) -> bool:
-        """Return whether ``can_lift`` holds, and the arm's base is not too near.
+        """Return whether ``can_lift`` holds and the place is not too close to the base.
 
         ``place`` [m], (2,), may be outside of ``area``.
         """
@@ -278,7 +281,7 @@ class Workspace:
     ) -> Array:
         """Return random places of n cubes on the table [m], shape (n, 3).
 
-        The arm can lift cubes there, and the places (n, 2) are such that they fit.
+        The arm can lift cubes there, and ``fits`` accepts the places, shape (n, 2).
         """
         low, high = self.area(beside_bin=beside_bin)
         for _ in range(ATTEMPTS):
@@ -323,7 +326,7 @@ class Workspace:
 
     @cached_property
     def _branch(self) -> int:
-        """Which of the arm's eight postures the one at the start is."""
+        """Index of the start posture among the arm's eight postures."""
         T = self._flange(self.start_position, self.start_yaw)
         every = self._inverse.geometry.solve(T[None])[0]
         away = np.nan_to_num(np.abs(wrapped(every - self.start)), nan=np.inf)
@@ -340,7 +343,7 @@ class Workspace:
 
     @cached_property
     def _shipped(self) -> tuple[SceneObject, ...]:
-        """Table, bin and a cube, as in the demos."""
+        """Table, bin and a cube, like in the demos."""
         found = self.table.scene(edge=self.edge, mass=CUBE_MASS, friction=CUBE_FRICTION)
         return found.objects
 
@@ -353,7 +356,7 @@ class Workspace:
     ) -> Scene:
         """Return the table with cubes of these names, and perhaps the bin.
 
-        The table is that of all arms; cubes and bin are in front of this one.
+        The table is shared by all arms; cubes and bin are in front of this arm.
         """
         tables = [
             item
@@ -389,10 +392,10 @@ def workspaces(
     Args:
         options: Arm, gripper and cameras.
         arms: Names of two arms; none for a single one.
-        distance: Between the bases of two arms of scale 1 [m].
+        distance: Distance between the bases of two arms of scale 1 [m].
 
     Raises:
-        Tool0Error: If the arm or the gripper is unknown, or not built for this.
+        Tool0Error: If the arm or the gripper is unknown or not supported.
     """
     site = Site(options, arms, distance)
     found: dict[str, Workspace] = {}

@@ -1,4 +1,4 @@
-"""The dynamics that drives reckon with: of the description and declared payloads."""
+"""The dynamics that drives assume: those of the description and declared payloads."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from tool0.hardware.servo_masses import (
 
 @final
 class DriveDynamics:
-    """Loads, masses and mobilities of joints, by the engine's numbers."""
+    """Gravity loads, masses and mobilities of joints, by the engine's joint indices."""
 
     def __init__(
         self,
@@ -32,7 +32,7 @@ class DriveDynamics:
         dt: float,
         gravity: Vector3,
     ) -> None:
-        """Take the model without declared payloads; for the rest see RobotHardware."""
+        """Start without declared payloads; for the arguments, see ``RobotHardware``."""
         self._model, self._gravity_vector, self._dt = model, gravity, dt
         self._payloads: dict[str, Payload] = {}
         self.own = self._declared = JointDynamics(model, gravity)
@@ -45,7 +45,7 @@ class DriveDynamics:
             joint.name: float(inertia)
             for joint, inertia in zip(model.movable_joints, inertias, strict=True)
         }
-        """Inertia at each joint in the zero pose [kg·m² | kg]."""
+        """Inertia at each joint in the zero pose, by joint name [kg·m² | kg]."""
         carriers = [
             model.joint_by_name[name]
             for name in sorted(_joints_before_flanges(model))
@@ -57,18 +57,19 @@ class DriveDynamics:
             )
             for joint in carriers
         }
-        """Integral rates of the servos of joints that carry a payload [1/s]."""
+        """Integral rates of the servos of joints that carry a payload, by joint name
+        [1/s]."""
         self._expected_loads = {
             index[joint.name]: expected_load(joint.limits.effort) for joint in carriers
         }
 
     @property
     def payloads(self) -> Mapping[str, Payload]:
-        """The payloads that were set, by flange."""
+        """The declared payloads, by flange."""
         return self._payloads
 
     def set_payload(self, flange: str, payload: Payload | None) -> None:
-        """Set the payload at ``flange``; None is the tool of the description."""
+        """Declare the payload at ``flange``; None for the tool in the description."""
         self._payloads.pop(flange, None)
         if payload is not None:
             self._payloads[flange] = payload
@@ -80,7 +81,7 @@ class DriveDynamics:
 
     @property
     def table(self) -> DynamicsTable:
-        """The constants of ``gravity``."""
+        """The constants of the computation in ``gravity``."""
         return self._declared.table
 
     def gravity(self, state: JointState) -> list[float]:
@@ -95,7 +96,7 @@ class DriveDynamics:
     def masses(self, joints: Sequence[int], state: JointState) -> Matrix:
         """Return the mass matrix of ``joints`` for servos [kg·m² | kg], shape (n, n).
 
-        Declared payloads count within the bounds of ``servo_masses``.
+        The effect of declared payloads is bounded; see module ``servo_masses``.
         """
         position = [state.position[i] for i in self.to_model]
         declared = self._declared.mass_matrix(position)[None]
@@ -110,11 +111,11 @@ class DriveDynamics:
         """Return ``masses`` of ``joints`` in k states, shape (k, n, n).
 
         Args:
-            joints: The n joints, by the engine's numbers.
+            joints: The n joints, by the engine's indices.
             declared: The mass matrices of the model's joints with declared payloads,
                 shape (k, n_joints, n_joints).
-            positions: Positions of the model's joints [rad | m], shape (k, n_joints):
-                they count if payloads are declared.
+            positions: Positions of the model's joints [rad | m], shape (k, n_joints);
+                used only if payloads are declared.
         """
         rows = [self.to_model.index(i) for i in joints]
         chosen = own = np.ascontiguousarray(declared[:, rows][:, :, rows])
@@ -129,10 +130,10 @@ class DriveDynamics:
     def mobility(
         self, joints: Sequence[int], state: JointState, rotors: Mapping[int, float]
     ) -> Matrix:
-        """Return the change of ``joints``' velocities in a step per effort.
+        """Return the velocity changes of ``joints`` in a step, per unit of effort.
 
-        Shape (n, n) [rad/s/(N·m)], by the masses of the description and the ``rotors``,
-        by joint [kg·m²].
+        The result has shape (n, n) [rad/s/(N·m)].  It is computed from the masses of
+        the description and the inertias of the ``rotors``, by joint [kg·m²].
         """
         position = [state.position[i] for i in self.to_model]
         own = self.own.mass_matrix(position)[None]

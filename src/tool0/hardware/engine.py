@@ -1,4 +1,4 @@
-"""The interface to a physics engine, and the checks that every engine makes."""
+"""The interface of physics engines, and checks that are common to all engines."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from tool0.errors import ConfigError, DivergenceError, EngineError, did_you_mean
 class JointState(NamedTuple):
     """The measured state of every movable joint at one instant.
 
-    Lists have shape (n_joints,), ordered as the engine's ``joint_names``.  A named
-    tuple of plain lists: the tick creates one a thousand times a second, and plain
-    floats are the fastest in Python.
+    Lists have shape (n_joints,), ordered as the engine's ``joint_names``.  This is a
+    named tuple of plain lists because the tick creates one a thousand times a second,
+    and plain floats are fastest in Python.
     """
 
     time: float
@@ -28,7 +28,7 @@ class JointState(NamedTuple):
     velocity: list[float]
     """Velocities [rad/s], or [m/s] for a prismatic joint."""
     effort: list[float]
-    """Last applied effort [N·m] or [N]."""
+    """Most recently applied efforts [N·m], or [N] for a prismatic joint."""
 
 
 JointSelector = Callable[[list[float]], Sequence[float]]
@@ -38,7 +38,7 @@ JointSelector = Callable[[list[float]], Sequence[float]]
 def joint_selector(indices: Sequence[int]) -> JointSelector:
     """Return the function that selects ``indices`` from a list.
 
-    It runs in C: a slice if the joints are contiguous, as they mostly are.
+    The function runs in C; it is a slice if the joints are contiguous, as usual.
     """
     run = as_slice(indices)
     if run is not None:
@@ -56,15 +56,15 @@ def as_slice(indices: Sequence[int]) -> slice | None:
 
 @final
 class RecordedObjects(Sequence[ObjectState]):
-    """The states of objects at one instant, computed when they are first read.
+    """The states of objects at one instant, computed upon the first read.
 
-    It never changes, and any thread may read it.
+    The result never changes, and any thread may read it.
     """
 
     __slots__ = ("_compute", "_states")
 
     def __init__(self, compute: Callable[[], tuple[ObjectState, ...]]) -> None:
-        """``compute`` must depend only on what was recorded at that instant."""
+        """``compute`` must depend only on data recorded at that instant."""
         self._compute = compute
         self._states: tuple[ObjectState, ...] | None = None
 
@@ -101,14 +101,14 @@ class RecordedObjects(Sequence[ObjectState]):
 
 
 Wrench = tuple[Vector3, Vector3]
-"""A force [N] at a body's centre of mass and a torque [N·m], in the root's axes."""
+"""Force [N] at a body's centre of mass, and torque [N·m], in the root's axes."""
 
 
 class World(Protocol):
     """The objects around the robot: state, spawning, attachments and contacts.
 
-    An engine keeps the same world for its whole life.  Only the thread that owns the
-    tick may use it.
+    An engine has a single world for its whole lifetime.  Only the thread that owns the
+    tick may use the world.
     """
 
     @property
@@ -117,15 +117,15 @@ class World(Protocol):
 
     @property
     def ground(self) -> float | None:
-        """Height of the ground [m], in the robot's root; None if it is not known."""
+        """Height of the ground in the robot's root [m]; None if unknown."""
 
     def object_states(self) -> Sequence[ObjectState]:
-        """Return the current state of each object, spawned ones last: a record."""
+        """Return a record of the current state of each object, spawned objects last."""
 
     def spawn(self, item: SceneObject) -> None:
-        """Add an object at rest; everything else keeps its state.
+        """Add an object at rest without changing the state of anything else.
 
-        If that fails, nothing has changed.
+        Nothing has changed if this fails.
 
         Raises:
             ModelError: If the engine does not support such an object.
@@ -133,58 +133,60 @@ class World(Protocol):
         """
 
     def delete(self, name: str) -> None:
-        """Remove an object, or raise EngineError if there is none."""
+        """Remove an object, or raise EngineError if there is no such object."""
 
     def place(self, state: ObjectState) -> None:
-        """Set the pose and velocity of an object; the quaternion must have length one.
+        """Set the pose and velocity of an object; the quaternion must be normalised.
 
-        A reset returns it to where it was at the start, or was spawned.
+        A reset returns the object to its pose at the start, or where it was spawned.
 
         Raises:
-            EngineError: If there is none, or it has no mass and a velocity is given.
+            EngineError: If there is no such object, or a velocity is given for an
+                object without mass.
         """
 
     def contacts(self) -> tuple[Contact, ...]:
-        """Return the contacts of the last step, one per pair.
+        """Return the contacts of the last step, one per pair of bodies.
 
-        An attachment counts as a contact.  Empty before the first step after a reset.
-        An engine may start recording with the first call, which then returns none.
+        An attachment counts as a contact.  The result is empty before the first step
+        after a reset.  An engine may start recording contacts upon the first call,
+        whose result is then empty.
         """
 
     def is_touched(self, links: frozenset[str]) -> bool:
         """Return whether one of ``links`` touches anything, or is attached.
 
-        Quicker than ``contacts``; True may also mean: almost.
+        Faster than ``contacts``; may also return True for links that only almost touch.
         """
 
     def center_of_mass(self, name: str) -> Vector3:
-        """Return where the body of a link or object has its centre of mass [m].
+        """Return the centre of mass of the body of a link or object [m].
 
-        In the robot's root; links that are fixed to each other are one body.
+        It is in the robot's root.  Links that are fixed to each other are one body.
 
         Raises:
-            EngineError: If there is no such link or object, or it cannot move.
+            EngineError: If there is no such link or object, or if it cannot move.
         """
 
     def hold_wrenches(self, wrenches: Mapping[str, Wrench]) -> None:
-        """Apply these wrenches, by link or object, from now on, and no others.
+        """Replace all applied wrenches by these, by link or object.
 
-        Those on links of one body add up.  A reset removes all.
+        Wrenches on links of the same body add up.  A reset removes all wrenches.
 
         Raises:
-            EngineError: As ``center_of_mass``; then nothing has changed.
+            EngineError: As for ``center_of_mass``; nothing has changed then.
         """
 
     def attach(self, name: str, link: str) -> None:
         """Fix a movable object to a link at its current pose, until it is detached.
 
-        No real hand does this: it is for ``--grasp-assist`` only.  Resetting, deleting
-        and placing the object detach it.
+        This is not physical, and only for ``--grasp-assist``.  Resetting, deleting or
+        placing the object detaches it.
 
         Raises:
             ModelError: If there is no such link.
-            EngineError: If there is no such object, it has no mass, or it is attached
-                already.
+            EngineError: If there is no such object, it has no mass, or it is already
+                attached.
         """
 
     def detach(self, name: str) -> None:
@@ -192,15 +194,15 @@ class World(Protocol):
 
 
 class Engine(Protocol):
-    """Physics, as the control loop sees it: read, write, step, in that order.
+    """Physics engine, as the control loop uses it: read, write and step, in this order.
 
-    Every sequence has shape (n_joints,), ordered as ``joint_names``: all movable
-    joints of the robot, including mimic joints.  ``world`` has everything else.
+    Every sequence has shape (n_joints,), ordered as ``joint_names``, which has all
+    movable joints of the robot, including mimic joints.  ``world`` has everything else.
     """
 
     @property
     def name(self) -> str:
-        """The name that the engine is registered under: ``mujoco``, ``gazebo``."""
+        """Name under which the engine is registered: ``mujoco`` or ``gazebo``."""
 
     @property
     def joint_names(self) -> tuple[str, ...]: ...
@@ -214,13 +216,13 @@ class Engine(Protocol):
         """The objects around the robot."""
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
-        """Put joints at ``position`` [rad | m], at rest, and objects at their start.
+        """Reset joints to ``position`` [rad | m], at rest, and objects to their start.
 
         Set simulated time to ``time`` [s].
         """
 
     def read(self) -> JointState:
-        """Return the measured state: a copy, never a view into the engine.
+        """Return a copy of the measured state, never a view into the engine.
 
         Raises:
             DivergenceError: If the state is not finite, or a velocity is absurd.
@@ -230,26 +232,26 @@ class Engine(Protocol):
         """Apply ``effort`` [N·m | N] until the next call.
 
         Raises:
-            DivergenceError: If it is not finite.
+            DivergenceError: If an effort is not finite.
         """
 
     def set_brakes(self, torques: Mapping[int, float]) -> None:
         """Engage the brakes of these joints, by number, and release all others.
 
-        A brake is dry friction of at most that torque [N·m | N] in the joint: it slows
-        the joint, and holds it at rest against any load that is smaller.  The state
-        does not change, and a reset leaves the brakes as they are.
+        A brake acts as dry friction of at most this torque [N·m | N]: it slows the
+        joint, and holds it at rest against any smaller load.  The joint's state does
+        not change, and a reset does not affect the brakes.
         """
 
     @property
     def has_rotors(self) -> bool:
-        """Whether ``set_rotors`` is possible."""
+        """Whether the engine supports ``set_rotors``."""
 
     def set_rotors(self, inertias: Mapping[int, float]) -> None:
-        """Add the inertia of rotors to these joints, by number, and none to others.
+        """Set the added rotor inertia of these joints, by number; others get none.
 
-        It is reflected to the joint [kg·m² | kg].  The state does not change, and a
-        reset leaves the rotors as they are.
+        The inertia is reflected to the joint [kg·m² | kg].  The joint's state does not
+        change, and a reset does not affect the rotors.
         """
 
     def step(self) -> None:
@@ -257,9 +259,9 @@ class Engine(Protocol):
 
     @property
     def stepper(self) -> NativeStepper | None:
-        """Addresses for compiled code; None if only ``step`` steps the engine.
+        """Addresses for compiled code; None if only ``step`` can step the engine.
 
-        Another one whenever addresses change.
+        It is a new object whenever addresses change.
         """
 
     def close(self) -> None:
@@ -267,7 +269,7 @@ class Engine(Protocol):
 
 
 class NativeStepper(NamedTuple):
-    """Addresses by which compiled code steps an engine in this process.
+    """Addresses with which compiled code steps an engine in this process.
 
     The joints come first in ``position`` and ``velocity``, in the engine's order.
     """
@@ -275,47 +277,50 @@ class NativeStepper(NamedTuple):
     step: int
     """Address of a C function ``void step(const void *model, void *data)``."""
     on_error: int
-    """Address of the variable with the C function ``void on_error(const char *)``,
-    which the engine calls on an error; 0 if there is none."""
+    """Address of the variable that holds the C function ``void on_error(const char
+    *)``, which the engine calls on an error; 0 if there is no such variable."""
     model: int
     data: int
     position: int
     """Address of the measured positions [rad | m]."""
     velocity: int
-    """Address of the velocities, those of objects included [rad/s | m/s]."""
+    """Address of the velocities, including those of objects [rad/s | m/s]."""
     n_velocities: int
     motors: int
     """Address of the efforts that the engine applies [N·m | N]."""
     motor_joints: tuple[int, ...]
     """The joint that each motor drives."""
     brakes: tuple[int, ...]
-    """The joints with engaged brakes.  One that is slower than ``BRAKE_STANDSTILL``
-    after a step stands: it keeps its position from before the step, with velocity 0."""
+    """The joints with engaged brakes.  A joint that is slower than ``BRAKE_STANDSTILL``
+    after a step is at rest: it keeps its position from before the step, with velocity
+    0."""
     steps: Callable[[], int]
-    """Returns the steps of the engine since its time was 0."""
+    """Returns the number of steps of the engine since its time was 0."""
     note_steps: Callable[[int, list[float]], None]
-    """Tells the engine the steps since its time was 0, and the last effort."""
+    """Tells the engine the number of steps since its time was 0, and the last
+    efforts."""
 
 
 BRAKE_STANDSTILL = 3e-4
-"""Speed below which a joint with an engaged brake stands [rad/s | m/s].
+"""Speed below which a joint with an engaged brake is at rest [rad/s | m/s].
 
-Friction that a solver regularises creeps: in MuJoCo with rated payloads at 1e-4 rad/s
-at most.  To move a joint that stands takes 0.3 rad/s² beyond its friction, in steps of
-1 ms.
+Friction that a solver regularises creeps; in MuJoCo with rated payloads, at no more
+than 1e-4 rad/s.  With steps of 1 ms, moving a joint from rest takes 0.3 rad/s² beyond
+its friction.
 """
 LARGEST_VELOCITY = 1e4
-"""Speed from which a simulation counts as diverged [rad/s | m/s].  No drive and no fall
-gets near it, and growing numbers pass it some steps before infinity."""
+"""Speed above which a simulation counts as diverged [rad/s | m/s].  Drives and falling
+objects stay far below it, and diverging values pass it some steps before they become
+infinite."""
 
 
 def has_diverged(velocity: Sequence[float]) -> bool:
-    """Return whether a velocity is not finite or absurd [rad/s | m/s]."""
+    """Return whether a velocity is not finite, or absurdly large [rad/s | m/s]."""
     return not math.hypot(*velocity) < LARGEST_VELOCITY  # NaN, too
 
 
 def fastest(velocity: Sequence[float]) -> int:
-    """Return the number of the first velocity that is not finite, or the largest."""
+    """Return the index of the first non-finite velocity, or else of the largest."""
     sizes = [abs(v) if math.isfinite(v) else math.inf for v in velocity]
     return sizes.index(max(sizes))
 
@@ -329,13 +334,13 @@ def check_dt(dt: float) -> None:
 def effort_divergence(
     joint_names: Sequence[str], effort: Sequence[float], time: float
 ) -> DivergenceError:
-    """Return the error for efforts [N·m | N] whose sum is not finite."""
+    """Return the error for efforts with a non-finite sum [N·m | N]."""
     worst = next((i for i, u in enumerate(effort) if not math.isfinite(u)), 0)
     return DivergenceError(joint_names[worst], time, "effort")
 
 
 def check_new_name(objects: Mapping[str, SceneObject], name: str) -> None:
-    """Raise EngineError if there is an object ``name`` already."""
+    """Raise EngineError if an object ``name`` already exists."""
     if name in objects:
         raise EngineError(
             f"there is already an object '{name}'; remove it first, or use another name"
@@ -351,7 +356,7 @@ def find_object(objects: Mapping[str, SceneObject], name: str) -> SceneObject:
 
 
 def check_attachable(objects: Mapping[str, SceneObject], name: str) -> None:
-    """Raise EngineError unless there is an object ``name`` that can move."""
+    """Raise EngineError unless the object ``name`` exists and can move."""
     if find_object(objects, name).mass is None:
         raise EngineError(
             f"object '{name}' has no mass and is static; only a movable object can be "

@@ -1,19 +1,18 @@
-"""Joint limits, enforced as in ros_control.
+"""Joint limits, enforced like in ros_control.
 
-Saturation is that of joint_limits_interface (ros_control noetic,
-``joint_limits_interface.h``), ``EffortJointSaturationHandle`` and
-``EffortJointSoftLimitsHandle``: the effort is clamped, a joint beyond a position limit
-gets no outward effort, one beyond its speed no accelerating effort.  There are three
-intentional differences:
+Saturation follows ``EffortJointSaturationHandle`` and ``EffortJointSoftLimitsHandle``
+of joint_limits_interface (ros_control noetic, ``joint_limits_interface.h``): the effort
+is clamped, a joint beyond a position limit gets no outward effort, and a joint above
+its speed limit gets no accelerating effort.  There are three intentional differences:
 
-* A drive whose rotor inertia is known, or whose effort would take the joint beyond
-  its speed limit within one step, keeps to its speed (``SpeedLimiter``).  ROS switches
-  the whole effort on and off there, and a light joint then runs far above its limit.
+* A drive whose rotor inertia is known, or whose effort could take the joint beyond its
+  speed limit within one step, holds the speed limit (``SpeedLimiter``).  There, ROS
+  switches the whole effort on and off, and a light joint then runs far above its limit.
 * The speed of any other joint is governed (``hardware/speed_governor.py``): with ROS's
-  rule, the joints of an arm fling each other to five times their speed.
+  rule, the joints of an arm fling each other to five times their speed limits.
 * ``k_velocity = 0`` means "no soft limit on effort".  ROS uses a window of width zero,
-  so with ``safety_limits:=true`` of the UR description an effort-controlled arm is
-  limp.
+  so an effort-controlled arm is limp with ``safety_limits:=true`` in the UR
+  description.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ from tool0.description.model import JointLimits, SafetyController
 from tool0.hardware.engine import JointState
 
 STOP_TOLERANCE = 1e-4
-"""Depth in a stop at which outward effort is cut [rad | m].
+"""Penetration of a stop at which outward effort is cut [rad | m].
 
 A stop is a contact, and contacts yield a little.  Without this margin, the effort of a
 joint held at its stop would switch on and off a thousand times a second.
@@ -36,14 +35,15 @@ joint held at its stop would switch on and off a thousand times a second.
 
 
 PUSHING = 0.9
-"""Part of its effort limit from which a drive counts as pushing at it: a servo limits
-the accelerations of coupled joints together, and stays a little below."""
+"""Fraction of its effort limit from which a drive counts as pushing at the limit; a
+servo limits the accelerations of coupled joints together, so efforts stay slightly
+below."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EffortLimits:
-    """The limits of one joint, independent of the goal."""
+    """The limits of one joint, independent of any goal."""
 
     hard: JointLimits
     soft: SafetyController | None = None
@@ -68,23 +68,24 @@ class DriveBounds(NamedTuple):
     lower: float
     """Position below which the joint presses into its stop [rad | m]."""
     upper: float
-    """Position above which it does."""
+    """Position above which the joint presses into its stop [rad | m]."""
     rotor: float
-    """Inertia per step, with which the drive keeps its speed [N·m·s/rad | N·s/m];
-    infinite if the inertia is unknown."""
+    """Inertia divided by the step length, used to hold the speed limit [N·m·s/rad |
+    N·s/m]; infinite if the inertia is unknown."""
     ease: float
-    """Largest reduction of the effort per step, when a goal's limits decrease."""
+    """Largest reduction of the effort per step when a goal's limits decrease [N·m |
+    N]."""
     hard: JointLimits
     soft: SafetyController | None
-    """Soft limits, if they limit the effort."""
+    """Soft limits, or None if they do not limit the effort."""
 
 
 @final
 class EffortLimiter:
-    """Saturates the effort of every driven joint, each step."""
+    """Saturates the effort of every driven joint in each step."""
 
     def __init__(self, drives: Mapping[int, EffortLimits], dt: float) -> None:
-        """Set the limits of the driven joints, by index, and the step [s]."""
+        """Set the limits of the driven joints, by index, and the step length [s]."""
         self._drives = drives
         self._dt = dt
         self.bounds = tuple(self._bounds())
@@ -109,7 +110,7 @@ class EffortLimiter:
         drive_limits: Mapping[int, DriveLimits],
         velocities: Mapping[int, float | None],
     ) -> None:
-        """Continue with these limits of goals, and ``velocities`` to remember."""
+        """Continue with these limits of goals and ``velocities`` of the last step."""
         if drive_limits != self._drive_limits:
             for i in self._drive_limits.keys() | drive_limits.keys():
                 self.set_drive_limits(i, drive_limits.get(i))
@@ -117,7 +118,7 @@ class EffortLimiter:
             limiter.before = velocities[i]
 
     def set_drive_limits(self, index: int, limits: DriveLimits | None) -> None:
-        """Limit a drive below its joint's limits; None removes this limit."""
+        """Limit a drive more tightly than its joint; None removes these limits."""
         if limits == self._drive_limits.get(index):
             return
         if limits is None:
@@ -134,12 +135,12 @@ class EffortLimiter:
         self._rows = list(self._saturated())
 
     def leave_speeds(self, governed: frozenset[int]) -> None:
-        """Leave the speeds of these joints to the governor."""
+        """Leave limiting the speeds of these joints to the governor."""
         self._governed = governed
         self._rows = list(self._saturated())
 
     def add_inertias(self, inertias: Mapping[int, float]) -> None:
-        """Expect these inertias at joints in addition to the known ones, by index."""
+        """Expect these inertias at joints, by index, in addition to the known ones."""
         self._added = inertias
         for i in self._speed_limiters:
             limiter = self._speed_limiter(self._drives[i], inertias.get(i, 0.0))
@@ -147,7 +148,7 @@ class EffortLimiter:
             self._speed_limiters[i] = limiter
 
     def restart(self) -> None:
-        """Remove the limits of goals, and the history of the rotors."""
+        """Remove the limits of goals, and the velocity history of the rotors."""
         self._drive_limits.clear()
         self._speed_limiters = {
             i: self._speed_limiter(drive, self._added.get(i, 0.0))
@@ -161,7 +162,7 @@ class EffortLimiter:
     ) -> None:
         """Bound ``effort`` [N·m | N] in place.
 
-        ``gravity`` is the part of it that compensates gravity, where there are
+        ``gravity`` is the part of ``effort`` that compensates gravity, for joints with
         ``drive_limits``; both have shape (n_joints,).
         """
         _, position, velocity, applied = state
@@ -176,7 +177,7 @@ class EffortLimiter:
                 and -speed <= velocity[i] <= speed
                 and lower <= position[i] <= upper
             ):
-                continue  # as nearly always: nothing binds
+                continue  # nearly always: no limit applies
             if u > 0.0:
                 is_over = position[i] > upper or velocity[i] > speed
                 effort[i] = 0.0 if is_over else min(u, most)
@@ -191,9 +192,9 @@ class EffortLimiter:
         return SpeedLimiter(drive.hard, inertia=inertia, dt=self._dt)
 
     def _saturated(self) -> Iterator[tuple[int, float, float, float, float]]:
-        """Yield everything that ``saturate`` needs, joint by joint."""
+        """Yield the constants that ``saturate`` needs, joint by joint."""
         for i, effort, velocity, lower, upper, *_ in self.bounds:
-            # The speed limiter of a drive keeps its speed, or the governor.
+            # The drive's speed limiter, or the governor, holds the speed.
             is_kept = i in self._speed_limiters or i in self._governed
             speed = math.inf if is_kept else velocity
             yield i, effort, lower, upper, speed
@@ -218,7 +219,7 @@ class EffortLimiter:
 def velocity_window(
     position: float, hard: JointLimits, soft: SafetyController | None
 ) -> tuple[float, float]:
-    """Return the velocities allowed at ``position`` (soft limits slow down early)."""
+    """Return the range of velocities at ``position``; soft limits reduce it early."""
     most = hard.velocity
     if soft is None:
         return -most, most
@@ -243,36 +244,37 @@ def _soften(
 
 EASE = 0.05
 """Shortest time in which a drive removes all its effort when its limits decrease [s]:
-several times the period of rotor and pads on a squeezed object (13 ms for a 2F-85), so
-that a weaker grip does not lose it.  A guess: no datasheet has a value."""
+several oscillation periods of rotor and pads on a squeezed object (13 ms for a 2F-85),
+so that a weakening grip does not drop the object.  This is an estimate: no datasheet
+gives a value."""
 
 
 @final
 class SpeedLimiter:
-    """Limits the effort of one drive so that it does not exceed its speed.
+    """Limits the effort of one drive so that the joint does not exceed its speed limit.
 
     A rotor of known inertia gets at most the effort that brings it to the largest speed
-    within the step, in addition to the resistance in the last step.  It therefore keeps
-    the speed against friction, does not exceed it when it is released, and presses with
-    its full effort against an obstacle.
+    within the step, plus the resistance in the last step.  It therefore holds the speed
+    against friction, does not exceed it when suddenly unloaded, and presses against an
+    obstacle with its full effort.
     """
 
     def __init__(self, hard: JointLimits, *, inertia: float, dt: float) -> None:
-        """Start with a rotor without resistance.
+        """Start with no resistance at the rotor.
 
-        ``inertia`` is its inertia reflected to the joint [kg·m²], 0 if unknown; ``dt``
-        is the length of a step [s].
+        ``inertia`` is the rotor's inertia reflected to the joint [kg·m²], 0 if unknown;
+        ``dt`` is the length of a step [s].
         """
         self._effort = hard.effort
         self._speed = hard.velocity
         self.rotor = inertia / dt if inertia > 0.0 else math.inf
-        """Inertia per step [N·m·s/rad | N·s/m]."""
+        """Inertia divided by the step length [N·m·s/rad | N·s/m]."""
         self.ease = hard.effort * dt / EASE
-        """Largest reduction of the effort per step, when limits decrease."""
+        """Largest reduction of the effort per step when limits decrease [N·m | N]."""
         self.before: float | None = None
-        """Velocity in the last step, if a limit was near [rad/s | m/s]."""
+        """Velocity in the last step [rad/s | m/s]; None unless a limit was close."""
         self.drive_limits: DriveLimits | None = None
-        """Limits of the goal; None for the joint's own."""
+        """Limits of the goal; None for the joint's own limits."""
 
     def limit(
         self,
@@ -299,7 +301,7 @@ class SpeedLimiter:
             and abs(velocity) + abs(effort) / self.rotor <= speed
         ):
             self.before = None
-            return effort  # as nearly always: nothing binds
+            return effort  # nearly always: no limit applies
         if self.drive_limits is not None:
             grip, fastest = self.drive_limits.at(position)
             # A stronger grip is released step by step.

@@ -1,7 +1,7 @@
-"""Drives that are not ours: those of a real robot, which follow motions on their own.
+"""Drives of a real robot, which follow motions on their own.
 
-An engine with such drives takes no efforts.  Each tick gives it the motion that is
-wanted from then on, and it reports the state of the robot's own controller.
+An engine with such drives takes no efforts.  In each tick, it gets the desired motion
+from then on, and it reports the state of the robot's own controller.
 """
 
 from __future__ import annotations
@@ -28,27 +28,28 @@ from tool0.protocol.state import ArmSetpoint
 
 @final
 class WantedMotion(NamedTuple):
-    """Motion that an arm is to follow from now on, until the next one."""
+    """Motion for an arm to follow from now on, until replaced."""
 
     at: Callable[[float], ArmSetpoint]
-    """Returns position, velocity and acceleration of its joints at a time [s]."""
+    """Returns the positions, velocities and accelerations of the arm's joints at a time
+    [s]."""
     is_streamed: bool = False
-    """Whether it is known only for the end of this tick; the robot then assumes
-    constant velocities."""
+    """Whether the motion is known only until the end of this tick; the robot then
+    assumes constant velocities."""
     target: tuple[float, ...] = ()
-    """End positions [rad]; empty for a stream."""
+    """Final joint positions [rad]; empty for a stream."""
     key: tuple[object, ...] = ()
-    """Equal as long as it is the same motion, at whatever speed."""
+    """Identifies the motion: equal keys mean the same motion, at whatever speed."""
 
 
 @final
 class WantedGrip(NamedTuple):
-    """Grip that the controllers command of a gripper."""
+    """Grip that the controllers command."""
 
     position: float
     """Final position of the driven joint [rad | m]."""
     limits: DriveLimits | None
-    """Speed and force; those of the gripper, if left out."""
+    """Limits of speed and force; None for the gripper's own."""
 
 
 @final
@@ -58,20 +59,22 @@ class Wanted(NamedTuple):
     now: JointState
     """The measured state at the start of the tick."""
     arm: WantedMotion | None
-    """None if nothing moves or holds it: it comes to rest."""
+    """Motion of the arm; None if no controller moves or holds the arm, which then comes
+    to rest."""
     grips: Mapping[str, WantedGrip]
-    """Wanted grips by gripper; those that no controller commands are left alone."""
+    """Commanded grips by gripper; grippers that no controller commands are left
+    alone."""
 
 
 @final
 class RobotReport(Struct, frozen=True, kw_only=True):
-    """Report of a robot's controller, besides its motion."""
+    """State of a robot's controller, apart from the motion."""
 
     link: RobotLink
     robot_mode: RobotMode
     safety_mode: SafetyMode
     program: ProgramState
-    """State of tool0's program on the controller: without it, nothing can move the
+    """State of tool0's program on the controller; unless it runs, nothing can move the
     arm."""
     motion_failure: str = ""
     """Reason why the arm came to rest on its own; empty if it did not."""
@@ -88,31 +91,31 @@ class RobotReport(Struct, frozen=True, kw_only=True):
     payload_mass: float
     """Mass of the payload [kg]."""
     payload_center: tuple[float, float, float]
-    """Center of gravity of the payload in the flange [m]."""
+    """Centre of gravity of the payload in the flange frame [m]."""
     tcp: Pose6
 
 
 class OwnDrives(abc.ABC):
-    """The drives of a real robot, as the tick uses them."""
+    """The interface through which the tick uses the drives of a real robot."""
 
     @abc.abstractmethod
     def follow(self, wanted: Wanted) -> None:
-        """Send the robot its commands, before the step of a tick."""
+        """Send the commands to the robot, before the tick's physics step."""
 
     @property
     @abc.abstractmethod
     def start_delay(self) -> float:
-        """Lead time with which the robot should know of a motion from rest [s]."""
+        """Lead time that the robot needs for a motion from rest [s]."""
 
     @property
     @abc.abstractmethod
     def gripper_delay(self) -> float:
-        """Longest time until a command to a gripper shows in its state [s]."""
+        """Longest delay until a gripper's state reflects a command [s]."""
 
     @property
     @abc.abstractmethod
     def report(self) -> RobotReport:
-        """The newest report: the same object until something changes."""
+        """The newest report; the object stays the same until something changes."""
 
     @property
     @abc.abstractmethod
@@ -131,15 +134,15 @@ class OwnDrives(abc.ABC):
 
     @abc.abstractmethod
     def set_digital_outputs(self, pins: Mapping[int, bool]) -> None:
-        """Set pins; TransportError if the robot is not reached."""
+        """Set pins; TransportError if the robot cannot be reached."""
 
     @abc.abstractmethod
     def set_analog_output(self, pin: int, value: float, *, is_voltage: bool) -> None:
-        """Set a pin to a part of its range, 0 … 1; TransportError as above."""
+        """Set a pin to a fraction of its range, 0 … 1; raises TransportError."""
 
     @abc.abstractmethod
     def set_speed_slider(self, fraction: float) -> None:
-        """Set the speed slider, 0.01 … 1; TransportError as above."""
+        """Set the speed slider, 0.01 … 1; raises TransportError."""
 
     @abc.abstractmethod
     def start_force_mode(
@@ -150,23 +153,23 @@ class OwnDrives(abc.ABC):
         kind: int,
         limits: Sequence[float],
     ) -> None:
-        """Push with a force, as URScript's ``force_mode``; TransportError as above."""
+        """Push with a force, like URScript's ``force_mode``; raises TransportError."""
 
     @abc.abstractmethod
     def end_force_mode(self) -> None:
-        """End that."""
+        """End force mode."""
 
     @abc.abstractmethod
     def start_freedrive(self, axes: Sequence[bool], frame: Pose6) -> None:
-        """Start freedrive; TransportError as above."""
+        """Start freedrive; raises TransportError."""
 
     @abc.abstractmethod
     def end_freedrive(self) -> None:
-        """End that: the arm holds where it is."""
+        """End freedrive; the arm holds its position."""
 
     @abc.abstractmethod
     def forgive(self) -> None:
-        """Follow again after the arm came to rest on its own."""
+        """Follow motions again after the arm came to rest on its own."""
 
     @abc.abstractmethod
     def brake(self) -> None:

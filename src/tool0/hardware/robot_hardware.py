@@ -1,13 +1,13 @@
-"""Joint commands in, joint efforts out: interfaces, servos, limits and brakes.
+"""Converts joint commands to joint efforts: interfaces, servos, limits and brakes.
 
 A joint is driven in one of two ways: by the effort of its controller, or by the
-position or velocity of its controller, through a servo.  If no controller claims it, or
-in an emergency stop, its drive is off, and the engine holds it by its brake, whatever
-its load.  A drive may offer several command interfaces; the claim selects
-one of them.
+position or velocity of its controller, through a servo.  If no controller claims the
+joint, or in an emergency stop, the joint's drive is off, and the engine holds it with
+its brake under any load.  A drive may offer several command interfaces; the claim
+selects one of them.
 
-Without gains, Gazebo's position interface sets the joint position directly; ours never
-does.  The effort of a servo is gravity compensation, plus a PD law scaled by the
+Without gains, Gazebo's position interface sets the joint position directly; tool0's
+never does.  The effort of a servo is gravity compensation, plus a PD law scaled by the
 inertia, so that every joint has the same response for any load, plus a slow integral
 that compensates payloads.
 """
@@ -65,16 +65,16 @@ from tool0.hardware.speed_governor import (
 
 POSE_PERIOD = 64
 """Steps between updates of values that depend only on the pose and need not be exact:
-the mass matrix of servos, and gravity compensation.  In 64 ms the fastest wrist turns
+the mass matrix of servos, and gravity compensation.  In 64 ms, the fastest wrist turns
 0.2 rad."""
 
 
 EffortLaw = Callable[[JointState, float], Sequence[float]]
-"""Returns the efforts of joints in a state, for a step of that length [s] [N·m | N]."""
+"""Returns joint efforts [N·m | N] for a state and the length of a step [s]."""
 
 
 class DriveTable(NamedTuple):
-    """Data of a robot's drives that change only with a payload."""
+    """Data of a robot's drives that change only when a payload is declared."""
 
     dt: float
     """Length of a step [s]."""
@@ -85,23 +85,23 @@ class DriveTable(NamedTuple):
     compensated: tuple[int, ...]
     """Joints whose drives compensate gravity."""
     steps_per_command: int
-    """Steps in which a position servo reaches a command."""
+    """Number of steps in which a position servo reaches a command."""
 
 
 class DriveSetup(NamedTuple):
-    """Data that change in few steps: by requests, and with the mass matrix."""
+    """Data that rarely change: upon requests, and with the mass matrix."""
 
     drive_limits: Mapping[int, DriveLimits]
-    """Limits of goals, by joint."""
+    """Limits of goals, by joint index."""
     brakes: Mapping[int, float]
-    """Largest torque of each engaged brake, by joint [N·m | N]."""
+    """Largest torque of each engaged brake, by joint index [N·m | N]."""
     governor: GovernorSetup
     servos: tuple[tuple[int, ServoLaw], ...]
-    """Joints with a servo, in the order of the mass matrix."""
+    """Joints with servos, and the servos' laws, in the order of the mass matrix."""
     masses: tuple[list[float], ...]
-    """The mass matrix of these joints, by row; empty if it is to be computed."""
+    """Rows of the mass matrix of the joints with servos; empty until computed."""
     fastest: list[float]
-    """Largest acceleration of each of them."""
+    """Largest acceleration of each joint with a servo [rad/s² | m/s²]."""
 
 
 class DriveState(NamedTuple):
@@ -110,18 +110,19 @@ class DriveState(NamedTuple):
     steps: int
     """Steps since the last restart."""
     gravity: list[float]
-    """The part of the effort that compensates gravity, where a drive has limits
+    """The part of the effort that compensates gravity, for drives with limits of a goal
     [N·m | N], shape (n_joints,)."""
     compensation: list[float]
-    """Compensation of the drives that have one; empty if it is to be computed."""
+    """Gravity compensation of the drives that have it; empty until computed [N·m |
+    N]."""
     velocities: Mapping[int, float | None]
-    """State of the speed limiters, by joint."""
+    """State of the speed limiters, by joint index."""
     governor: GovernorState
     servos: list[ServoState]
 
 
 class SavedDrives(NamedTuple):
-    """The drives at one instant, with their controllers."""
+    """State of the drives at one instant, with claims and commands."""
 
     setup: DriveSetup
     state: DriveState
@@ -131,7 +132,7 @@ class SavedDrives(NamedTuple):
 
 @final
 class RobotHardware:
-    """The drives of the robot, as controllers see them.
+    """The interface through which controllers use the robot's drives.
 
     Every sequence has shape (n_joints,), ordered as ``joint_names``.
     """
@@ -146,8 +147,8 @@ class RobotHardware:
     ) -> None:
         """Build the drives of the engine's ``joint_names`` for steps of ``dt`` [s].
 
-        ``limits``, by joint, replace those of the URDF; ``gravity`` [m/s²] is in the
-        axes of the robot's root.
+        ``limits``, by joint, replace the limits in the URDF; ``gravity`` [m/s²] is in
+        the axes of the robot's root.
         """
         overrides = dict(limits or {})
         for name in overrides:
@@ -169,11 +170,11 @@ class RobotHardware:
         self.speed_scaling = {
             flange.removesuffix(FLANGE): 1.0 for flange in model.flanges
         }
-        """Prefix of each arm → the factor by which scaled trajectories slow down; a
+        """Prefix of each arm → factor by which scaled trajectories are slowed down; a
         controller reads it once per tick."""
         self.gripper_delay = 0.0
-        """Longest time until a command to a gripper shows in its state [s]."""
-        # Joints that others mimic are left to ROS's rule, as the recordings have it.
+        """Longest delay until a gripper's state reflects a command [s]."""
+        # ROS's rule applies to joints that others mimic, to match the recordings.
         masters = {joint.mimic.joint for joint in model.movable_joints if joint.mimic}
         self._drives = {
             name: _effort_limits(
@@ -187,7 +188,7 @@ class RobotHardware:
         }
         self.limits = {name: drive.hard for name, drive in self._drives.items()}
         self.command = [0.0] * len(self.joint_names)
-        """Commands of the claiming controllers, in the unit of their interface."""
+        """Commands of the claiming controllers, in the units of their interfaces."""
         self._dt = dt
         self._limiter = EffortLimiter(
             {self.index[name]: drive for name, drive in self._drives.items()}, dt
@@ -195,9 +196,9 @@ class RobotHardware:
         self._is_stopped = False
         self._steps = 0
         self._masses: list[tuple[int, list[float]]] = []
-        """Rows of the mass matrix of the joints with a servo."""
+        """Joints with servos, with their rows of the mass matrix."""
         self._fastest: list[float] = []
-        """Largest acceleration of the drive of each joint with a servo."""
+        """Largest acceleration of each joint with a servo [rad/s² | m/s²]."""
         self._servos: dict[int, Servo] = {}
         self._brakes: Mapping[int, float] = {}
         self._rotors: Mapping[int, float] = {}
@@ -211,7 +212,7 @@ class RobotHardware:
             for name, drive in self._drives.items()
             if not self._armatures[name] and name not in masters
         ]
-        """Drives that need the mass that they move, to keep to their speed."""
+        """Drives that can only hold their speed limits if the moved mass is known."""
         self._governor = SpeedGovernor()
         self._compensated = [
             self.index[name]
@@ -221,21 +222,21 @@ class RobotHardware:
         ]
         self._compensation: list[tuple[int, float]] = []
         self._gravity_effort = [0.0] * len(self.joint_names)
-        """The part of the effort that compensates gravity [N·m | N], where a drive has
-        limits."""
+        """The part of the effort that compensates gravity, for drives with limits of a
+        goal [N·m | N]."""
         self._effort_laws: tuple[tuple[list[int], EffortLaw], ...] = ()
-        """Joints, by number, with the law that drives them in place of commands."""
+        """Joints, by index, with the law that drives them in place of commands."""
         self._claimed: dict[str, Interface] = {}
-        """The interface through which a controller commands a joint."""
+        """The interface through which each claimed joint is commanded."""
         for name in self.interfaces:
             self._select_servo(name, 0.0)
         self._table: DriveTable | None = None
         self._steps_per_command = 1
 
     def set_steps_per_command(self, n_steps: int) -> None:
-        """Expect a new command of each controller every ``n_steps``, from a restart on.
+        """Expect a new command of each controller every ``n_steps`` from a restart on.
 
-        A position servo moves evenly from one command to the next, as real drives do.
+        A position servo moves at constant velocity between commands, like a real drive.
         """
         self._steps_per_command = n_steps
         self._table = None
@@ -249,16 +250,17 @@ class RobotHardware:
     def brakes(self) -> Mapping[int, float]:
         """Largest torque of each engaged brake, by joint, for the engine [N·m | N].
 
-        It is that of the drive, for no datasheet has the brake's: what the drive can
-        move, the brake can hold.  The mapping is the same object until a brake changes.
+        It equals the drive's largest torque, because no datasheet gives the brake's:
+        the brake can hold any load that the drive can move.  The mapping is the same
+        object until a brake changes.
         """
         return self._brakes
 
     @property
     def rotors(self) -> Mapping[int, float]:
-        """Inertia of the rotors that joints feel, for the engine, by joint [kg·m²].
+        """Rotor inertia that joints feel, by joint, for the engine [kg·m²].
 
-        Servos hide it; a law of torques does not.  It is in addition to the armature of
+        Servos hide this inertia; an effort law does not.  It adds to the armature in
         the description.  The mapping is the same object until a claim changes it.
         """
         return self._rotors
@@ -272,17 +274,17 @@ class RobotHardware:
 
     @property
     def claimed(self) -> Mapping[str, Interface]:
-        """The claimed joints, with the interface that commands each."""
+        """The claimed joints, with the interface through which each is commanded."""
         return self._claimed
 
     def claim(
         self, joints: Sequence[str], interface: Interface, state: JointState
     ) -> None:
-        """Give ``joints`` to a controller; they hold still until its first command.
+        """Claim ``joints`` for a controller; they hold still until its first command.
 
         Raises:
             ControlError: If a drive does not offer ``interface``.
-            ClaimError: If a joint is commanded already.  Nothing has changed then.
+            ClaimError: If a joint is already claimed; nothing has changed then.
         """
         for name in joints:
             offered = self.interfaces.get(name, ())
@@ -290,11 +292,11 @@ class RobotHardware:
         self._claim(joints, interface, state)
 
     def claim_servos(self, joints: Sequence[str], state: JointState) -> None:
-        """Claim ``joints`` by position, also if their drives offer efforts only.
+        """Claim ``joints`` by position, even if their drives offer only efforts.
 
         Raises:
             ControlError: If a joint has no drive.
-            ClaimError: If a joint is commanded already.  Nothing has changed then.
+            ClaimError: If a joint is already claimed; nothing has changed then.
         """
         for name in joints:
             offered = (Interface.POSITION,) if name in self.interfaces else ()
@@ -309,14 +311,14 @@ class RobotHardware:
         *,
         with_rotors: bool = False,
     ) -> None:
-        """Claim ``joints`` for a law in each step, whatever their drives offer.
+        """Claim ``joints`` for an effort law, whatever interfaces their drives offer.
 
-        Their commands do not count.  The kernel knows no such law.  ``with_rotors``
-        lets the joints feel their rotors.
+        Commands to these joints are ignored.  The kernel cannot run such a law.
+        ``with_rotors`` adds the rotors' inertia to the joints.
 
         Raises:
             ControlError: If a joint has no drive.
-            ClaimError: If a joint is commanded already.  Nothing has changed then.
+            ClaimError: If a joint is already claimed; nothing has changed then.
         """
         for name in joints:
             offered = (Interface.EFFORT,) if name in self.interfaces else ()
@@ -353,14 +355,14 @@ class RobotHardware:
             )
 
     def _hold(self, name: str, state: JointState) -> None:
-        """Command the joint to stay as it is, or no effort."""
+        """Command the joint to hold its position, or to apply no effort."""
         i = self.index[name]
         holds_position = self._claimed.get(name) is Interface.POSITION
         self.command[i] = state.position[i] if holds_position else 0.0
         self._select_servo(name, state.position[i])
 
     def rotor_inertia(self, joint: str) -> float:
-        """Return the inertia of a joint's rotor beside its armature [kg·m² | kg]."""
+        """Return a joint's rotor inertia beyond the described armature [kg·m² | kg]."""
         return 0.0 if self._armatures[joint] else ROTOR_INERTIA
 
     def _use_rotors(self, rotors: Mapping[int, float]) -> None:
@@ -370,11 +372,11 @@ class RobotHardware:
             self._choose_governed()
 
     def compensates_gravity(self, joint: str) -> bool:
-        """Return whether a drive carries its load in addition to its command."""
+        """Return whether a drive compensates gravity in addition to its command."""
         return self.index[joint] in self._compensated
 
     def release(self, joints: Sequence[str], state: JointState) -> None:
-        """Take ``joints`` back: the brakes hold them."""
+        """Release the claims of ``joints``; the brakes hold them."""
         indices = {self.index[name] for name in joints}
         self._effort_laws = tuple(
             item for item in self._effort_laws if indices.isdisjoint(item[0])
@@ -386,18 +388,18 @@ class RobotHardware:
             self._select_servo(name, state.position[self.index[name]])
 
     def set_stopped(self, engaged: bool, state: JointState) -> None:
-        """Brake every joint, even if claimed, or give the joints back."""
+        """Brake every joint, even if claimed, or return the joints to control."""
         self._is_stopped = engaged
         self.restart(state)
 
     @property
     def drive_limits(self) -> Mapping[str, DriveLimits]:
-        """The current limits of drives below those of their joints, by joint."""
+        """The current limits of drives, tighter than their joints', by joint."""
         found = self._limiter.drive_limits
         return {self.joint_names[i]: limits for i, limits in found.items()}
 
     def set_drive_limits(self, joint: str, limits: DriveLimits | None) -> None:
-        """Limit the drive of ``joint`` below the joint's limits; None removes that."""
+        """Limit a drive more tightly than its joint; None removes these limits."""
         i = self.index[joint]
         self._limiter.set_drive_limits(i, limits)
         servo = self._servos.get(i)
@@ -426,18 +428,18 @@ class RobotHardware:
 
     @property
     def payloads(self) -> Mapping[str, Payload]:
-        """The payloads that were set, by flange."""
+        """The declared payloads, by flange."""
         return self._dynamics.payloads
 
     def set_payload(self, flange: str, payload: Payload | None) -> None:
-        """Set the payload at ``flange``; None is the tool of the description."""
+        """Declare the payload at ``flange``; None for the tool in the description."""
         self._dynamics.set_payload(flange, payload)
         self._table = None
         self._masses, self._compensation = [], []
 
     @property
     def table(self) -> DriveTable:
-        """Data that change only with a payload: the same table until then."""
+        """Data that change only when a payload is declared: one object until then."""
         if self._table is None:
             self._table = DriveTable(
                 self._dt,
@@ -451,12 +453,12 @@ class RobotHardware:
 
     @property
     def own_dynamics(self) -> JointDynamics:
-        """The dynamics without declared payloads: those of the governor."""
+        """The dynamics without declared payloads, which the governor uses."""
         return self._dynamics.own
 
     @property
     def setup(self) -> DriveSetup:
-        """Data that change in few steps."""
+        """Data that rarely change."""
         return DriveSetup(
             dict(self._limiter.drive_limits),
             self._brakes,
@@ -482,7 +484,7 @@ class RobotHardware:
         return tuple((i, servo.law) for i, servo in self._servos.items())
 
     def restore(self, setup: DriveSetup, state: DriveState) -> None:
-        """Continue from ``setup`` and ``state``; claims and commands stay."""
+        """Continue from ``setup`` and ``state``; claims and commands do not change."""
         self._brakes = setup.brakes
         self._governor.setup, self._governor.state = setup.governor, state.governor
         if setup.servos != self._servo_laws():
@@ -499,7 +501,7 @@ class RobotHardware:
             servo.restore(memory)
 
     def saved(self) -> SavedDrives:
-        """Return the drives as they are now."""
+        """Return the current state of the drives."""
         state = self.state
         return SavedDrives(
             self.setup,
@@ -509,7 +511,7 @@ class RobotHardware:
         )
 
     def resume(self, saved: SavedDrives) -> None:
-        """Continue with saved drives, of the same robot and payloads."""
+        """Continue from a saved state of the same robot with the same payloads."""
         setup, state = saved.setup, saved.state
         self._claimed = dict(saved.claimed)
         self.command[:] = saved.command
@@ -518,7 +520,7 @@ class RobotHardware:
         self._governor.setup, self._governor.state = setup.governor, state.governor
 
     def _select_servo(self, name: str, position: float) -> None:
-        """Give the joint the servo for its claim and interface, or engage its brake."""
+        """Select the servo for the joint's claim and interface, or engage its brake."""
         i, interface = self.index[name], self._claimed.get(name)
         drive, rates = self._drives[name], self._dynamics.integral_rates
         self._servos.pop(i, None)
@@ -554,7 +556,7 @@ class RobotHardware:
     def weights_of(self, joints: Sequence[str], state: JointState) -> list[float]:
         """Return the efforts that hold ``joints`` against gravity [N·m | N].
 
-        They are 0 where drives compensate it themselves.
+        They are 0 for joints whose drives compensate gravity themselves.
         """
         weights = self._dynamics.gravity(state)
         for i in self._compensated:
@@ -564,16 +566,16 @@ class RobotHardware:
     def masses_of(self, joints: Sequence[str], state: JointState) -> Matrix:
         """Return the mass matrix of ``joints`` [kg·m² | kg], shape (n, n).
 
-        A declared payload counts as far as a law that is scaled by the matrix stays
-        stable without it.
+        A declared payload counts only as far as a control law that is scaled by the
+        matrix would remain stable without the payload.
         """
         return self._dynamics.masses([self.index[name] for name in joints], state)
 
     def _run_servos(self, effort: list[float], state: JointState) -> None:
         """Set the efforts for the accelerations that the servos request.
 
-        The mass matrix is used for all joints together: in some poses (straight up)
-        the joints of an arm are so coupled that servos with separate inertias vibrate.
+        The mass matrix couples all joints: in some poses (straight up), the coupling is
+        so strong that servos with separate inertias would vibrate.
         """
         if not self._masses or self._steps % POSE_PERIOD == 0:
             self._masses = self._servo_masses(state)
@@ -592,11 +594,11 @@ class RobotHardware:
             if isinstance(limited, PositionServo):
                 _, limited.speed = limits.at(state.position[i])
         for i, masses in self._masses:
-            # Not sum(): it is compensated in Python 3.12 and later.
+            # Not sum(): since Python 3.12, it uses compensated summation.
             effort[i] = gravity[i] + reduce(add, map(mul, masses, wanted), 0.0)
 
     def _choose_governed(self) -> None:
-        """Govern the speeds of the joints that no brake holds."""
+        """Choose the joints for the governor: those that no brake holds."""
         drives = [d for d in self._governable if d.joint not in self._brakes]
         joints = (self.index[name] for name in self.interfaces)
         free = [joint for joint in joints if joint not in self._brakes]
@@ -604,7 +606,7 @@ class RobotHardware:
         self._limiter.leave_speeds(frozenset(drive.joint for drive in drives))
 
     def _govern_speeds(self, effort: list[float], state: JointState) -> None:
-        """Limit efforts so that no joint exceeds its speed in the next step."""
+        """Limit efforts so that no joint exceeds its speed limit in the next step."""
         governor, velocity = self._governor, state.velocity
         if governor.is_fast(velocity):
             if governor.is_mobility_due(state.position):
@@ -625,8 +627,8 @@ class RobotHardware:
     ) -> tuple[Matrix, Matrix]:
         """Return masses and largest accelerations of the servos in k states.
 
-        Their shapes are (k, n, n) and (k, n); ``DriveDynamics.servo_masses`` has the
-        arguments.
+        Their shapes are (k, n, n) and (k, n); for the arguments, see
+        ``DriveDynamics.servo_masses``.
         """
         matrices = self._dynamics.servo_masses(list(self._servos), declared, positions)
         return matrices, self._fastest_with(matrices)
@@ -639,14 +641,15 @@ class RobotHardware:
     ) -> Matrix:
         """Return the mobilities of free joints for the governor in k states.
 
-        Shape (k, n, n); ``DriveDynamics.mobilities`` has the arguments.
+        The shape is (k, n, n); for the arguments, see ``DriveDynamics.mobilities``.
         """
         return self._dynamics.mobilities(joints, declared, positions, self._rotors)
 
     def _fastest_with(self, masses: Matrix) -> Matrix:
         """Return the largest acceleration of each servo's drive.
 
-        Other drives must not compensate for one that is at its limit.
+        It is computed per joint, because other drives must not compensate for a drive
+        at its limit.
         """
         efforts = [self.limits[self.joint_names[i]].effort for i in self._servos]
         inertia = np.diagonal(masses, axis1=-2, axis2=-1)
@@ -660,7 +663,7 @@ def _effort_limits(
     inertia: float,
     dt: float,
 ) -> EffortLimits:
-    """Return the limits of a drive; ``inertia`` counts for a light joint."""
+    """Return the limits of a drive; ``inertia`` is used only for a light joint."""
     hard, commands, armature = (
         limits or joint.limits,
         drive.command_limits,

@@ -1,7 +1,7 @@
 """Mass matrices and gravity loads of a robot in many poses at once.
 
-``bodies.JointDynamics`` computes the same for one pose in the tick.  Here each joint is
-one pass over all poses: a thousand poses of an arm take a few milliseconds.
+``bodies.JointDynamics`` computes the same for one pose in the tick.  Here, each joint
+takes one pass over all poses: a thousand poses of an arm take a few milliseconds.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class SampledDynamics(NamedTuple):
     """The dynamics in ``n`` poses of ``m`` joints."""
 
     masses: Matrix
-    """Mass matrices [kg·m² | kg], shape (n, m, m), without the rotors' inertia."""
+    """Mass matrices without the rotors' inertia [kg·m² | kg], shape (n, m, m)."""
     loads: Matrix
     """Efforts that balance gravity [N·m | N], shape (n, m)."""
 
@@ -33,7 +33,7 @@ def sample_dynamics(
 ) -> SampledDynamics:
     """Return the dynamics at ``positions`` [rad | m], shape (n_poses, n_joints).
 
-    No joint may mimic another.  ``gravity`` [m/s²] is in the axes of the root.
+    Mimic joints are not supported.  ``gravity`` [m/s²] is in the axes of the root.
     """
     n, m = positions.shape
     masses, loads = np.zeros((n, m, m)), np.zeros((n, m))

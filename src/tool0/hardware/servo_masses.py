@@ -1,4 +1,4 @@
-"""The masses by which servos are scaled, and how a wrong payload leaves them stable.
+"""The masses by which servos are scaled, bounded so that wrong payloads stay stable.
 
 A servo of natural frequency ω and damping ratio ζ is scaled by a mass matrix Mₛ, where
 the joints have M.  With Mₛ = r M its gains are r times too large.  In continuous time
@@ -6,8 +6,9 @@ proportional and derivative gains are stable for every r > 0; two bounds remain:
 
 * In steps of dt, the derivative gain must remain below 2 ζ ω r dt = 2.  The joints have
   at least the masses of the description, whatever payload is declared, so that Mₛ may
-  exceed these by a limited factor only.  A light joint of a strong drive (wrist_3 of a
-  bare arm has 1e-4 kg·m²) makes use of it, so that an undeclared load finds it stiff.
+  exceed these by a limited factor only.  A light joint with a strong drive (wrist_3 of
+  a bare arm has 1e-4 kg·m²) uses this margin, so that it is stiff under an undeclared
+  load.
 * The integral of rate k needs r > k / (2 ζ ω) (Routh's criterion).  The joints may
   carry more than was declared, so that k is limited by the largest load of the drive.
 """
@@ -23,17 +24,17 @@ from tool0.description.bodies import STANDARD_GRAVITY, Matrix
 from tool0.hardware.servos import BANDWIDTH, DAMPING_RATIO, INTEGRAL_RATE
 
 _RATE: Final = 2.0 * DAMPING_RATIO * BANDWIDTH
-"""Rate of the velocities' decay [1/s]."""
+"""Decay rate of velocities [1/s]."""
 _STEP_GAIN: Final = 0.8
-"""Largest 2 ζ ω r dt, of the 2 at which a servo becomes unstable."""
+"""Largest 2 ζ ω r dt; a servo becomes unstable at 2."""
 _INTEGRAL_SHARE: Final = 0.25
-"""Largest part of the rate at which an integral becomes unstable."""
+"""Largest integral rate, as a fraction of the rate at which it becomes unstable."""
 _LEVER: Final = 0.2
-"""Distance of the largest load from the joint [m]: it is as heavy as the drive can just
-carry there.  Of the order of the offsets in UR's payload diagrams."""
+"""Distance of the largest load from the joint [m]: the load is as heavy as the drive
+can just carry there.  It is of the order of the offsets in UR's payload diagrams."""
 _EXPECTED_SHARE: Final = 0.02
-"""Part of the inertia of the largest load that a servo expects without a payload: it
-makes the wrists of a UR stiffer, and little difference to the joints before them."""
+"""Inertia that a servo expects without a payload, as a fraction of the largest load's:
+it makes the wrists of a UR stiffer, and makes little difference to the other joints."""
 
 
 def largest_ratio(dt: float) -> float:
@@ -42,7 +43,7 @@ def largest_ratio(dt: float) -> float:
 
 
 def bounded_masses(own: Matrix, declared: Matrix, ratio: float) -> Matrix:
-    """Return the mass matrix ``declared`` within 1 … ``ratio`` times ``own``.
+    """Return the mass matrix ``declared``, limited to 1 … ``ratio`` times ``own``.
 
     Both have shape (…, n, n); ``own`` is that of the description, which is positive
     definite.  The ratio is limited along each of the generalised eigenvectors: the
@@ -61,19 +62,19 @@ def bounded_masses(own: Matrix, declared: Matrix, ratio: float) -> Matrix:
 
 
 def expected_load(effort: float) -> float:
-    """Return the inertia that the servo of a joint expects beside its own [kg·m²].
+    """Return the load inertia that a joint's servo expects in any case [kg·m²].
 
-    ``effort`` is its drive's largest [N·m].
+    ``effort`` is the largest effort of the joint's drive [N·m].
     """
     return 0.0 if math.isinf(effort) else _EXPECTED_SHARE * _largest_load(effort)
 
 
 def integral_rate(inertia: float, effort: float, dt: float) -> float:
-    """Return the rate of the integral of a joint that carries a payload [1/s].
+    """Return the integral rate of a joint that carries a payload [1/s].
 
     Args:
-        inertia: The joint's in the description [kg·m²].
-        effort: Largest effort of its drive [N·m].
+        inertia: Inertia at the joint in the description [kg·m²].
+        effort: Largest effort of the joint's drive [N·m].
         dt: Length of a step [s].
     """
     if math.isinf(effort):

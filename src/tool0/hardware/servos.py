@@ -1,4 +1,4 @@
-"""Servos: the acceleration of one joint towards its command."""
+"""Servos, which compute the acceleration of one joint towards its command."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from tool0.description.model import JointLimits, SafetyController
 from tool0.hardware.limits import velocity_window
 
 BANDWIDTH = 80.0
-"""Natural frequency of a servo [rad/s]; steps of 1 ms are 12 times shorter."""
+"""Natural frequency of a servo [rad/s]; its time constant is 12 steps of 1 ms."""
 DAMPING_RATIO = 1.0
 STIFF_BANDWIDTH = 200.0
-"""Bandwidth where a known rotor inertia dominates, whatever the load: a gripper grips
-with its full force if it is stopped 5 mm or more from its target."""
+"""Natural frequency where a known rotor inertia dominates, whatever the load [rad/s]; a
+gripper grips with its full force if it is stopped 5 mm or more from its target."""
 STOPPED = 0.005
 """Lag from which a stiff servo counts as blocked [rad | m]."""
 INTEGRAL_RATE = 4.0
@@ -23,11 +23,11 @@ BLOCKED = 0.02
 """Lag at a standstill from which any servo counts as blocked [rad | m]: more than a
 load causes."""
 STANDSTILL = 0.02
-"""Velocity below which a joint counts as blocked, if it lags [rad/s | m/s]."""
+"""Velocity below which a lagging joint counts as blocked [rad/s | m/s]."""
 
 
 class ServoKind(IntEnum):
-    """Kind of a servo."""
+    """The kinds of servos."""
 
     POSITION = 0
     """Moves the joint to the controller's position."""
@@ -50,12 +50,12 @@ class ServoState(NamedTuple):
     """The memory of a servo between two steps."""
 
     target: float
-    """Position that it moves to, within its speed limit [rad | m]; 0 if it controls the
-    velocity."""
+    """Position that the servo tracks, moving within the speed limit [rad | m]; 0 for a
+    velocity servo."""
     integral: float
     """Integral of the error, as an acceleration [rad/s² | m/s²]."""
     speed: float
-    """Speed limit of a goal [rad/s | m/s]; infinite if it controls the velocity."""
+    """Speed limit of a goal [rad/s | m/s]; infinite for a velocity servo."""
 
 
 @final
@@ -80,7 +80,7 @@ class PositionServo:
         self._target = limits.clamp(position)
         self._integral = 0.0  # [1/s²], an acceleration
         self.speed = math.inf
-        """Speed limit of a goal, below that of the joint [rad/s | m/s]."""
+        """Speed limit of a goal, in addition to the joint's [rad/s | m/s]."""
 
     @property
     def state(self) -> ServoState:
@@ -96,14 +96,14 @@ class PositionServo:
     ) -> float:
         """Return the acceleration for ``command`` [rad/s² | m/s²].
 
-        The target reaches ``command`` in the ``left`` steps before the next command:
-        between two commands, the joint moves evenly.
+        The target reaches ``command`` in ``left`` steps, when the next command is due;
+        between commands, the joint moves at constant velocity.
         """
         previous = self._target
         lag = previous - position
         is_stopped = self._is_stiff and abs(lag) > STOPPED
         if is_stopped and (command - position) * lag < 0.0:
-            previous = position  # releasing need not wait for the joint to return
+            previous = position  # release without waiting for the joint to return
         slowest, fastest = velocity_window(previous, self._limits, self._soft)
         slowest, fastest = max(slowest, -self.speed), min(fastest, self.speed)
         step = min(max((command - previous) / left, slowest * dt), fastest * dt)
@@ -112,7 +112,7 @@ class PositionServo:
         stiffness = self._bandwidth**2
         is_blocked = abs(lag) > BLOCKED and abs(velocity) < STANDSTILL
         if is_stopped or is_blocked:
-            self._integral = 0.0  # an obstacle is no load
+            self._integral = 0.0  # do not compensate an obstacle like a load
         else:
             self._integral += stiffness * self._integral_rate * error * dt
         speed_error = (target - previous) / dt - velocity
@@ -158,7 +158,7 @@ Servo = PositionServo | VelocityServo
 
 
 def servo_of(law: ServoLaw) -> Servo:
-    """Return a servo with this law; its state is to be restored."""
+    """Return a servo with this law; the caller must restore its state."""
     if law.kind is ServoKind.POSITION:
         return PositionServo(
             0.0,

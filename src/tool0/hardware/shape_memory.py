@@ -1,4 +1,4 @@
-"""Memory of an engine's shapes, for compiled code that measures distances."""
+"""Memory with an engine's shapes, for compiled code that measures distances."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ FloatArray = NDArray[np.float64]
 
 
 class ShapeMemory(NamedTuple):
-    """Functions and arrays of an engine; numbers are addresses."""
+    """Functions and arrays of an engine; integer fields are addresses."""
 
     kinematics: int
     """``void kinematics(const void *model, void *data)`` places the shapes."""
     distance: int
     """``double distance(const void *model, void *data, int first, int second, double
-    most, double *ends)`` is that between two shapes, up to ``most`` [m]."""
+    most, double *ends)`` returns the distance between two shapes, up to ``most``
+    [m]."""
     model: int
     data: int
     position: FloatArray

@@ -1,12 +1,13 @@
-"""Keeps joints within their speeds, as the drives of a real arm do.
+"""Keeps joints within their speed limits, like the drives of a real arm.
 
-The joints of an arm fling each other: what one drive does changes the speeds of all.
-The governor predicts the velocities after the coming step, from the accelerations in
-the last one and from the changes of all efforts.  If one exceeds its limit, each drive
-chooses the effort closest to the requested one with which its joint does not (projected
-Gauss-Seidel); if that is too weak, all drives help.  The governor knows the masses of
-the description only: a load slows the joints down, and the governor, too.  (With those
-of a declared payload, it would fling joints that do not carry it.)
+The joints of an arm fling each other: the effort of one drive changes the speeds of all
+joints.  The governor predicts the velocities after the coming step from the
+accelerations in the last step and the changes of all efforts.  If one exceeds its
+limit, each drive chooses the effort closest to the request that keeps its joint within
+the limit (projected Gauss-Seidel); where a drive is too weak, all drives help.  The
+governor knows only the masses of the description: under a load, both the joints and the
+governor react more slowly.  (With the masses of a declared payload, it would fling
+joints that do not actually carry the payload.)
 """
 
 from __future__ import annotations
@@ -15,14 +16,14 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple, final
 
 FAST: Final = 0.5
-"""Part of its largest speed from which a joint is governed: below it, no drive but that
-of a light joint reaches its largest speed within a step of 1 ms."""
+"""Fraction of its speed limit from which a joint is governed: from a lower speed, only
+the drive of a light joint could reach the limit within a step of 1 ms."""
 SWEEPS: Final = 20
-"""Most sweeps over all joints."""
+"""Largest number of sweeps over all joints."""
 TOLERANCE: Final = 1e-6
-"""Excess of speed that ends the sweeps [rad/s | m/s]."""
+"""Excess speed below which the sweeps end [rad/s | m/s]."""
 LARGEST_TURN: Final = 0.25
-"""Motion of a joint for which a mobility is used [rad | m]."""
+"""Motion of a joint after which the mobility is recomputed [rad | m]."""
 
 
 class GovernedDrive(NamedTuple):
@@ -44,10 +45,10 @@ class GovernorSetup(NamedTuple):
     free: tuple[int, ...] = ()
     """The joints that no brake holds, the governed ones first."""
     mobility: tuple[tuple[float, ...], ...] = ()
-    """Change of the velocities of the free joints in a step, by row, for the efforts of
-    each [rad/s/(N·m)]; empty if it is to be computed."""
+    """Velocity changes of the free joints in a step, per unit of effort of each free
+    joint, by row [rad/s/(N·m)]; empty until computed."""
     posture: tuple[float, ...] = ()
-    """Positions of the free joints at which it was computed [rad | m]."""
+    """Positions of the free joints at which ``mobility`` was computed [rad | m]."""
 
 
 class GovernorState(NamedTuple):
@@ -59,7 +60,7 @@ class GovernorState(NamedTuple):
 
 @final
 class SpeedGovernor:
-    """Limits the efforts of some joints in each step."""
+    """Limits efforts in each step so that joints keep their speed limits."""
 
     def __init__(self) -> None:
         self.setup, self.state = GovernorSetup(), GovernorState()
@@ -75,21 +76,21 @@ class SpeedGovernor:
         self._fast = [(drive.joint, drive.fast) for drive in setup.drives]
 
     def choose(self, drives: Sequence[GovernedDrive], free: Sequence[int]) -> None:
-        """Govern these drives from now on; brakes hold all joints but the ``free``."""
+        """Govern these drives from now on; brakes hold all joints except ``free``."""
         governed = [drive.joint for drive in drives]
         others = [joint for joint in free if joint not in governed]
         self.setup = GovernorSetup(tuple(drives), (*governed, *others))
         self.state = GovernorState()
 
     def is_fast(self, velocity: Sequence[float]) -> bool:
-        """Return whether ``limit`` has something to look at."""
+        """Return whether any governed joint is fast, so that ``limit`` is needed."""
         for joint, fast in self._fast:  # noqa: SIM110 - in the tick, twice as fast
             if abs(velocity[joint]) > fast:
                 return True
         return False
 
     def is_mobility_due(self, position: Sequence[float]) -> bool:
-        """Return whether ``limit`` needs the mobility at other positions."""
+        """Return whether ``limit`` needs the mobility at new positions."""
         _, free, mobility, posture = self._setup
         return not mobility or any(
             abs(position[i] - q) > LARGEST_TURN
@@ -99,19 +100,19 @@ class SpeedGovernor:
     def update(
         self, mobility: Sequence[Sequence[float]], position: Sequence[float]
     ) -> None:
-        """Use a mobility of the free joints, computed at these positions of all."""
+        """Use a mobility of the free joints, computed at these joint positions."""
         posture = tuple(position[i] for i in self.setup.free)
         rows = tuple(map(tuple, mobility))
         self.setup = self.setup._replace(mobility=rows, posture=posture)
 
     def note(self, velocity: Sequence[float]) -> None:
-        """Remember the velocities of a step."""
+        """Remember the velocities of this step."""
         self.state = GovernorState(velocity)
 
     def limit(
         self, effort: list[float], applied: Sequence[float], velocity: Sequence[float]
     ) -> None:
-        """Limit ``effort`` in place; ``applied`` is that of the last step [N·m | N]."""
+        """Limit ``effort`` in place; ``applied`` is the previous effort [N·m | N]."""
         before = self.state.before
         if not before:
             return
@@ -143,9 +144,10 @@ class SpeedGovernor:
             effort[drive.joint] = used[k]
 
     def _share_excess(self, coming: list[float], used: list[float]) -> None:
-        """Share what a joint's own drive cannot brake among all drives.
+        """Share excess speed that a joint's own drive cannot brake among all drives.
 
-        Each by its effect on that joint (Kaczmarz's method).
+        Each drive contributes according to its effect on that joint (Kaczmarz's
+        method).
         """
         drives, _, mobility, _ = self.setup
         for _ in range(SWEEPS):

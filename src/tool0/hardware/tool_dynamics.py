@@ -4,8 +4,8 @@ The acceleration in a physics step gives the total wrench on the rigid bodies be
 flange.  Whatever is neither weight nor contact force acts through the flange.  Drives,
 linkages, springs and friction inside the tool act between its own parts and cancel.
 
-A rotor inside the tool is part of the mass and inertia of its link.  Its faster
-rotation is neglected, as in the engines: for an armature A behind a reduction N, its
+A rotor inside the tool is part of the mass and inertia of its link.  The rotor's faster
+rotation is neglected, like in the engines: with an armature A behind a reduction N, its
 momentum is A q̇ / N.
 """
 
@@ -44,36 +44,37 @@ _ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 
 class _BodyMotion(NamedTuple):
-    """Motion of a body, in the axes of the root."""
+    """Motion of a body, in the root's axes."""
 
     angular_velocity: Vector3
     """Angular velocity [rad/s]."""
     angular_acceleration: Vector3
     """Angular acceleration [rad/s²]."""
     acceleration: Vector3
-    """Acceleration of its origin relative to free fall [m/s²]: at rest it points up."""
+    """Acceleration of the body's origin relative to free fall [m/s²]; it points up at
+    rest."""
 
 
 class ToolPart(NamedTuple):
-    """The part of a body beyond the flange, in the body's frame."""
+    """Mass properties of the part of a body beyond the flange, in the body's frame."""
 
     body: int
     """Number of the body; -1 for the world."""
     mass: float
     center: Vector3
     tensor: tuple[float, ...]
-    """Inertia about the centre, 9 floats."""
+    """Inertia about the centre of mass, 9 floats [kg·m²]."""
 
 
 class ToolForces(NamedTuple):
-    """The wrench of a tool on its flange but for contacts, in the axes of the root."""
+    """The wrench of a tool on its flange, without contacts, in the root's axes."""
 
     force: Vector3
     """Force on the flange [N]."""
     torque: Vector3
     """Torque about the flange [N·m]."""
     flange: Frame
-    """The flange in the root."""
+    """Pose of the flange in the root."""
 
 
 class ToolTable(NamedTuple):
@@ -85,19 +86,19 @@ class ToolTable(NamedTuple):
     carrier: int
     """The body that the flange is part of; -1 for the world."""
     flange: Frame
-    """The flange in it."""
+    """Pose of the flange in ``carrier``."""
     rise: Vector3
     """Acceleration of the root relative to free fall [m/s²]."""
 
 
 @final
 class ToolDynamics:
-    """The wrench that a link and all links beyond it exert on their parent."""
+    """Computes the wrench that a link and all links beyond it exert on their parent."""
 
     def __init__(
         self, model: RobotModel, link: str, gravity: Vector3 = STANDARD_GRAVITY
     ) -> None:
-        """Cut the robot before ``link``; ``gravity`` [m/s²] is in the root's axes.
+        """Cut the robot just before ``link``; ``gravity`` [m/s²] is in the root's axes.
 
         Raises:
             ModelError: If there is no such link.
@@ -129,9 +130,10 @@ class ToolDynamics:
         self._payloads: list[ToolPart] = []
 
     def subtract(self, payloads: Mapping[str, BodyInertia]) -> None:
-        """Subtract bodies fixed to these links, in the links' frames, from now on.
+        """Subtract the effect of bodies fixed to these links, from now on.
 
-        Those on links that the wrench does not include are ignored.
+        The bodies are in the links' frames.  Bodies on links that the wrench does not
+        include are ignored.
         """
         self._payloads = []
         for link in payloads.keys() & self.links:
@@ -147,20 +149,20 @@ class ToolDynamics:
         acceleration: Sequence[float],
         contacts: Iterable[Contact],
     ) -> Wrench:
-        """Return force and torque on the flange, in the link's axes at its origin.
+        """Return the force and torque on the flange, in the link's axes at its origin.
 
         Args:
             position: Positions of the model's movable joints, in their order [rad | m].
             velocity: Velocities [rad/s | m/s].
             acceleration: Accelerations [rad/s² | m/s²].
-            contacts: All contacts at that instant; those at other links are ignored.
+            contacts: All contacts at that instant; contacts of other links are ignored.
         """
         forces = self.forces(position, velocity, acceleration)
         return self.with_contacts(forces, contacts)
 
     @property
     def table(self) -> ToolTable:
-        """The constants of ``forces``, until other payloads are subtracted."""
+        """The constants of ``forces``, valid until other payloads are subtracted."""
         return ToolTable(
             self._dynamics.table.bodies,
             (*self._parts, *self._payloads),
@@ -175,7 +177,7 @@ class ToolDynamics:
         velocity: Sequence[float],
         acceleration: Sequence[float],
     ) -> ToolForces:
-        """Return the wrench without contacts; the arguments are those of ``wrench``."""
+        """Return the wrench without contacts; for the arguments, see ``wrench``."""
         # The kernel does the same (wrench.c).
         frames = [*self._dynamics.frames(position), ROOT]
         motions = self._motions(frames, velocity, acceleration)
@@ -198,7 +200,7 @@ class ToolDynamics:
         return ToolForces((fx, fy, fz), (tx, ty, tz), flange)
 
     def with_contacts(self, forces: ToolForces, contacts: Iterable[Contact]) -> Wrench:
-        """Return the wrench with all contacts, in the flange's axes at its origin."""
+        """Return the wrench including contacts, in the flange's axes at its origin."""
         (fx, fy, fz), (tx, ty, tz), flange = forces
         px, py, pz = flange[9:]
         for contact in contacts:
@@ -226,7 +228,7 @@ class ToolDynamics:
         velocity: Sequence[float],
         acceleration: Sequence[float],
     ) -> list[_BodyMotion]:
-        """Return each body's motion, and last the world's."""
+        """Return the motion of each body, and last that of the world."""
         motions: list[_BodyMotion] = []
         still = self._world_motion
         for i, parent in enumerate(self._parent):
@@ -261,7 +263,7 @@ class ToolDynamics:
 
 
 def _acceleration_at(body: _BodyMotion, r: Vector3) -> Vector3:
-    """Return the acceleration of a body at ``r`` from its origin."""
+    """Return the acceleration of a body's point at offset ``r`` from its origin."""
     (wx, wy, wz), (ex, ey, ez), origin = body
     ax, ay, az = origin
     x, y, z = r
@@ -274,7 +276,7 @@ def _acceleration_at(body: _BodyMotion, r: Vector3) -> Vector3:
 
 
 def _inertial_torque(tensor: tuple[float, ...], w: Vector3, dw: Vector3) -> Vector3:
-    """Return the torque that accelerates a rotating body (Euler), all in its axes."""
+    """Return the torque that accelerates a rotating body (Euler), in its axes."""
     a, b, c, d, e, f, g, h, i = tensor
     wx, wy, wz = w
     ex, ey, ez = dw
@@ -293,7 +295,7 @@ def _inertial_torque(tensor: tuple[float, ...], w: Vector3, dw: Vector3) -> Vect
 def _find_body(
     model: RobotModel, bodies: Sequence[MovingBody], link: str
 ) -> tuple[int, Matrix]:
-    """Return the body that ``link`` is part of, -1 for the world, and its frame."""
+    """Return the body with ``link``, -1 for the world, and the link's frame in it."""
     for i, body in enumerate(bodies):
         for name, frame in body.links:
             if name == link:

@@ -1,1 +1,1 @@
-"""Setting up a machine or a workspace, and running child processes."""
+"""Sets up machines and workspaces, and runs child processes."""

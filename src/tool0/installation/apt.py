@@ -1,4 +1,4 @@
-"""apt for both installers: its progress, and the causes of its failures."""
+"""apt's progress and the causes of its failures, for both installers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Final
 from tool0.installation.child_process import last_lines
 
 ProgressCallback = Callable[[str, float], None]
-"""Called with the current activity and the fraction that is done, 0 to 1."""
+"""Called with the current activity and the completed fraction, 0 to 1."""
 
 _OUTPUT_BY_CAUSE: Final = {
     "disk full": "no space left|enough free space|write error",
@@ -23,7 +23,7 @@ _OUTPUT_BY_CAUSE: Final = {
     "locked": "could not get lock",
     "broken": "unmet dependencies|broken packages|dpkg was interrupted",
 }
-"""Cause → a pattern of apt's output; the first match applies."""
+"""Cause → pattern of apt's output; the first match applies."""
 _COMPLAINTS: Final = ("E:", "Err:", "W:")
 
 
@@ -34,8 +34,8 @@ def explain_failure(
 
     Args:
         output: Output of apt.
-        explanations: Explanation by cause, a key of the table above.
-        otherwise: The explanation if no cause matches.
+        explanations: Explanations by cause, the keys of the table above.
+        otherwise: Explanation if no cause matches.
     """
     fitting = (
         explanations[cause]

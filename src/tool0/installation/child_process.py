@@ -1,10 +1,10 @@
-"""Child processes that end with this process, also if it is killed by SIGKILL.
+"""Child processes that end with this process, even if it is killed by SIGKILL.
 
-Each child runs in a process group of its own below a supervisor (``supervisor.py``),
-which ends the whole group when the connection to this process closes.  If the
-supervisor is killed, ``wait`` and ``close`` end the group.  A program that leaves its
-process group escapes.  On Windows, programs run without a supervisor, and outlive a
-parent that is killed.
+Each child runs in its own process group under a supervisor (``supervisor.py``), which
+ends the whole group when the connection to this process closes.  If the supervisor is
+killed, ``wait`` and ``close`` end the group.  A program that leaves its process group
+is not ended.  On Windows, programs run without a supervisor, and outlive a parent that
+is killed.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _CHUNK: Final = 1 << 20
 
 
 class ChildProcessFailedError(Tool0Error):
-    """Work in a child process failed: a limit, a crash, or an unknown error."""
+    """Work in a child process exceeded a limit, crashed, or failed otherwise."""
 
 
 class ChildLimitExceededError(ChildProcessFailedError):
@@ -49,7 +49,7 @@ class ChildLimitExceededError(ChildProcessFailedError):
 
 @final
 class ChildProcess(AbstractContextManager["ChildProcess"]):
-    """A program that ends with ``close`` or with this process, however that ends."""
+    """A program that ends upon ``close`` or with this process, however that ends."""
 
     def __init__(
         self,
@@ -60,18 +60,18 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
         log: IO[bytes] | None = None,
         grace: float = 0.0,
     ) -> None:
-        """Start it, with nothing on its standard input.
+        """Start the program with empty standard input.
 
         A program that cannot be started exits with status 127.
 
         Args:
             command: The program and its arguments.
-            environment: Its variables; those of this process if left out.
-            folder: Its working directory; that of this process if left out.
-            log: A file for its output and errors; if left out, they are kept for
-                ``completed`` and ``last_output``.
-            grace: Time between SIGINT and SIGKILL when it is stopped [wall s]; 0 for
-                SIGKILL at once.
+            environment: Environment variables; if left out, those of this process.
+            folder: Working directory; if left out, that of this process.
+            log: File for the program's output and errors; if left out, both are kept
+                for ``completed`` and ``last_output``.
+            grace: Time between SIGINT and SIGKILL when the program is stopped [wall s];
+                0 for SIGKILL at once.
         """
         make = tempfile.TemporaryFile
         self._files = [] if log is not None else [make(), make()]
@@ -110,12 +110,12 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
             self._connection.sendall(json.dumps(request).encode() + b"\n")
 
     def __exit__(self, *_: object) -> None:
-        """End it."""
+        """End the program."""
         self.close()
 
     @property
     def pid(self) -> int:
-        """The process id of the program itself; 0 if it could not be started."""
+        """Process id of the program itself; 0 if it could not be started."""
         if self._connection is None:
             return self._process.pid
         with self._reading:
@@ -126,14 +126,15 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
 
     @property
     def exit_status(self) -> int | None:
-        """Its exit status, negative for a signal; None while it runs."""
+        """Exit status of the program, negative for a signal; None while it runs."""
         return self._process.poll()
 
     def wait(self, timeout: float | None = None) -> int:
-        """Wait for its end and return its exit status, negative for a signal.
+        """Wait for the program to end; return its exit status, negative for a signal.
 
         Raises:
-            subprocess.TimeoutExpired: If it still runs after ``timeout`` [wall s].
+            subprocess.TimeoutExpired: If the program still runs after ``timeout`` [wall
+            s].
         """
         status = self._process.wait(timeout)
         self._end_orphans()
@@ -142,12 +143,12 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
     def completed(
         self, timeout: float | None = None
     ) -> subprocess.CompletedProcess[str]:
-        """Wait as ``wait`` does; return its exit status, output and errors."""
+        """Wait like ``wait``; return the program's exit status, output and errors."""
         status = self.wait(timeout)
         return subprocess.CompletedProcess(self._process.args, status, *self._texts())
 
     def last_output(self, n_lines: int = 8) -> str:
-        """Return the end of its output, the errors last; empty if it has a log."""
+        """Return the last lines of output and errors; empty if they go to a log."""
         return last_lines("\n".join(self._texts()), n_lines)
 
     def close(self) -> None:
@@ -168,7 +169,7 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
             file.close()
 
     def _end_orphans(self) -> None:
-        """End the processes that a killed supervisor left; others leave none."""
+        """End the processes that a killed supervisor left behind."""
         if self._connection is None or self._process.returncode >= 0:
             return
         with contextlib.suppress(OSError):  # it has ended, or was never started
@@ -189,13 +190,14 @@ def run_program(
     timeout: float | None = None,
     while_running: Callable[[], None] | None = None,
 ) -> subprocess.CompletedProcess[str]:
-    """Run a program to its end; the caller checks its exit status.
+    """Run a program until it ends; the caller checks the exit status.
 
-    Without ``environment``, its messages are in English.  ``while_running`` is called
-    about ten times a second.
+    Without ``environment``, the program's messages are in English.  ``while_running``
+    is called about ten times a second.
 
     Raises:
-        subprocess.TimeoutExpired: If it takes longer than ``timeout`` [wall s].
+        subprocess.TimeoutExpired: If the program takes longer than ``timeout`` [wall
+        s].
     """
     if environment is None:
         environment = {**os.environ, "LC_ALL": "C"}
@@ -218,7 +220,7 @@ def _connection_pair() -> tuple[socket.socket, socket.socket]:
 
 
 def last_lines(text: str, n_lines: int = 6) -> str:
-    """Return the last lines that are not empty, indented, to show in a message."""
+    """Return the last non-empty lines, indented for a message."""
     lines = [line for line in text.splitlines() if line.strip()]
     return "\n".join(f"  {line}" for line in lines[-n_lines:])
 
@@ -227,18 +229,18 @@ def last_lines(text: str, n_lines: int = 6) -> str:
 
 
 def call_in_child(work: Callable[[], R], *, timeout: float, memory: int) -> R:
-    """Return the result of ``work``, which must be picklable.
+    """Run ``work`` in a child process, and return its result, which must be picklable.
 
-    Where there is no fork (Windows), it runs here, without limits.
+    Without fork (Windows), ``work`` runs in this process, without limits.
 
     Args:
-        work: Runs in a copy of this process.
+        work: Function to run in a copy of this process.
         timeout: Largest duration [wall s].
-        memory: Largest allocation beyond the memory of this process [bytes].
+        memory: Largest allocation beyond this process's memory [bytes].
 
     Raises:
-        ChildLimitExceededError: If it exceeds a limit.
-        ChildProcessFailedError: If it crashes, or raises an error that cannot be
+        ChildLimitExceededError: If ``work`` exceeds a limit.
+        ChildProcessFailedError: If ``work`` crashes, or raises an error that cannot be
             pickled.
         Exception: Any exception that ``work`` raises.
     """

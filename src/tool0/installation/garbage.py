@@ -1,4 +1,4 @@
-"""The garbage collector in a process that must not pause: it drives a robot."""
+"""Tunes the garbage collector in processes that drive a robot and must not pause."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from contextlib import contextmanager
 from typing import Final
 
 THRESHOLD: Final = 50_000
-"""New objects that are not freed, after which those without a user are searched for.
+"""Number of new, unfreed objects after which the collector searches for cycles.
 
-States and motions are freed when nobody uses them.  The interpreter's default, 700, is
-reached about once a second of a stream at 500 Hz, and looking at all that is in use
+States and motions are freed when their last reference goes.  A stream at 500 Hz reaches
+the interpreter's default, 700, about once a second, and examining all objects in use
 then pauses every thread for 5 to 20 ms.
 """
 
 
 @contextmanager
 def starting() -> Iterator[None]:
-    """Collect nothing while a process starts, and restore everything at its end.
+    """Disable collection while a process starts, and restore all settings when it ends.
 
-    What is made at the start lives on.  Call ``started`` when it is complete.
+    Objects made at the start live on.  Call ``started`` when the start is complete.
     """
     usual = gc.get_threshold()
     gc.disable()
@@ -33,16 +33,16 @@ def starting() -> Iterator[None]:
 
 
 def started() -> None:
-    """Exempt all present objects for good, and collect rarely from now on."""
+    """Exempt all existing objects permanently, and collect rarely from now on."""
     gc.freeze()
     gc.set_threshold(THRESHOLD)
     gc.enable()
 
 
 def leave_alone() -> None:
-    """Collect once, and exempt all present objects, in a program that uses tool0.
+    """Collect once, then exempt all existing objects, in a program that uses tool0.
 
-    With its libraries, a collection of everything would pause each thread for 0.1 s or
+    With the program's libraries, a full collection would pause each thread for 0.1 s or
     more.
     """
     gc.collect()

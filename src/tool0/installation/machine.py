@@ -1,4 +1,4 @@
-"""This machine: its files, programs, package managers and Python packages."""
+"""Looks up this machine's files, programs, package managers and Python packages."""
 
 from __future__ import annotations
 
@@ -27,24 +27,25 @@ _INSTALL_COMMANDS: Final = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Machine:
-    """The root for probes; a test passes another one."""
+    """Root folder for probes; tests pass another one."""
 
     root: Path = Path("/")
     environ: Mapping[str, str] = field(default_factory=lambda: os.environ)
     system: str = sys.platform
 
     def program(self, *names: str) -> str | None:
-        """Return the path of the first of these programs on PATH."""
+        """Return the path of the first of these programs that is on PATH."""
         path = self.environ.get("PATH", "")
         found = (shutil.which(name, path=path) for name in names)
         return next((name for name in found if name), None)
 
     def install_command(self, apt: str, **others: str) -> str:
-        """Return the command that installs a package; empty if there is none.
+        """Return the command that installs a package; empty if there is no command.
 
         Args:
-            apt: Its name on Debian and Ubuntu, and wherever ``others`` has none.
-            others: Package manager → its name there; empty if it is not packaged.
+            apt: Name of the package on Debian and Ubuntu, and wherever ``others`` has
+                no name.
+            others: Package manager → name of the package there; empty if not packaged.
         """
         for manager, command in _INSTALL_COMMANDS.items():
             if self.program(manager):
@@ -53,7 +54,7 @@ class Machine:
         return ""
 
     def has_desktop(self) -> bool:
-        """Return whether this user would see a window."""
+        """Return whether this user has a display for windows."""
         if "SSH_CONNECTION" in self.environ and "DISPLAY" not in self.environ:
             return False
         if self.system in ("darwin", "win32"):
@@ -61,7 +62,7 @@ class Machine:
         return any(self.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
     def read(self, name: str) -> str:
-        """Return the text of a file, empty if there is none."""
+        """Return the text of a file; empty if there is no such file."""
         try:
             return (self.root / name).read_text(encoding="utf-8", errors="replace")
         except OSError:
@@ -82,7 +83,7 @@ class Machine:
         return f"{platform.system()} {platform.release()}"
 
     def codename(self) -> str:
-        """Return the release's codename, ``bookworm``; for Mint, that of Ubuntu."""
+        """Return the release's codename, such as ``bookworm``; for Mint, Ubuntu's."""
         release = self.release()
         keys = ("UBUNTU_CODENAME", "DEBIAN_CODENAME", "VERSION_CODENAME")
         return next((release[key] for key in keys if key in release), "")
@@ -92,7 +93,7 @@ class Machine:
 
 
 def python_requirements() -> dict[str, str]:
-    """Return package → requirement, ``mujoco>=3.3``; empty for a source folder."""
+    """Return package → requirement (``mujoco>=3.3``); empty for a source folder."""
     from importlib import metadata  # slow, and rarely needed
 
     try:
@@ -107,7 +108,7 @@ def python_requirements() -> dict[str, str]:
 
 
 def python_package_version(package: str) -> str | None:
-    """Return the installed version, or None."""
+    """Return the installed version of a package, or None."""
     from importlib import metadata
 
     try:

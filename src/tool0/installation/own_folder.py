@@ -1,4 +1,4 @@
-"""Folders of software that tool0 installs: only one process at a time changes them."""
+"""Folders of software that tool0 installs, changed by one process at a time."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from tool0.user_data import locked
 
 @contextmanager
 def exclusive(folder: Path, software: str, error: type[Tool0Error]) -> Iterator[None]:
-    """Make a folder, and keep other processes from changing it.
+    """Make a folder, and prevent other processes from changing it.
 
     Args:
-        folder: The folder; a file ``lock`` is made in it.
-        software: The name of what is installed there, for messages.
-        error: The type of the exception.
+        folder: The folder, in which a file ``lock`` is made.
+        software: Name of the software in the folder, for messages.
+        error: Type of the exception to raise.
 
     Raises:
-        Tool0Error: Of the type ``error``, if another process changes the folder, or
-            something in it cannot be written.
+        Tool0Error: An exception of type ``error``, if another process is changing the
+            folder, or files in the folder cannot be written.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -40,15 +40,15 @@ def exclusive(folder: Path, software: str, error: type[Tool0Error]) -> Iterator[
 
 
 def removed(folder: Path, software: str, error: type[Tool0Error]) -> int:
-    """Remove a folder, if there is one, and return its size [bytes].
+    """Remove a folder, if it exists, and return its size [bytes].
 
     Args:
         folder: The folder.
-        software: The name of what is installed there, for messages.
-        error: The type of the exception.
+        software: Name of the software in the folder, for messages.
+        error: Type of the exception to raise.
 
     Raises:
-        Tool0Error: As ``exclusive`` does.
+        Tool0Error: As for ``exclusive``.
     """
     if not folder.is_dir():
         return 0

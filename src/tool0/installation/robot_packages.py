@@ -1,7 +1,8 @@
 """The catkin packages of an arm with a gripper, for Noetic and Gazebo 11.
 
-The files are those that tool0 itself reads; the chosen robot is the default of their
-arguments.  Only the controllers are written for one robot: their gains depend on it.
+The files are the same that tool0 itself reads, with the chosen robot as the default of
+their arguments.  Only the controllers are generated for one robot, because their gains
+depend on it.
 """
 
 from __future__ import annotations
@@ -18,13 +19,13 @@ from tool0.errors import ConfigError
 
 PACKAGES: Final = ("tool0_description", "tool0_gazebo")
 UPSTREAM_PACKAGES: Final = ("ur_description", "robotiq_2f_85_gripper_visualization")
-"""Packages whose meshes can replace ours."""
+"""Packages whose meshes can replace tool0's."""
 _HOME: Final = "home"
-"""The pose at the start."""
+"""Name of the start pose."""
 _NOT_WRITTEN: Final = re.compile(
     r"((native|started)_)?controllers(_gripper_action|_ros2)?\.yaml|gains\.yaml"
 )
-"""Files of the configuration that only the program reads: parts of controllers."""
+"""Configuration files that only tool0 reads: parts of controllers."""
 _LAST_DEPENDENCY: Final = b"  <exec_depend>xacro</exec_depend>\n"
 
 Files = dict[PurePosixPath, bytes]
@@ -41,15 +42,16 @@ def robot_packages(
     """Return the files of tool0_description and, for a single robot, tool0_gazebo.
 
     Args:
-        robots: The robot that launch files bring up by default, without prefix, or
-            those of a cell.
-        controllers: Their ros_control YAML.
-        action_controllers: The same with the gripper driven by an action.
+        robots: The robot that launch files bring up by default, without prefix, or the
+            robots of a cell.
+        controllers: The ros_control YAML of the controllers.
+        action_controllers: The same YAML, but with the gripper driven by an action.
         upstream_meshes: Whether the meshes of ``UPSTREAM_PACKAGES`` are the default,
             and those packages are dependencies.
 
     Raises:
-        ConfigError: If a folder of your own cannot be put among the built-in ones.
+        ConfigError: If your own arm's or gripper's folder cannot be added to the
+            built-in folders.
     """
     robot = robots[0]
     packages = PACKAGES[:1] if robot.name else PACKAGES
@@ -73,15 +75,16 @@ def described_packages(
     *,
     upstream_meshes: bool = False,
 ) -> Files:
-    """Return bundled packages, with robots as the default of their arguments.
+    """Return bundled packages, with the robots as defaults of their arguments.
 
     Args:
-        robots: One robot, or those of a cell, the first of which is the default.
+        robots: One robot, or the robots of a cell, of which the first is the default.
         packages: The names of the packages, ``tool0_description`` among them.
         upstream_meshes: Whether the meshes of ``UPSTREAM_PACKAGES`` are the default.
 
     Raises:
-        ConfigError: If a folder of your own cannot be put among the built-in ones.
+        ConfigError: If your own arm's or gripper's folder cannot be added to the
+            built-in folders.
     """
     own = [_own_part(part) for robot in robots for part in robot.parts]
     robot = robots[0]
@@ -111,7 +114,7 @@ def gripper_name(robot: CatalogueRobot) -> str:
 
 
 def _files_in(folder: Path) -> list[Path]:
-    """Return the files of a package or a part of it, without leftovers of tools."""
+    """Return the files of a package or a part of it, without files that tools left."""
     return [
         path
         for path in sorted(folder.rglob("*"))
@@ -125,7 +128,7 @@ def _files_in(folder: Path) -> list[Path]:
 
 
 def _with_defaults(data: bytes, defaults: Mapping[str, str]) -> bytes:
-    """Return a file with other default values of arguments, if it declares them."""
+    """Return a file with other default values of the arguments that it declares."""
     for name, value in defaults.items():
         declared = rf'(<(?:xacro:)?arg name="{name}" default=")[^"]+(")'
         data = re.sub(declared.encode(), rf"\g<1>{value}\g<2>".encode(), data)
@@ -133,10 +136,10 @@ def _with_defaults(data: bytes, defaults: Mapping[str, str]) -> bytes:
 
 
 def _own_part(part: CataloguePart) -> Files:
-    """Return the files of your own arm or gripper; none for a built-in one.
+    """Return the files of your own arm or gripper; empty for a built-in one.
 
     Raises:
-        ConfigError: If it is called like a built-in one, or is no name for a file.
+        ConfigError: If its name is that of a built-in one, or is not valid for a file.
     """
     if part.is_built_in:
         return {}
@@ -157,10 +160,10 @@ def _own_part(part: CataloguePart) -> Files:
 
 
 def _for_gazebo(text: str, gripper: CataloguePart | None, kind: str) -> str:
-    """Return the YAML of controllers with the gripper's own part for native Gazebo.
+    """Return the controllers' YAML with the gripper's part for native Gazebo.
 
-    The file ``native_<kind>.yaml`` in the gripper's folder replaces the controllers of
-    the same names.
+    The file ``native_<kind>.yaml`` in the gripper's folder replaces the controllers
+    with the same names.
     """
     path = None if gripper is None else gripper.folder / f"native_{kind}.yaml"
     if path is None or not path.is_file():

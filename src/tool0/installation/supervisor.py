@@ -1,4 +1,4 @@
-"""Ends a process group when its parent ends: the other side of ``child_process``.
+"""Ends a process group when its parent ends; the counterpart of ``child_process``.
 
 Run as a script, in a Python without site-packages, it starts the program that a line of
 JSON on standard input describes, and answers with its process id, then ``0`` if it
@@ -54,7 +54,7 @@ def main() -> NoReturn:
 def supervise(
     group: int, connection: int, wait: Callable[[], int], grace: float
 ) -> NoReturn:
-    """Wait for the leader of a process group; then end the group, and exit as it did.
+    """Wait for a process group's leader, end the group, and exit like the leader.
 
     Args:
         group: The process group, by the id of its leader.
@@ -89,7 +89,7 @@ def _signal_group(group: int, number: int) -> None:
 
 
 def _die_by(number: int) -> None:
-    """End by a signal, so that the parent sees the status of the program."""
+    """End by this signal, so that the parent sees the program's status."""
     import resource
 
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

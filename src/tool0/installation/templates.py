@@ -1,4 +1,4 @@
-"""Files of packages that are written for one robot: templates with ``@words@``."""
+"""Fills in the templates of package files for one robot: replaces ``@words@``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 _TEMPLATE: Final = ".in"
-"""End of the names of templates that are no valid file of their kind."""
+"""Suffix of templates that are not valid files of their type."""
 
 
 def filled(
@@ -17,7 +17,7 @@ def filled(
 
     Args:
         folder: The templates.
-        package: The path of the package that they become.
+        package: Path of the resulting package.
         words: Word, such as ``@robot@`` → text.
     """
     files = {}

@@ -1,7 +1,7 @@
 """Writes ROS packages into a catkin workspace, and updates them.
 
-Each file is written completely or not at all, and edited files stay.  A hidden file in
-each package contains the hashes of the written files, by which a later run detects
+Each file is written completely or not at all, and edited files are kept.  A hidden file
+in each package contains the hashes of the written files, from which a later run detects
 edits.  An interrupted run leaves both the old and the new hash; either is accepted.
 """
 
@@ -23,28 +23,28 @@ from tool0.errors import ConfigError
 from tool0.user_data import expanded
 
 RECORD_FILE: Final = ".tool0-workspace.json"
-"""The hidden file."""
+"""Name of the hidden file."""
 _ABOUT: Final = (
     "Written by `tool0 workspace`: with these hashes it distinguishes the files that "
     "it wrote from edited ones."
 )
 _PROGRAMS: Final = "scripts"
-"""The folder of programs."""
+"""Name of the folder of executable files."""
 _Files = Mapping[PurePosixPath, bytes]
 _Hashes = dict[PurePosixPath, frozenset[str]]
-"""File, below its package, → SHA-256 of the versions that tool0 has written."""
+"""Path of a file in its package → SHA-256 of the versions that tool0 has written."""
 
 
 class FileAction(Enum):
-    """The treatment of one file."""
+    """What was done with one file."""
 
     ADD = "new"
     UPDATE = "updated"
     REMOVE = "removed"
     REPLACE = "overwritten"
-    """The edited file is renamed."""
+    """The file was edited; the edited version is renamed, and the file written."""
     KEEP = "kept"
-    """The file was edited, and stays."""
+    """The file was edited, and is kept."""
     LEAVE = "unchanged"
 
 
@@ -60,10 +60,10 @@ class WorkspaceChanges:
     actions: Mapping[Path, FileAction]
     """File → how it was treated."""
     backups: Mapping[Path, Path]
-    """Overwritten file → its edited version."""
+    """Overwritten file → backup of its edited version."""
 
     def paths(self, action: FileAction) -> tuple[Path, ...]:
-        """Return the files with this change."""
+        """Return the files that were changed in this way."""
         return tuple(path for path, what in self.actions.items() if what is action)
 
 
@@ -75,13 +75,13 @@ def write_workspace(
     Nothing is written before the change of every file is known.
 
     Args:
-        folder: The workspace; created if it does not exist.
-        files: Path, from the name of its package on → content.
-        force: Whether edited files are overwritten, too.
+        folder: The workspace, created if it does not exist.
+        files: Path, starting with the package's name → content.
+        force: Whether to overwrite edited files, too.
 
     Raises:
-        ConfigError: If a file cannot be read or written.  Files written by then are
-            complete, and the next call resumes.
+        ConfigError: If a file cannot be read or written.  Files written so far are
+            complete, and the next call continues.
     """
     packages = sorted({path.parts[0] for path in files})
     source = source_folder(folder, packages)
@@ -112,8 +112,8 @@ def _action(
 ) -> FileAction:
     """Return the action for a file.
 
-    ``wanted`` is its new content, None if it is no longer part of the package;
-    ``written`` has the hashes of what we may have written there.
+    ``wanted`` is the new content, or None if the file is no longer part of the package;
+    ``written`` has the hashes of the versions that tool0 may have written.
     """
     present = _read(path)
     if present == wanted:
@@ -134,7 +134,7 @@ def _write_package(
     actions: Mapping[Path, FileAction],
     backups: dict[Path, Path],
 ) -> None:
-    """Change the files of one package; add the backups of edited ones."""
+    """Change the files of one package; record the backups of edited files."""
     after = {path: frozenset({_digest(data)}) for path, data in wanted.items()}
     for (
         path
@@ -167,9 +167,9 @@ def _digest(data: bytes) -> str:
 
 
 def _read_record(package: Path) -> _Hashes:
-    """Return the hashes of a package; empty if there is no readable record.
+    """Return the recorded hashes of a package; empty without a readable record.
 
-    Every file that differs from what tool0 would write then counts as edited.
+    Without a record, every file that differs from the new content counts as edited.
     """
     try:
         text = (package / RECORD_FILE).read_text(encoding="utf-8")
@@ -209,14 +209,14 @@ def _write(path: Path, data: bytes) -> None:
             new.write_bytes(data)
             if path.parent.name == _PROGRAMS:
                 mode = new.stat().st_mode
-                new.chmod(mode | (mode & 0o444) >> 2)  # who may read it may run it
+                new.chmod(mode | (mode & 0o444) >> 2)  # whoever may read it may run it
             new.replace(path)
         finally:
             new.unlink(missing_ok=True)
 
 
 def _back_up(path: Path) -> Path:
-    """Rename an edited file to a free name, and return that."""
+    """Rename an edited file to an unused name, and return the new path."""
     numbers = chain([""], count(2))
     paths = (path.with_name(f"{path.name}.orig{number}") for number in numbers)
     backup = next(p for p in paths if not (p.exists() or p.is_symlink()))
@@ -243,9 +243,9 @@ def _named_failure(verb: str, path: Path) -> Iterator[None]:
 def source_folder(folder: Path, packages: Collection[str] = ()) -> Path:
     """Return the folder for ``packages`` in the workspace ``folder``.
 
-    It is ``src`` in a workspace, and in an empty or new folder.  It is ``folder``
-    itself if that is called ``src``, contains packages, or is initialised by
-    catkin_init_workspace.
+    The result is ``src`` in a workspace, or in an empty or new folder.  It is
+    ``folder`` itself if that is called ``src``, contains packages, or was initialised
+    by catkin_init_workspace.
 
     Raises:
         ConfigError: If packages cannot be put there.
@@ -282,7 +282,7 @@ def _refuse_files(folder: Path) -> None:
 
 
 def _refuse_duplicates(source: Path, packages: Collection[str]) -> None:
-    """Raise ConfigError if one of the packages exists already in another folder."""
+    """Raise ConfigError if one of the packages already exists in another folder."""
     ours = {source / name for name in packages}
     for path in ours:
         if path.is_symlink():

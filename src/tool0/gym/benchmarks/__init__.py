@@ -1,1 +1,1 @@
-"""Tasks that need more than a cube: insertion, assembly, a drawer, clutter."""
+"""Tasks with more than cubes: insertion, assembly, a drawer, clutter, a handover."""

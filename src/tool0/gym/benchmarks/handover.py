@@ -1,4 +1,4 @@
-"""Hand a bar from one arm to another, which could not reach it where it lay."""
+"""Hand a bar from one arm to another, which cannot reach the bar on the table."""
 
 from __future__ import annotations
 
@@ -24,52 +24,53 @@ from tool0.kinematics.geometry import wrapped
 GIVER, TAKER = "left", "right"
 BAR = "bar"
 LENGTH, MASS, WIDEST = 0.24, 0.1, 0.03
-"""Length, mass, and width and height of the bar at most [m], [kg], [m]."""
+"""Length [m], mass [kg], and largest width and height [m] of the bar."""
 HELD_AT = 0.085
-"""Distance of a tcp from the bar's middle [m]."""
+"""Distance from the bar's centre at which a gripper holds it [m]."""
 NEAR, FAR, SIDE = 0.34, 0.52, 0.3
-"""Range of the bar's middle at the start, ahead of the giver and to each side, for
-arms of scale 1 [m]."""
+"""Range of the bar's initial centre: least and largest distance ahead of the giver, and
+largest distance to each side, for arms of scale 1 [m]."""
 EDGE = 0.31
-"""Least distance of the bar ahead of the giver, for an arm of scale 1 [m]: the table
-begins there."""
+"""Least distance of the bar ahead of the giver, for an arm of scale 1 [m]: the table's
+edge."""
 CLOSE = 0.4
-"""Least distance of a tcp that holds the bar there from the giver's axis, for an arm of
-scale 1 [m]: nearer, a small arm with a long gripper touches itself."""
+"""Least distance from the giver's axis to the tcp when it grasps the bar, for an arm of
+scale 1 [m]; closer, a small arm with a long gripper would touch itself."""
 PARTS = 13
-"""Points of the bar that the taker must not reach."""
+"""Number of points along the bar that the taker must not reach."""
 ATTEMPTS = 200
-"""Draws of a place before the last one is taken."""
+"""Number of attempts to draw a valid place; then the last draw is used."""
 LIFTED = 0.08
-"""Height from which a bar is lifted [m]."""
+"""Height above which the bar counts as lifted [m]."""
 RELEASED = 0.006
-"""Least opening beyond the bar's width that has released it [m]."""
+"""Opening beyond the bar's width from which the bar counts as released [m]."""
 AT_END = 0.03
-"""Distance from a place to hold within which a tcp is at that end [m]."""
+"""Distance from a grasp point within which a tcp counts as being at that end [m]."""
 BELOW = 0.03
-"""Height below that of the meeting where the bar rises on the spot [m]."""
+"""Distance below the meeting height; a bar that is lower first rises vertically [m]."""
 MET, STRAIGHT = 0.006, 0.06
-"""Offset [m] and angle [rad] of a bar that the taker may come for."""
+"""Largest offset [m] and angle [rad] of the bar for the taker to approach."""
 SLACK = 3.0
-"""Times these, once the taker is at the bar."""
+"""Factor on these tolerances once the taker is at the bar."""
 LEAVE = 0.12
-"""Height above the bar at which a gripper leaves it [m]."""
+"""Height above the bar to which a gripper retreats [m]."""
 
 
 class _Ends(NamedTuple):
-    """The bar as the arms see it: its x axis points from giver to taker."""
+    """The state from each arm's view, with the bar's x axis from giver to taker."""
 
     give: State
     take: State
     yaw: Array
-    """Angle of that axis about z [rad], shape (n,)."""
+    """Yaw of the bar's x axis [rad], shape (n,)."""
 
 
 @final
 class Handover(Task):
-    """One arm lifts the bar, the other takes it in the air, and the first lets go.
+    """One arm lifts a bar, the other grasps it in the air, and the first lets go.
 
-    The bar lies where only the first arm reaches it.  Each holds one half of it.
+    The bar lies where only the first arm reaches it.  Each arm holds one half of the
+    bar.
     """
 
     instruction = "Hand the bar over from the left arm to the right arm."
@@ -87,7 +88,7 @@ class Handover(Task):
         self._take = Hold(self._width, (HELD_AT, 0.0, above), turns=2)
         start, back = self._giver.start_position, self._taker.start_position
         self._meeting = (start + back) / 2.0
-        """The bar's middle where it changes hands [m]."""
+        """Position of the bar's centre at the handover [m]."""
 
     def scene(self) -> Scene:
         table = self.workspace.scene(())
@@ -111,7 +112,7 @@ class Handover(Task):
         return Start(places, np.array([yaw]), np.array([LIFTED, 1.0, 1.0]))
 
     def _is_start(self, place: Array, yaw: float) -> bool:
-        """Return whether the bar is on the table, and only the giver can lift it."""
+        """Return whether the bar is on the table and only the giver can lift it."""
         along = np.array([np.cos(yaw), np.sin(yaw)])
         parts = place + np.linspace(-0.5, 0.5, PARTS)[:, None] * LENGTH * along
         if parts[:, 0].min() < EDGE * self._giver.scale:
@@ -158,7 +159,9 @@ class Handover(Task):
     def _ends(self, state: State) -> _Ends:
         """Return the states with the bar turned so that the giver's end is at -x.
 
-        It is the end at which an arm is; if none is, the one away from the taker.
+        The giver's end is the end where the giver's tcp is, or the end opposite the
+        taker's tcp.  If no tcp is at the bar, it is the end that points away from the
+        taker.
         """
         position, quat = state.object_position[:, 0], state.object_quat[:, 0]
         yaw = yaws_of_quats(quat)
@@ -196,7 +199,7 @@ class Handover(Task):
     def _give_it(
         self, ends: _Ends, commanded: Frames, own: Grasp, is_taken: Mask
     ) -> Target:
-        """Return the giver's way: to the bar, to the meeting, and away from there."""
+        """Return the giver's next target: to the bar, to the handover, then away."""
         state = ends.give
         bar = state.object_position[:, 0]
         is_low = bar[:, 2] < self._meeting[2] - BELOW
@@ -207,7 +210,7 @@ class Handover(Task):
         position = np.where(own.held[:, None], carry, own.target.position)
         yaw = np.where(own.held, yaw_of(state.tcp_rotation) + turn, own.target.yaw)
         opening = np.where(own.held, 0.0, own.target.opening)
-        # It is taken: let go of it, then leave.
+        # The bar is taken: let go of it, then retreat.
         is_open = state.opening > self._width + RELEASED
         up = commanded.position.copy()
         up[:, 2] = self._meeting[2] + LEAVE
@@ -222,7 +225,7 @@ class Handover(Task):
     def _take_it(
         self, ends: _Ends, commanded: Frames, own: Grasp, is_met: Mask
     ) -> Target:
-        """Return the taker's way: over the meeting, and down to a bar that is met."""
+        """Return the taker's next target: above the handover, then down to the bar."""
         wait = self._meeting + np.array([HELD_AT, 0.0, LEAVE])
         yaw = commanded.yaw + self._take.turn(commanded.yaw, np.array([[1.0, 0, 0, 0]]))
         widest = self._taker.gripper.max_opening
@@ -242,5 +245,5 @@ def _turned(quat: Array) -> Array:
 
 
 def _place(state: State, hold: Hold) -> Array:
-    """Return where the tcp holds the bar [m], shape (n, 3)."""
+    """Return the tcp's position to hold the bar [m], shape (n, 3)."""
     return hold.places(state.object_position[:, 0], state.object_quat[:, 0])

@@ -1,4 +1,4 @@
-"""Put a square nut with a handle over a square peg, and let go of it."""
+"""Put a square nut with a handle over a square peg, and release the nut."""
 
 from __future__ import annotations
 
@@ -22,32 +22,33 @@ from tool0.kinematics.chain import Array
 
 NUT, PEG = "nut", "peg"
 INNER, OUTER, THICKNESS, NUT_MASS = 0.03, 0.06, 0.025, 0.1
-"""Hole, outer width and thickness of the nut [m], and its mass [kg]."""
+"""Hole width, outer width and thickness of the nut [m], and its mass [kg]."""
 HANDLE_LENGTH, HANDLE_WIDTH = 0.06, 0.022
-"""Size of the handle, along the nut's x axis and across [m]."""
+"""Length of the handle along the nut's x axis, and its width [m]."""
 HELD_AT = 0.07
-"""Distance of the tcp from the nut's middle, along the handle [m]."""
+"""Distance from the nut's centre, along the handle, at which the gripper holds it
+[m]."""
 PEG_WIDTH, PEG_HEIGHT = 0.024, 0.08
 """Width and height of the peg [m]."""
 APART = 0.17
 """Least distance of nut and peg at the start [m]."""
 AROUND, LEVEL, RELEASED = 0.006, 0.006, 0.006
-"""Largest offset of a nut around the peg and its height at rest, and the least opening
-beyond the handle that has released it [m]."""
+"""Largest offset from the peg and largest height error of a nut on the peg, and opening
+beyond the handle's width from which the nut counts as released [m]."""
 RAISED, LOW = 0.015, 0.002
-"""Height of the nut above the peg on the way there, and where that is high enough
-[m]."""
+"""Height above the peg at which the nut is carried to it, and height from which the nut
+may move across [m]."""
 OVER, STRAIGHT = 0.001, 0.03
-"""Offset [m] and angle [rad] of a nut that may go down over the peg."""
+"""Largest offset [m] and angle [rad] at which the nut may go down over the peg."""
 SWING = 3.0
-"""Times these tolerances, on the way down."""
+"""Factor on these tolerances on the way down."""
 DOWN = 0.25
-"""Speed on the way down, part of the fastest action."""
+"""Speed on the way down, as a fraction of the fastest action."""
 
 
 @final
 class NutOnPeg(Task):
-    """Grasp the nut by its handle, put it over the peg, which is fixed, and let go."""
+    """Grasp the nut by its handle, put it over the fixed peg, and let go."""
 
     instruction = "Put the nut over the peg."
     objects = (NUT, PEG)
@@ -135,7 +136,7 @@ class NutOnPeg(Task):
         # The nut swings as the arm starts to go down.
         slack = np.where(is_sent_below(state, commanded, nut, high), SWING, 1.0)
         is_over = (off < slack * OVER) & (np.abs(turn) < slack * STRAIGHT)
-        # It goes up, across, and down.
+        # The nut goes up, across, and down.
         may_sink = is_around | (is_over & is_high)
         height = np.where(may_sink, goal[:, 2] + DROP, high)
         across = is_around | is_high
@@ -146,7 +147,7 @@ class NutOnPeg(Task):
         speed = np.where(off < 2.0 * AROUND, DOWN, 1.0)
         placed = is_around & (np.abs(nut[:, 2] - goal[:, 2]) < 2.0 * DROP)
         position = np.where(held[:, None], position, target.position)
-        # It is there: let go of it, then leave.
+        # The nut is in place: let go of it, then retreat.
         up = commanded.position.copy()
         up[:, 2] = TABLE_TOP + space.grasp_height + space.lift
         gone = state.opening > HANDLE_WIDTH + 0.01

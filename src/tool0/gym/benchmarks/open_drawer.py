@@ -24,29 +24,30 @@ DEPTH, WIDTH, HEIGHT, DRAWER_MASS = 0.18, 0.12, 0.05, 0.4
 PLATE, WALL = 0.006, 0.01
 """Thickness of the plates of the drawer, and of the cabinet [m]."""
 PLAY = 0.001
-"""Room beside the drawer on each side, and above it [m]."""
+"""Clearance beside the drawer on each side, and above the drawer [m]."""
 SLIDING, GRIP = 0.2, 0.8
-"""Friction coefficients of the cabinet, as of plastic runners, and of the drawer."""
+"""Friction coefficients of the cabinet, which has plastic runners, and of the
+drawer."""
 HANDLE_LENGTH, HANDLE_WIDTH, HANDLE_HEIGHT = 0.06, 0.018, 0.03
-"""Size of the upright plate in front that is the handle, along x, y and z [m]."""
+"""Size of the handle, an upright plate in front, along x, y and z [m]."""
 HELD_AT = 0.047
-"""Distance of the tcp in front of the drawer [m]: the gripper's base clears the
+"""Distance of the tcp in front of the drawer [m], so that the gripper's base clears the
 cabinet."""
 PULLED = 0.1
-"""Way after which the drawer is open [m]."""
+"""Travel after which the drawer counts as open [m]."""
 TURNED = 0.4
-"""Largest yaw of the cabinet from facing the robot [rad]."""
+"""Largest deviation of the cabinet's yaw from facing the robot [rad]."""
 SLOW = 0.3
-"""Speed of the pull, part of the fastest action."""
+"""Speed of the pull, as a fraction of the fastest action."""
 
 
 @final
 class OpenDrawer(Task):
     """Open a drawer that slides in a fixed cabinet.
 
-    The drawer is a body of its own, which the cabinet guides with a little play: it can
+    The drawer is a separate body that the cabinet guides with a little play: it can
     tilt, and be pulled out.  The cabinet's origin is in the middle of its floor; the
-    drawer leaves it along x.
+    drawer opens along its x axis.
     """
 
     instruction = "Open the drawer."
@@ -104,7 +105,7 @@ class OpenDrawer(Task):
         return np.asarray((away * self._ahead(state)).sum(axis=1, keepdims=True))
 
     def _ahead(self, state: State) -> Array:
-        """Return the direction in which the drawer leaves the cabinet, (n, 3)."""
+        """Return the direction in which the drawer opens, shape (n, 3)."""
         return np.asarray(from_quats(state.object_quat[:, 1])[:, :, 0])
 
     def is_success(self, achieved: Array, desired: Array) -> Mask:
@@ -134,13 +135,13 @@ class OpenDrawer(Task):
 
 
 def _plate(x: float, y: float, z: float, *size: float) -> tuple[Geometry, Pose]:
-    """Return a plate at a place, and of a size along x, y and z [m]."""
+    """Return a plate with a position and a size along x, y and z [m]."""
     width, depth, height = size
     return Box(size=(width, depth, height)), Pose(xyz=(x, y, z))
 
 
 def _drawer() -> Compound:
-    """Return the drawer, with its origin in the middle, and the handle at +x."""
+    """Return the drawer, with its origin at the centre and the handle at +x."""
     x, y, z = (DEPTH - PLATE) / 2.0, (WIDTH - PLATE) / 2.0, (HEIGHT - PLATE) / 2.0
     handle = (DEPTH + HANDLE_LENGTH) / 2.0
     return Compound(
@@ -156,7 +157,7 @@ def _drawer() -> Compound:
 
 
 def _cabinet() -> Compound:
-    """Return floor, top, sides and back, with the origin in the middle of the floor."""
+    """Return the cabinet's plates, with the origin in the middle of the floor."""
     y = WIDTH / 2.0 + PLAY
     inside = HEIGHT + PLAY
     whole = inside + 2.0 * WALL

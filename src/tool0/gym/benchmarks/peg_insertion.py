@@ -1,4 +1,4 @@
-"""Insert a square peg, which the gripper holds, into a hole with 0.5 mm of room."""
+"""Insert a square peg in the gripper into a hole with 0.5 mm of clearance."""
 
 from __future__ import annotations
 
@@ -26,28 +26,28 @@ CLEARANCE = 0.0005
 OUTER, HEIGHT = 0.085, 0.04
 """Width and height of the socket, which is open at the bottom [m]."""
 SLIDING = 0.3
-"""Friction coefficient of the socket: polished steel, roughly."""
+"""Friction coefficient of the socket, roughly that of polished steel."""
 HELD_AT = 0.025
 """Height of the tcp above the peg's middle [m]."""
 DEPTH = 0.025
-"""Depth at which the peg is inserted [m]."""
+"""Depth from which the peg counts as inserted [m]."""
 INSIDE = 0.002
-"""Largest offset of the end of a peg that is in the hole [m]."""
+"""Largest horizontal offset of the end of a peg that counts as in the hole [m]."""
 FAR_ABOVE, ABOVE = 0.02, 0.004
-"""Height of the peg's end above the socket on the way there, and over the hole [m]."""
+"""Height of the peg's end above the socket, on the way there and over the hole [m]."""
 BEGUN = 0.002
-"""Height of the peg's end below which it is on its way into the hole [m]."""
+"""Height of the peg's end below which the peg counts as entering the hole [m]."""
 CENTRED, STRAIGHT = 0.00015, 0.006
-"""Offset [m] and angle [rad] of a peg that may go down."""
+"""Largest offset [m] and angle [rad] at which the peg may go down."""
 SWING = 5.0
-"""Times these tolerances, on the way down."""
+"""Factor on these tolerances on the way down."""
 DOWN = 0.05
-"""Speed on the way down, part of the fastest action."""
+"""Speed on the way down, as a fraction of the fastest action."""
 
 
 @final
 class PegInsertion(Task):
-    """Insert the peg that the gripper holds into the socket, which is fixed."""
+    """Insert the peg that the gripper holds into the fixed socket."""
 
     instruction = "Insert the peg into the hole."
     objects = (PEG, SOCKET)
@@ -135,7 +135,7 @@ class PegInsertion(Task):
 
 
 def frame(inner: float, outer: float, height: float) -> Compound:
-    """Return a square block with a square hole through it, of four boxes [m]."""
+    """Return a square block with a square through hole, made of four boxes [m]."""
     wall = (outer - inner) / 2.0
     away = (inner + wall) / 2.0
     long, short = Box(size=(wall, outer, height)), Box(size=(inner, wall, height))

@@ -1,4 +1,4 @@
-"""Pick one cube out of a clutter of other things, and lift it."""
+"""Pick one cube out of a clutter of other objects, and lift it."""
 
 from __future__ import annotations
 
@@ -30,26 +30,28 @@ OTHERS: Final[dict[str, Geometry]] = {
     "post": Cylinder(radius=0.0125, length=0.04),
 }
 TALLEST = 0.042
-"""Height of the tallest thing [m]."""
+"""Height of the tallest object [m]."""
 DENSITY = 900.0
-"""Density of all things [kg/m³]: plastic."""
+"""Density of all objects [kg/m³], that of plastic."""
 LARGEST_EDGE = 0.036
-"""Largest edge of the target [m]."""
+"""Largest edge of the target cube [m]."""
 LIFTED = 0.08
-"""Height from which the target is lifted [m]."""
+"""Height above which the target counts as lifted [m]."""
 FINGER_ROOM, FINGER_WIDTH = 0.032, 0.03
-"""Space that a finger needs beside the target: along the pads' axis, and across [m]."""
+"""Space that a finger needs beside the target, along the pads' axis and across it
+[m]."""
 GAP, SPREAD = 0.003, 0.03
-"""Least and largest gap between a thing and the target where there is room [m]."""
+"""Least gap between objects, and width of the ring around the target in which they are
+placed [m]; the ring widens if there is no room."""
 CROWDED = 400
-"""Draws of a place for one thing."""
+"""Number of attempts to place one object before the ring widens."""
 
 
 @final
 class PickClutter(Task):
-    """Lift the red cube; six other things lie close around it.
+    """Lift the red cube from among six other objects close around it.
 
-    The fingers have room on two opposite sides of the cube.
+    Two opposite sides of the cube have room for the fingers.
     """
 
     instruction = "Lift the red cube out of the clutter."
@@ -95,7 +97,7 @@ class PickClutter(Task):
     def draw(self, rng: np.random.Generator) -> Start:
         middle = self.workspace.draw_on_table(rng, 1)[0, :2]
         yaws = rng.uniform(-np.pi, np.pi, len(self.objects))
-        # The largest first: the small ones find room between them.
+        # Largest first: small objects find room between large ones.
         order = np.argsort(-self._radii)
         found: dict[int, Array] = {}
         for k in order.tolist():
@@ -112,7 +114,7 @@ class PickClutter(Task):
         yaw: float,
         k: int,
     ) -> Array:
-        """Return a place near the target for thing ``k`` [m], (2,)."""
+        """Return a place near the target for object ``k`` [m], shape (2,)."""
         radius = self._radii[k]
         nearest = self._edge / math.sqrt(2.0) + radius + GAP
         reach = nearest + SPREAD
@@ -151,7 +153,7 @@ class PickClutter(Task):
         )
 
     def _clear_yaw(self, state: State) -> Array:
-        """Return the tcp's yaw with the most room for the fingers [rad], (n,)."""
+        """Return the yaw of the tcp with the most room for the fingers [rad], (n,)."""
         cube = yaws_of_quats(state.object_quat[:, 0])
         away = state.object_position[:, 1:, :2] - state.object_position[:, :1, :2]
         sides = [
@@ -164,10 +166,10 @@ class PickClutter(Task):
 
 
 def _room(away: Array, yaw: Array | float) -> Array:
-    """Return the distance of points from where fingers go beside the target [m], (…).
+    """Return the distance of points from the fingers' space at the target [m], (…).
 
-    ``away`` is from the target's middle [m], shape (…, 2), and ``yaw`` the tcp's [rad]:
-    the pads' axis is across.
+    ``away`` is relative to the target's centre [m], shape (…, 2).  At the tcp's ``yaw``
+    [rad], the pads close along the y axis.
     """
     c, s = np.cos(yaw), np.sin(yaw)
     across = np.abs(c * away[..., 0] + s * away[..., 1])
@@ -183,7 +185,7 @@ def _room(away: Array, yaw: Array | float) -> Array:
 
 
 def _radius(shape: Geometry) -> float:
-    """Return the radius of the circle around what stands upright [m]."""
+    """Return the radius of the circle around an upright object, seen from above [m]."""
     if isinstance(shape, Box):
         return math.hypot(*shape.size[:2]) / 2.0
     assert isinstance(shape, Cylinder)

@@ -1,1 +1,1 @@
-"""Packages of ROS 2, for colcon."""
+"""ROS 2 packages for colcon."""

@@ -1,8 +1,8 @@
-"""The colcon packages of a robot or a cell, for ROS 2.
+"""Writes the colcon packages of a robot or a cell, for ROS 2.
 
 ``tool0_description`` is the same as for ROS 1, and ``tool0_ros2`` is the node that a
-bring-up runs.  ``tool0_bringup`` is written for the robot: launch files for tool0 and
-for Gazebo with gz_ros2_control, and the controllers of both.
+bring-up runs.  ``tool0_bringup`` is generated for the robot: it has launch files for
+tool0 and for Gazebo with gz_ros2_control, and the controllers for both.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ _TRAJECTORY: Final = "joint_trajectory_controller/JointTrajectoryController"
 _FORWARD: Final = "forward_command_controller/ForwardCommandController"
 _GRIPPER: Final = "parallel_gripper_action_controller/GripperActionController"
 _IN_GAZEBO: Final = (_BROADCASTER, _TRAJECTORY, _FORWARD, _GRIPPER)
-"""Types of controllers that need nothing but positions, velocities and efforts."""
+"""Types of controllers that need only positions, velocities and efforts."""
 _NOT_IN_GAZEBO: Final = (
     "speed_scaling",
     "max_effort_interface",
     "max_velocity_interface",
 )
-"""Parameters that name interfaces which gz_ros2_control does not have."""
+"""Parameters that name interfaces that gz_ros2_control does not have."""
 
 Parameters = Mapping[str, Any]  # Any: values of YAML
 
@@ -54,11 +54,11 @@ def colcon_packages(
     Args:
         description: One robot of the catalogue, or several, with ``<ros2_control>``.
         controllers: The YAML of its controllers, for ROS 2.
-        started: Controllers that tool0 starts.
+        started: Names of the controllers that tool0 starts.
 
     Raises:
-        ConfigError: If a folder of your own cannot be put among the built-in ones, or
-            no controller moves the arm.
+        ConfigError: If your own arm's or gripper's folder cannot be added to the
+            built-in folders, or no controller moves the arm.
     """
     import yaml
 
@@ -100,9 +100,9 @@ def colcon_packages(
 def controller_parameters(
     text: str,
 ) -> tuple[dict[str, dict[str, Any]], Mapping[str, Mapping[str, float]]]:
-    """Return the parameters of each controller with its type, and limits of joints.
+    """Return each controller's parameters, with its type, and the joint limits.
 
-    ``text`` is their YAML for ROS 2.
+    ``text`` is the controllers' YAML for ROS 2.
     """
     import yaml
 
@@ -123,7 +123,8 @@ def gazebo_controllers(
 
     Args:
         parameters: Parameters of all controllers and of the manager, by node.
-        interfaces: The command interfaces of the joints: ``elbow_joint/position``.
+        interfaces: The command interfaces of the joints, such as
+            ``elbow_joint/position``.
     """
     manager = parameters["controller_manager"]["ros__parameters"]
     own = {n: v["ros__parameters"] for n, v in parameters.items() if n in manager}
@@ -142,7 +143,7 @@ def gazebo_controllers(
 
 
 def _fits(values: Parameters, interfaces: frozenset[str]) -> bool:
-    """Whether the interface of a forwarding controller exists."""
+    """Return whether the interface of a forwarding controller exists."""
     kind = values.get("interface_name")
     joints = values.get("joints", ())
     return kind is None or all(f"{joint}/{kind}" in interfaces for joint in joints)
@@ -167,7 +168,7 @@ def _named(parameters: Parameters, kind: str) -> list[str]:
 
 
 def _started_in_gazebo(parameters: Parameters, arms: Sequence[str]) -> list[str]:
-    """Return the controllers besides the first arm: states, grippers, other arms."""
+    """Return all controllers except the first arm's: states, grippers, other arms."""
     states, grippers = (_named(parameters, kind) for kind in (_BROADCASTER, _GRIPPER))
     return [*states, *grippers, *arms[1:]]
 
@@ -190,7 +191,7 @@ def _robot_arguments(robot: CatalogueRobot) -> str:
 
 
 def _options(is_cell: bool, name: str) -> str:
-    """Return the options of a bring-up that select the robot, as Python."""
+    """Return the bring-up's options that select the robot, as Python code."""
     if is_cell:
         lines = ['"--robot",', f'share("{BRINGUP}", "urdf", "{name}.urdf"),']
     else:

@@ -1,1 +1,1 @@
-"""The report of ``tool0 doctor`` on this machine."""
+"""The report of ``tool0 doctor``."""

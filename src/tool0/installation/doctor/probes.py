@@ -1,4 +1,4 @@
-"""Probes of the machine, Gazebo, ROS, and the tools for a catkin workspace."""
+"""Probes for the machine, Gazebo, ROS, and the tools for a catkin workspace."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def machine(examined: Machine) -> list[ProbeResult]:
 
 
 def python(_: Machine) -> list[ProbeResult]:
-    """Return which Python runs tool0, and whether it has all requirements."""
+    """Return the Python that runs tool0, and whether it has all requirements."""
     found = f"{platform.python_version()}, {sys.prefix}"
     needed = python_requirements()
     missing = [name for name in needed if python_package_version(name) is None]
@@ -84,7 +84,7 @@ def gpu(examined: Machine) -> list[ProbeResult]:
 
 
 def _nvidia_cards(examined: Machine) -> list[str]:
-    """Read the driver's files; run nvidia-smi, which may hang, only without them."""
+    """Read the driver's files; without them, run nvidia-smi, which may hang."""
     files = sorted((examined.root / "proc/driver/nvidia/gpus").glob("*/information"))
     models = (re.search(r"^Model:\s*(.+)$", file.read_text(), re.M) for file in files)
     cards = [model[1].strip() for model in models if model]
@@ -100,14 +100,14 @@ def _nvidia_cards(examined: Machine) -> list[str]:
         environment={**examined.environ, "LC_ALL": "C"},
         timeout=PROGRAM_TIMEOUT,
     )
-    if answer.returncode != 0:  # it is installed, and no driver is
+    if answer.returncode != 0:  # nvidia-smi is installed, but no driver
         return []
     rows = answer.stdout.splitlines()
     return [row.replace(", ", ", driver ") for row in rows if row]
 
 
 def _render_nodes(examined: Machine) -> dict[str, Path]:
-    """Return the render nodes by description."""
+    """Return the GPUs' render nodes, by description."""
     nodes = {}
     for node in sorted((examined.root / "dev/dri").glob("renderD*")):
         vendor = examined.read(f"sys/class/drm/{node.name}/device/vendor").strip()
@@ -119,7 +119,7 @@ def _render_nodes(examined: Machine) -> dict[str, Path]:
 
 
 def gazebo(examined: Machine) -> list[ProbeResult]:
-    """Return the Gazebo of ``--engine gazebo``, and whether it has a window."""
+    """Return the Gazebo for ``--engine gazebo``, and whether it can open a window."""
     if examined.system != "linux":
         found = f"by tool0 on {examined.name()}: Gazebo 11 runs on Linux"
         return [ProbeResult("gazebo", "not supported", found)]
@@ -148,7 +148,7 @@ def gazebo(examined: Machine) -> list[ProbeResult]:
 
 
 def ros1(examined: Machine) -> list[ProbeResult]:
-    """Return whether ``tool0 bringup --ros1`` works, and what else of ROS 1 exists."""
+    """Return whether ``tool0 bringup --ros1`` works, and the other parts of ROS 1."""
     from tool0.installation.ros1.install import PYTHON_OF_RELEASE
     from tool0.installation.ros1.packages import ros1_status
 

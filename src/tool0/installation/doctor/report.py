@@ -1,6 +1,7 @@
-"""Runs every probe in a process of its own, all at once, and collects the results.
+"""Runs all probes at once, each in its own process, and collects the results.
 
-The command line lists the probes.  One that crashes or hangs affects no other.
+The command line lists the probes.  A probe that crashes or hangs does not affect
+others.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ run_probe(sys.argv[1], sys.argv[2])
 """
 
 ProbeState = Literal["ready", "missing", "not supported", "unknown"]
-"""Unknown if the probe failed."""
+"""State of a component; ``unknown`` if the probe failed."""
 
 
 @final
@@ -58,13 +59,13 @@ class Probe:
     """A function that examines one component of the machine."""
 
     examine: Callable[[Machine], list[ProbeResult]]
-    """A function of a module: the process that runs it imports it by its name."""
+    """Function of a module; the process that runs it imports it by name."""
     is_needed: bool = False
     """Whether ``tool0 bringup`` requires the component."""
 
     @property
     def name(self) -> str:
-        """The function's name; the result of a needed component has the same."""
+        """Name of the function, which is also that of a required component's result."""
         return self.examine.__name__
 
 
@@ -84,7 +85,7 @@ class DoctorReport:
         return all(line.state == "ready" for line in needed)
 
     def as_json(self) -> dict[str, object]:
-        """Return the report for JSON."""
+        """Return the report as data for JSON."""
         return {"can_run": self.can_run, "lines": [asdict(one) for one in self.lines]}
 
     def rows(self) -> list[tuple[str, str, str]]:
@@ -124,7 +125,7 @@ def _start(probe: Probe) -> ChildProcess:
 
 
 def _results(name: str, process: ChildProcess, deadline: float) -> list[ProbeResult]:
-    """Return the findings of a probe until the deadline, or its failure."""
+    """Return the findings of a probe by the deadline, or its failure."""
     try:
         answer = process.completed(max(deadline - time.monotonic(), 0.0))
     except subprocess.TimeoutExpired:
@@ -144,7 +145,7 @@ def _results(name: str, process: ChildProcess, deadline: float) -> list[ProbeRes
 
 
 def run_probe(module: str, function: str) -> None:
-    """Print the results of ``function`` of ``module`` as JSON, and exit."""
+    """Print the results of ``function`` in ``module`` as JSON, and exit."""
     from importlib import import_module
 
     answer = os.dup(1)
@@ -160,7 +161,7 @@ def run_probe(module: str, function: str) -> None:
 
 
 def import_failure(what: str, error: ImportError) -> ProbeResult:
-    """Return the result for something that cannot be imported."""
+    """Return the result for a component that cannot be imported."""
     package = (error.name or what).partition(".")[0]
     wanted = python_requirements().get(package, package)
     again = [] if python_package_version(package) is None else ["--force-reinstall"]

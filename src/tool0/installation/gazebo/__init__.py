@@ -1,1 +1,1 @@
-"""Gazebo 11 without root, and whether it can run here."""
+"""Installs Gazebo 11 without root, and checks whether Gazebo can run here."""

@@ -1,4 +1,4 @@
-"""Downloads and unpacks the packages of Debian 11 for a private Gazebo.
+"""Downloads and unpacks Debian 11 packages for a private Gazebo.
 
 apt runs with its own sources, lists and status, as an ordinary user.  It verifies
 Debian's signature and every hash, and never changes the packages of the machine.
@@ -20,29 +20,29 @@ from tool0.installation.apt import ProgressCallback, explain_failure
 from tool0.installation.child_process import last_lines, run_program
 
 RELEASE: Final = "bullseye"
-"""Debian 11: the last one with Gazebo 11."""
+"""Debian 11, the last release with Gazebo 11."""
 
 TRIPLETS: Final = {"amd64": "x86_64-linux-gnu", "arm64": "aarch64-linux-gnu"}
 """Architecture in apt's notation → the folder of its libraries."""
 
 PROGRAMS: Final = ("gazebo", "gazebo-plugin-base")
-"""Installed with all their dependencies, except the following."""
+"""Packages installed with all their dependencies, except the following."""
 
 FROM_HOST: Final = (
-    # The host's newer ones must be used: code compiled by its g++ needs them.
+    # The host's newer libraries must be used: code compiled by its g++ needs them.
     *("libc6", "libgcc-s1", "libgcc1", "libstdc++6", "libcrypt1"),
     # Programs and scripts of the base system, which the simulator never calls.
     *("coreutils", "debconf", "dpkg", "lsb-base", "mariadb-common", "mysql-common"),
     *("perl-base", "sensible-utils", "shared-mime-info", "tar", "ucf", "x11-common"),
 )
-"""Considered as installed: apt omits them and their own dependencies."""
+"""Packages considered as installed: apt omits them and their dependencies."""
 
 FOR_GUI: Final = (
     *("libgl1-mesa-dri", "libgvc6", "libspnav0"),
     *("libqt5core5a", "libqt5dbus5", "libqt5gui5", "libqt5network5", "libqt5opengl5"),
     *("libqt5svg5", "libqt5widgets5", "libqtpropertybrowser4", "libqwt-qt5-6"),
 )
-"""Packages that only gzclient loads, and the driver that both render with."""
+"""Packages that only gzclient loads, and the driver for rendering in both programs."""
 
 HEADERS: Final = (
     *("libboost1.74-dev", "libgazebo-dev", "libprotobuf-dev", "libsdformat-dev"),
@@ -50,8 +50,8 @@ HEADERS: Final = (
     *("libignition-transport-dev", "libtbb-dev", "libtinyxml-dev", "libtinyxml2-dev"),
     "uuid-dev",
 )
-"""Packages with headers, without dependencies: only these are needed to compile a
-plugin."""
+"""Packages with headers, installed without dependencies: only these are needed to
+compile a plugin."""
 
 DROPPED: Final = (
     *("./usr/share/bug", "./usr/share/doc", "./usr/share/icons"),
@@ -111,13 +111,13 @@ Dir::State::lists "{folder}/lists";
 Dir::State::status "{folder}/status";
 Dir::State::extended_states "{folder}/extended_states";
 """
-"""Read after the machine's own settings, so that its proxies apply.
+"""Configuration of apt, read after the machine's own, so that its proxies apply.
 
-Its hooks (which would notify other programs), preferences and other architectures do
-not apply.
+The machine's hooks (which would notify other programs), preferences and other
+architectures do not apply.
 """
 _AS_ROOT: Final = 'APT::Sandbox::User "root";\n'
-"""Otherwise apt, run as root, downloads as a user without write access here."""
+"""Setting without which apt, run as root, downloads as a user who cannot write here."""
 _HOST_PACKAGE: Final = """\
 Package: {name}
 Status: install ok installed
@@ -145,19 +145,19 @@ class DebianPackage:
     file: str
     """Name of the file in apt's format: ``name_version_architecture.deb``."""
     size: int
-    """Bytes."""
+    """Size of the file [bytes]."""
     sha256: str
     """SHA-256 in hexadecimal; empty if the index does not state it."""
 
     def size_in(self, folder: Path) -> int:
-        """Return how many bytes of it are in the folder."""
+        """Return how many bytes of the file are already in the folder."""
         try:
             return min((folder / self.file).stat().st_size, self.size)
         except FileNotFoundError:
             return 0
 
     def is_damaged_in(self, folder: Path) -> bool:
-        """Return whether the folder has a file of its size with other content."""
+        """Return whether the folder has a file of the right size with other content."""
         if self.size_in(folder) < self.size or not self.sha256:
             return False
         digest = hashlib.sha256()
@@ -169,13 +169,14 @@ class DebianPackage:
 
 @final
 class PrivateApt:
-    """apt-get with a configuration of its own, in a folder of its own."""
+    """apt-get with its own configuration and its own folder."""
 
     def __init__(self, folder: Path, mirror: str, keyring: Path, architecture: str):
         """Write the configuration, and fetch the signed list of packages.
 
         Args:
-            folder: Created if needed; lists and downloads in it are reused.
+            folder: Folder for apt, created if needed; existing lists and downloads are
+                reused.
             mirror: Address of a Debian mirror.
             keyring: The keys by which the release must be signed.
             architecture: Architecture in Debian's notation.
@@ -198,10 +199,10 @@ class PrivateApt:
         self._run(["update"])
 
     def closure(self, wanted: Sequence[str], installed: Iterable[str]) -> list[str]:
-        """Return the names of the packages to add for ``wanted``.
+        """Return the names of the packages to install for ``wanted``.
 
         Args:
-            wanted: Packages to run.
+            wanted: Packages that are to be usable.
             installed: Packages to consider as installed.
         """
         text = "".join(
@@ -217,10 +218,10 @@ class PrivateApt:
         return listed_packages(self._run(["download", "--print-uris", *names]))
 
     def download(self, names: Sequence[str], while_running: Callable[[], None]) -> None:
-        """Download the files of these packages, except those of the right size.
+        """Download the files of these packages, except files that have the right size.
 
         Raises:
-            EngineUnavailableError: If one is not available, or has a wrong hash.
+            EngineUnavailableError: If a file is not available, or has a wrong hash.
         """
         self._run(["download", *names], while_running, self.downloads)
 
@@ -257,7 +258,7 @@ def listed_packages(output: str) -> list[DebianPackage]:
 
 
 def machine_mirrors() -> list[str]:
-    """Return the mirrors of the machine's own apt, those of Debian first."""
+    """Return the mirrors of the machine's own apt, Debian's first."""
     answer = run_program(["apt-get", "update", "--print-uris"])
     found = dict.fromkeys(_INDEX.findall(answer.stdout))
     usable = (uri for uri in found if "security" not in uri)
@@ -278,12 +279,12 @@ _TAR_OPTIONS: Final = (
 
 
 def unpack(files: Sequence[Path], root: Path, progress: ProgressCallback) -> None:
-    """Unpack packages into ``root``, an empty folder, several at once.
+    """Unpack packages in parallel into ``root``, an empty folder.
 
-    What ``DROPPED`` names is left out.  Large packages first are quickest.
+    Files that match ``DROPPED`` are left out.  Passing large packages first is fastest.
 
     Raises:
-        EngineUnavailableError: If one cannot be unpacked.
+        EngineUnavailableError: If a package cannot be unpacked.
     """
     with ThreadPoolExecutor(_WORKERS) as pool:
         sizes = {pool.submit(_unpack_one, f, root): f.stat().st_size for f in files}
@@ -317,7 +318,7 @@ def _unpack_one(file: Path, root: Path) -> None:
 
 
 def _make_links_relative(root: Path) -> None:
-    """Redirect absolute links to the unpacked files, if those have the target."""
+    """Redirect absolute links to the unpacked files, if these include the target."""
     for folder, subfolders, files in os.walk(root):
         for link in (Path(folder, name) for name in (*subfolders, *files)):
             target = os.readlink(link) if link.is_symlink() else ""  # noqa: PTH115

@@ -1,6 +1,7 @@
 """Installs and removes a private Gazebo 11.
 
-A private prefix is downloaded, verified, unpacked, checked, and then put in place.
+The packages are downloaded, verified, unpacked and checked before the new prefix is put
+in place.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ from tool0.user_data import expanded
 
 KEYRING: Final = Path("/usr/share/keyrings/debian-archive-keyring.gpg")
 _UNPACKED: Final = 3.6
-"""Bytes on disk per downloaded byte, measured: 258 MB become 907 MB."""
+"""Measured ratio of bytes on disk to downloaded bytes: 258 MB become 907 MB."""
 
 
 def install_gazebo(
@@ -53,7 +54,7 @@ def install_gazebo(
 ) -> GazeboInstallation:
     """Return a Gazebo that is ready to run, with its plugin compiled.
 
-    It is the system's, or the private one, which is installed if needed.
+    It is the system's Gazebo, or the private Gazebo, which is installed if needed.
 
     Args:
         progress: Called during the installation.
@@ -64,7 +65,8 @@ def install_gazebo(
 
     Raises:
         ConfigError: If an argument is invalid.
-        EngineUnavailableError: If that is impossible, with the reason and the remedy.
+        EngineUnavailableError: If that is impossible; the message has the reason and
+            the remedy.
     """
     if mirror is not None and ("://" not in mirror or len(mirror.split()) != 1):
         raise ConfigError(
@@ -91,7 +93,7 @@ def install_gazebo(
 
 
 def uninstall_gazebo() -> int:
-    """Remove the private prefix, downloads and compiled libraries; return the bytes."""
+    """Remove the private prefix, downloads and libraries; return their size [bytes]."""
     folders = (private_prefix().parent, plugin_folder())
     return sum(removed(one, "Gazebo", EngineUnavailableError) for one in folders)
 
@@ -99,7 +101,7 @@ def uninstall_gazebo() -> int:
 def _usable_apt(
     work: Path, mirror: str | None, keyring: Path, progress: ProgressCallback
 ) -> PrivateApt:
-    """Return an apt in the folder ``work``, of the first mirror with the release."""
+    """Return an apt in the folder ``work``, for the first mirror with the release."""
     if not keyring.is_file():
         raise EngineUnavailableError(
             f"Debian's keys are missing ('{keyring}'); install them (apt "
@@ -138,9 +140,9 @@ def _usable_apt(
 def _make_prefix(
     prefix: Path, apt: PrivateApt, has_client: bool, progress: ProgressCallback
 ) -> GazeboInstallation:
-    """Make the prefix, and replace an existing one.
+    """Make the prefix, replacing an existing prefix.
 
-    Downloads of an interrupted run, in ``work`` beside it, are reused.
+    Downloads of an interrupted run, in the folder ``work`` next to it, are reused.
     """
     files = _download(apt, has_client, progress)
     work = prefix.with_name("work")

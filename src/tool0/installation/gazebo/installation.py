@@ -1,8 +1,8 @@
-"""Finds the Gazebo that would run: the named one, the system's, or the private one.
+"""Finds the Gazebo to run: the selected one, the system's, or the private one.
 
 Each is a folder with the same layout: the root of a system (``/usr``, ``/usr/local``),
-or the result of ``tool0 gazebo install``: a root in another folder, which environment
-variables make known to the linker, the drivers and Qt.
+or the result of ``tool0 gazebo install``.  The latter is a root in another folder,
+which environment variables make known to the linker, the drivers and Qt.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ NAMED_BY: Final = "TOOL0_GAZEBO"
 """The variable that selects a prefix, or a root such as ``/usr``."""
 _ADVICE: Final = "install one: tool0 gazebo install"
 MARKER: Final = "tool0-gazebo.json"
-"""Written last into a private prefix: a folder without it is not finished."""
+"""File that is written last into a private prefix; a folder without it is
+incomplete."""
 _FORMAT: Final = 1
 _HEADER: Final = Path("include", "gazebo-11", "gazebo", "gazebo_config.h")
 _VERSION: Final = re.compile(r'GAZEBO_VERSION_FULL\s+"([^"]+)"')
@@ -33,12 +34,12 @@ _VERSION: Final = re.compile(r'GAZEBO_VERSION_FULL\s+"([^"]+)"')
 @final
 @dataclass(frozen=True, slots=True)
 class GazeboInstallation:
-    """A Gazebo 11 that can run, with the headers to compile a plugin."""
+    """A working Gazebo 11, with the headers to compile a plugin."""
 
     version: str
-    """Version: ``11.1.0``."""
+    """Version, such as ``11.1.0``."""
     prefix: Path | None
-    """The private prefix; None for a system's Gazebo."""
+    """The private prefix; None for the system's Gazebo."""
     server: Path
     """The program gzserver."""
     client: Path | None
@@ -60,7 +61,8 @@ def find_installation() -> GazeboInstallation:
     """Return the Gazebo that would run.
 
     Raises:
-        EngineUnavailableError: If there is none, with the command that installs one.
+        EngineUnavailableError: If there is no Gazebo; the message has the command that
+            installs one.
     """
     named = os.environ.get(NAMED_BY)
     if named:
@@ -79,7 +81,7 @@ def find_installation() -> GazeboInstallation:
 
 
 def find_system() -> GazeboInstallation | None:
-    """Return the system's Gazebo 11, if it has one, headers included."""
+    """Return the system's Gazebo 11, if it has one that includes headers."""
     server = shutil.which("gzserver")
     return None if server is None else from_root(Path(server).parent.parent)
 
@@ -112,12 +114,12 @@ def mark_complete(prefix: Path, *, triplet: str, has_client: bool, size: int) ->
 
     Args:
         prefix: The folder.
-        triplet: Its folder of libraries, such as ``x86_64-linux-gnu``.
+        triplet: Name of the prefix's folder of libraries, such as ``x86_64-linux-gnu``.
         has_client: Whether gzclient can run: it has Qt and a driver for rendering.
         size: Size on disk [bytes].
 
     Raises:
-        EngineUnavailableError: If it has no headers of Gazebo.
+        EngineUnavailableError: If the prefix has no Gazebo headers.
     """
     version = _header_version(prefix / "usr")
     if version is None:
@@ -128,7 +130,7 @@ def mark_complete(prefix: Path, *, triplet: str, has_client: bool, size: int) ->
 
 
 def from_root(root: Path) -> GazeboInstallation | None:
-    """Return the Gazebo 11 installed under ``root``, if it and its headers are."""
+    """Return the Gazebo 11 under ``root``, if it is installed with its headers."""
     server, client = root / "bin" / "gzserver", root / "bin" / "gzclient"
     version = _header_version(root)
     if version is None or not version.startswith("11.") or not server.is_file():
@@ -167,7 +169,7 @@ def _stated_version(server: str) -> str | None:
 
 
 def _header_version(root: Path) -> str | None:
-    """Return the version that Gazebo's headers under ``root`` state, if any."""
+    """Return the version stated in Gazebo's headers under ``root``, if any."""
     try:
         match = _VERSION.search((root / _HEADER).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError):
@@ -176,10 +178,10 @@ def _header_version(root: Path) -> str | None:
 
 
 def include_folders(root: Path) -> tuple[Path, ...]:
-    """Return where the compiler finds Gazebo's headers and those they include.
+    """Return the folders of Gazebo's headers and of the headers that they include.
 
-    Never ``/usr/include`` itself: named once more it would come before the compiler's
-    own headers, which then do not find the C library's.
+    ``/usr/include`` itself is never returned: named explicitly, it would come before
+    the compiler's own headers, which then would not find the C library's.
     """
     include = root / "include"
     folders = [include / "gazebo-11"]
@@ -194,7 +196,7 @@ def include_folders(root: Path) -> tuple[Path, ...]:
 def _gazebo_paths(root: Path) -> dict[str, str]:
     """Return the paths of Gazebo's own files, as its ``setup.sh`` sets them.
 
-    The current values of these variables come first.
+    Current values of these variables come first.
     """
     share, default = root / "share" / "gazebo-11", root / "lib" / "gazebo-11"
     plugins = next((p for p in root.glob("lib/*/gazebo-11") if p.is_dir()), default)

@@ -1,7 +1,7 @@
 """Compiles the C++ plugin for Gazebo on this machine, against Gazebo's headers.
 
-tool0 ships no binary: Gazebo's classes differ between versions, and the compiler's
-library between distributions.
+tool0 ships no binary, because Gazebo's classes differ between versions, and the
+compiler's library differs between distributions.
 """
 
 from __future__ import annotations
@@ -32,12 +32,13 @@ _FLAGS: Final = ("-O2", "-fPIC", "-shared", "-std=c++17", "-pthread")
 @final
 @dataclass(frozen=True, slots=True)
 class BridgeLibraries:
-    """The libraries that gzserver loads."""
+    """Paths of the libraries that gzserver loads."""
 
     bridge: Path
-    """The plugin that communicates with the engine."""
+    """Plugin that communicates with the engine."""
     preload: Path
-    """Preloaded, also into gzclient: restricts both to this machine."""
+    """Library preloaded into gzserver and gzclient, which restricts both to this
+    machine."""
 
 
 def plugin_folder() -> Path:
@@ -61,8 +62,9 @@ def bridge_libraries(installation: GazeboInstallation) -> BridgeLibraries:
 def expected_libraries(installation: GazeboInstallation) -> BridgeLibraries:
     """Return the paths of the libraries for this Gazebo, compiled or not.
 
-    Each name has a hash of all that the library depends on, except the compiler's
-    version: what was compiled stays in use after the compiler was removed.
+    Each name has a hash of everything that the library depends on, except the
+    compiler's version, so that a compiled library stays in use after the compiler was
+    removed.
     """
 
     def library(source: Path) -> Path:
@@ -72,7 +74,7 @@ def expected_libraries(installation: GazeboInstallation) -> BridgeLibraries:
             installation.version,
             *map(str, installation.include_dirs),
             platform.machine(),
-            *platform.libc_ver(),  # it cannot load a library made for a newer one
+            *platform.libc_ver(),  # a library made for a newer libc does not load
         )
         digest = hashlib.sha256("\0".join(dependencies).encode()).hexdigest()[:16]
         return plugin_folder() / f"{source.stem}-{digest}.so"

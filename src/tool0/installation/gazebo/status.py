@@ -26,16 +26,16 @@ class GazeboStatus:
     is_compiled: bool = False
     """Whether the plugin for Gazebo is compiled."""
     missing: tuple[str, ...]
-    """Why it cannot run or open a window, each with a remedy."""
+    """Reasons why Gazebo cannot run or open a window, each with a remedy."""
 
     @property
     def can_run(self) -> bool:
-        """Whether a simulation can start: the bridge is compiled, or can be."""
+        """Whether a simulation can start, with a plugin that is or can be compiled."""
         has_bridge = self.is_compiled or self.compiler is not None
         return self.installation is not None and has_bridge
 
     def as_json(self) -> dict[str, object]:
-        """Return the status for JSON."""
+        """Return the status as data for JSON."""
         found = {name: getattr(self.installation, name, None) for name in _REPORTED}
         return {
             "can_run": self.can_run,
@@ -66,7 +66,7 @@ class GazeboStatus:
 
 
 def gazebo_status() -> GazeboStatus:
-    """Return the status; nothing is started or compiled."""
+    """Return the status without starting or compiling anything."""
     command = " ".join(compiler() or ()) or None
     no_compiler = () if command else ("a C++ compiler: apt install g++",)
     try:

@@ -22,18 +22,18 @@ from tool0.installation.moveit.semantics import (
 from tool0.installation.templates import filled
 
 MOVEIT_SUFFIX: Final = "_moveit_config"
-"""The end of a package's name."""
+"""Suffix of a package's name."""
 _PLANNERS: Final = ("RRTConnect", "RRT", "RRTstar", "PRM", "LBKPIECE", "BiTRRT")
 """Planners of OMPL; the first is the default."""
 _SOLVER: Final = "kdl_kinematics_plugin/KDLKinematicsPlugin"
 
 Controllers = Mapping[str, Mapping[str, Any]]
-"""Controller → its parameters, as in ros_control YAML."""
+"""Controller → its parameters, as in ros_control's YAML."""
 
 
 @final
 class RobotPackage:
-    """A package ``NAME_moveit_config``: its name, groups and common files."""
+    """Name, groups and common files of a package ``NAME_moveit_config``."""
 
     def __init__(self, description: RobotDescription) -> None:
         """Find the planning groups.
@@ -45,7 +45,7 @@ class RobotPackage:
         self.groups: Final = planning_groups(description)
         self.name: Final = package_stem(description)
         self.path: Final = PurePosixPath(self.name + MOVEIT_SUFFIX)
-        """The folder of the package, below ``src``."""
+        """Folder of the package, below ``src``."""
         self._arms = arm_groups(self.groups)
 
     def config(
@@ -54,7 +54,7 @@ class RobotPackage:
         disabled: Mapping[tuple[str, str], str],
         limits: Mapping[str, Mapping[str, float]],
     ) -> dict[str, str]:
-        """Return the files of ``config`` that both versions have, by name.
+        """Return the ``config`` files that both versions of ROS have, by name.
 
         Args:
             urdf: The description of the robot.
@@ -74,9 +74,9 @@ class RobotPackage:
         """Return the files of the package by path.
 
         Args:
-            template: The folder of its launch files and its manifest.
-            config: The files of its folder ``config``, by name.
-            words: Words of the templates besides ``@robot@`` and ``@group@`` → text.
+            template: Folder of the package's launch files and manifest.
+            config: Files of the package's folder ``config``, by name.
+            words: Template words other than ``@robot@`` and ``@group@`` → text.
         """
         group = ALL_ARMS if len(self._arms) > 1 else self._arms[0].name
         files = {self.path / "config" / file: text for file, text in config.items()}
@@ -85,7 +85,7 @@ class RobotPackage:
 
 
 def package_stem(description: RobotDescription) -> str:
-    """Return the name of a robot or cell, in the letters that catkin allows."""
+    """Return the name of a robot or cell, reduced to letters that catkin allows."""
     cell, (first, *_) = description.cell, description.robots
     if cell is None:
         words = [part.name for part in first.parts]
@@ -96,7 +96,7 @@ def package_stem(description: RobotDescription) -> str:
 
 
 def joint_limits(model: RobotModel, own: Mapping[str, Mapping[str, float]]) -> str:
-    """Return the limits of the joints; ``own`` are those of the controllers' YAML."""
+    """Return the joint limits; ``own`` are the limits in the controllers' YAML."""
     limits = {}
     for name in model.transmission_by_joint:
         joint = model.joint(name)
@@ -133,7 +133,7 @@ def kinematics(arms: list[ArmGroup]) -> str:
 
 
 def planners(groups: Sequence[Group], pipeline: Mapping[str, object]) -> str:
-    """Return the planners of OMPL; ``pipeline`` are the parameters before them."""
+    """Return the planners of OMPL; ``pipeline`` has the parameters before them."""
     arms = arm_groups(groups)
     joints_of = {group.name: group.joints for group in groups}
     if len(arms) > 1:
@@ -159,11 +159,12 @@ def controllers_with_action(
     """Return the controllers that have an action for MoveIt, with their joints.
 
     Args:
-        controllers: Their parameters, with the type.
-        actions: The end of a type → action, and MoveIt's name for the action's type.
+        controllers: Parameters of the controllers, with the type.
+        actions: Suffix of a controller type → action, and MoveIt's name for the
+            action's type.
 
     Raises:
-        ConfigError: If there are none.
+        ConfigError: If there are no such controllers.
     """
     found: dict[str, dict[str, object]] = {}
     for name, parameters in controllers.items():

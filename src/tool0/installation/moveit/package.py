@@ -1,7 +1,8 @@
-"""The files of a MoveIt 1 configuration package.
+"""Writes the files of a MoveIt 1 configuration package.
 
 The layout is that of MoveIt's setup assistant.  Launch files and manifest are the same
-for every robot (``template``); those in ``config`` are written from its description.
+for every robot (``template``); the files in ``config`` are generated from the robot's
+description.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from tool0.installation.moveit.configuration import (
 )
 
 _WITH_GAZEBO: Final = "demo_gazebo.launch"
-"""The launch file with tool0_gazebo, which is for one robot."""
+"""The launch file with tool0_gazebo, which supports only one robot."""
 _DEPENDS_ON_GAZEBO: Final = "  <exec_depend>tool0_gazebo</exec_depend>\n"
 _TEMPLATE: Final = Path(__file__).parent / "template"
 _ACTIONS: Final = {
@@ -39,14 +40,14 @@ def moveit_package(
 ) -> dict[PurePosixPath, bytes]:
     """Return the files of the package ``NAME_moveit_config`` by path, below ``src``.
 
-    NAME is that of the cell, or else consists of the names of robots, or of arm and
-    gripper.
+    NAME is the name of the cell, or consists of the names of the robots, or of the arm
+    and gripper.
 
     Args:
         description: One robot of the catalogue, or several.
         disabled: Pairs of links not to check for collisions → reason.
         controllers: The ros_control YAML of the robot.
-        action_controllers: The same with grippers driven by an action.
+        action_controllers: The same YAML, but with grippers driven by an action.
 
     Raises:
         DescriptionError: If the robot is not of the catalogue.

@@ -1,8 +1,8 @@
-"""The files of a MoveIt 2 configuration package.
+"""Writes the files of a MoveIt 2 configuration package.
 
-The layout is that of MoveIt's setup assistant, so that MoveItConfigsBuilder reads it.
-Launch files and manifest are the same for every robot (``template_ros2``); those in
-``config`` are written from its description.
+The layout is that of MoveIt's setup assistant, so that MoveItConfigsBuilder can read
+it.  Launch files and manifest are the same for every robot (``template_ros2``); the
+files in ``config`` are generated from the robot's description.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from tool0.installation.moveit.configuration import (
 _TEMPLATE: Final = Path(__file__).parent / "template_ros2"
 _SIMULATED: Final = "gz_ros2_control/GazeboSimSystem"
 _MOCK: Final = "mock_components/GenericSystem"
-"""The driver of the demonstration without a simulator."""
+"""The ros2_control plugin of the demo without a simulator."""
 _ACTIONS: Final = {
     "JointTrajectoryController": ("follow_joint_trajectory", "FollowJointTrajectory"),
     "GripperActionController": ("gripper_cmd", "ParallelGripperCommand"),
@@ -42,14 +42,14 @@ _PIPELINE: Final = {
         "default_planning_response_adapters/DisplayMotionPath",
     ],
 }
-"""Parameters of OMPL's pipeline, from Jazzy on."""
+"""Parameters of the OMPL pipeline, for Jazzy and later."""
 _CARTESIAN_LIMITS: Final = {
     "max_trans_vel": 1.0,
     "max_trans_acc": 2.25,
     "max_trans_dec": -5.0,
     "max_rot_vel": 1.57,
 }
-"""Cartesian limits of MoveIt's setup assistant [m/s, m/s², rad/s]."""
+"""Cartesian limits, as from MoveIt's setup assistant [m/s, m/s², rad/s]."""
 
 
 def moveit2_package(
@@ -64,8 +64,8 @@ def moveit2_package(
     Args:
         description: One robot of the catalogue, or several, with ``<ros2_control>``.
         disabled: Pairs of links not to check for collisions → reason.
-        controllers: The parameters of its controllers for ROS 2, with their types.
-        limits: The limits of joints in their YAML.
+        controllers: Parameters of the robot's controllers for ROS 2, with their types.
+        limits: Joint limits in the controllers' YAML.
 
     Raises:
         DescriptionError: If the robot is not of the catalogue.

@@ -1,8 +1,8 @@
 """The SRDF of a robot: planning groups, named states, disabled collisions.
 
-One arm is the group ``manipulator`` and its gripper ``gripper``, as in
-ur5_moveit_config.  Of several robots each has groups with its name, such as
-``left_manipulator``, and the group ``arms`` has all arms.
+For a single robot, the arm is the group ``manipulator`` and the gripper is the group
+``gripper``, as in ur5_moveit_config.  For several robots, each has groups with the
+robot's name, such as ``left_manipulator``, and the group ``arms`` has all arms.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from tool0.errors import DescriptionError
 ALL_ARMS: Final = "arms"
 """The group of all arms."""
 _BASE: Final = "base_link"
-"""Name of the link at the start of an arm, after a prefix."""
+"""Name of an arm's first link, without the prefix."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArmGroup:
-    """The joints of an arm, a chain of links."""
+    """A group with an arm, which is a chain of links."""
 
     name: str
     base_link: str
@@ -40,7 +40,7 @@ class ArmGroup:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GripperGroup:
-    """The links of a gripper, and the joint that drives them."""
+    """A group with the links of a gripper and the joint that drives them."""
 
     name: str
     arm: ArmGroup
@@ -55,10 +55,11 @@ Group = ArmGroup | GripperGroup
 
 
 def planning_groups(description: RobotDescription) -> tuple[Group, ...]:
-    """Return the groups of the robots: each arm, with its gripper behind it.
+    """Return the groups of the robots: each arm, followed by its gripper.
 
     Raises:
-        DescriptionError: If the robot is your own file, which names no arms.
+        DescriptionError: If the robot is your own description file, which names no
+            arms.
     """
     if not description.robots:
         raise DescriptionError(
@@ -117,9 +118,9 @@ def to_srdf(
     """Return the SRDF of the robots.
 
     Args:
-        description: The robots; their root link is the planning frame, so that no
+        description: The robots.  Their root link is the planning frame, so that no
             virtual joint is needed.
-        disabled: Pairs of links between which no collisions are looked for → reason.
+        disabled: Pairs of links not to check for collisions → reason.
     """
     groups = planning_groups(description)
     robot = ET.Element("robot", name=description.model.name)

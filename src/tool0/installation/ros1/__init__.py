@@ -1,1 +1,1 @@
-"""The ROS 1 of a machine, and its installation."""
+"""Finds and installs ROS 1 on this machine."""

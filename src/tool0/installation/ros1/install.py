@@ -1,4 +1,4 @@
-"""Installs tool0's ROS 1 packages by the system's apt, or names another way."""
+"""Installs the ROS 1 packages for tool0 with the system's apt, or names another way."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _INSTALL: Final = (
     *("install", "--yes", "--no-install-recommends", "-o", "APT::Status-Fd=1"),
 )
 _ACTIVITIES: Final = {"dlstatus": "downloading", "pmstatus": "installing"}
-"""apt prints its progress in lines: 'dlstatus:…:percent:…', 'pmstatus:…'."""
+"""Start of apt's progress lines (``dlstatus:…:percent:…``) → activity."""
 _EXPLANATIONS: Final = {
     "disk full": "the disk is full; RViz needs 1 GB, the rest 0.4 GB",
     "unreachable": (
@@ -61,12 +61,12 @@ _EXPLANATIONS: Final = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ros1InstallPlan:
-    """The packages to install; perhaps none."""
+    """The packages to install, if any."""
 
     target: str
-    """The distribution, or the ROS, to install for."""
+    """The distribution, or the existing ROS, to install for."""
     packages: tuple[str, ...]
-    """Debian's packages that are not installed yet."""
+    """Debian packages that are not installed yet."""
 
     @property
     def command(self) -> str:
@@ -83,7 +83,7 @@ def plan_install(*, rviz: bool) -> Ros1InstallPlan:
     """Return the missing packages.
 
     Raises:
-        RosUnavailableError: If tool0 cannot install it, with another way.
+        RosUnavailableError: If tool0 cannot install ROS; the message names another way.
     """
     components = required_components(rviz=rviz)
     if _has_other_ros():
@@ -119,7 +119,8 @@ def install_ros1(plan: Ros1InstallPlan, progress: ProgressCallback) -> None:
     """Install the packages of the plan, as root or through sudo.
 
     Raises:
-        RosUnavailableError: If that fails, with the reason and the command.
+        RosUnavailableError: If the installation fails; the message has the reason and
+            the command.
     """
     apt = [*_root_prefix(plan), *_APT]
     progress("updating the package lists", 0.0)
@@ -193,9 +194,10 @@ def _root_prefix(plan: Ros1InstallPlan) -> tuple[str, ...]:
 def _run_apt(
     command: Sequence[str], progress: ProgressCallback
 ) -> tuple[int, list[str]]:
-    """Run the command; return its exit status and its other output.
+    """Run the command, showing its progress; return the exit status and other output.
 
-    Not a ``ChildProcess``: sudo needs the terminal, and dpkg must not be killed.
+    It does not use ``ChildProcess``, since sudo needs the terminal, and dpkg must not
+    be killed.
     """
     output: list[str] = []
     with subprocess.Popen(

@@ -1,4 +1,4 @@
-"""Finds ROS 1: in a sourced workspace, RoboStack, or Debian's packages."""
+"""Finds ROS 1 in a sourced workspace, RoboStack, or Debian's packages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 from tool0.errors import RosUnavailableError
 
 DEBIAN = Path("/usr/lib/python3/dist-packages")
-"""The modules of Debian's and Ubuntu's own Python 3."""
+"""Folder of the modules for Debian's and Ubuntu's own Python 3."""
 DEFAULT_MASTER = "http://localhost:11311"
 SET_UP = (
     "`tool0 ros1 install` installs it on Debian and Ubuntu; on a machine with Noetic, "
@@ -48,13 +48,13 @@ def import_ros() -> None:
 
 
 def rospy_folder() -> Path | None:
-    """Return where rospy would be imported from."""
+    """Return the path that rospy would be imported from."""
     spec = importlib.util.find_spec("rospy")
     return None if spec is None or spec.origin is None else Path(spec.origin).parent
 
 
 def is_of_distribution() -> bool:
-    """Return whether the importable ROS is from the distribution's packages."""
+    """Return whether the importable ROS comes from the distribution's packages."""
     folder = rospy_folder()
     return folder is not None and folder.parent == DEBIAN
 
@@ -74,7 +74,7 @@ def ros_origin() -> str | None:
 
 
 def prefixes() -> tuple[Path, ...]:
-    """Return where ROS packages are installed, a workspace's first."""
+    """Return the folders of installed ROS packages, a workspace's first."""
     named = os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)
     folders = [Path(name) for name in named if name]
     own = package_prefix("rospy")
@@ -88,7 +88,7 @@ def message_folders(package: str) -> list[Path]:
 
 
 def find_node(name: str) -> Path | None:
-    """Return the program of the node ``package/program``, as rosrun finds it."""
+    """Return the path of the node ``package/program``, found the way rosrun does."""
     files = (root / "lib" / name for root in prefixes())
     return next((file for file in files if os.access(file, os.X_OK)), None)
 
@@ -120,7 +120,8 @@ def package_version(module: str) -> str | None:
 def keep_to_this_machine() -> None:
     """Make ROS listen on 127.0.0.1 only, unless the environment says otherwise.
 
-    It does if ``ROS_IP`` or ``ROS_HOSTNAME`` is set, or the master is elsewhere.
+    The environment does so if ``ROS_IP`` or ``ROS_HOSTNAME`` is set, or the master is
+    on another machine.
     """
     master = os.environ.setdefault("ROS_MASTER_URI", DEFAULT_MASTER)
     if not {"ROS_IP", "ROS_HOSTNAME"} & os.environ.keys() and is_local(master):
@@ -128,5 +129,5 @@ def keep_to_this_machine() -> None:
 
 
 def is_local(uri: str) -> bool:
-    """Return whether an address of ROS is on this machine."""
+    """Return whether a ROS address is on this machine."""
     return urlsplit(uri).hostname in ("localhost", "127.0.0.1", "::1", node())

@@ -1,4 +1,4 @@
-"""The ROS master: finding it, starting one, and registering again."""
+"""Finds or starts the ROS master, and registers again when it was restarted."""
 
 from __future__ import annotations
 
@@ -20,20 +20,21 @@ from tool0.installation.ros1.library import is_local
 logger = logging.getLogger(__name__)
 
 ROSCORE_TIMEOUT = 20.0
-"""Longest time until our roscore answers [s]; usually two."""
+"""Longest time until our roscore answers [s]; usually 2 s."""
 UNREGISTER_TIMEOUT = 5.0
-"""Time for the master to forget our node [wall s]; on a busy machine each of tens of
-calls takes a while."""
+"""Time allowed for the master to forget our node [wall s]; this takes tens of calls,
+each slow on a busy machine."""
 _QUIET = 0.05
-"""Time for which the master must not know our node [wall s]."""
+"""Time that the node must remain unregistered before it counts as forgotten [wall
+s]."""
 _SUBSCRIBED_BY_ROSPY = "/rosout_disable_topics_generation"
-"""A parameter that it subscribes to with its first warning, and for ever."""
+"""Parameter that rospy subscribes to, permanently, with its first warning."""
 _POLL_PERIOD = 0.01
 """Period of polling the master [wall s]."""
 CALL_TIMEOUT = 3.0
 """Timeout of a call to the master [s]."""
 ROSCORE_GRACE = 5.0
-"""Time in which our roscore has to end when it is stopped [s]."""
+"""Time allowed for our roscore to end when it is stopped [s]."""
 
 
 @final
@@ -46,7 +47,7 @@ class _TimeLimitedTransport(Transport):
 
 @final
 class Master:
-    """Calls to the master under our node's name, from any thread."""
+    """Calls the master under our node's name; any thread may use it."""
 
     def __init__(self, node: str) -> None:
         import rosgraph
@@ -58,7 +59,7 @@ class Master:
             raise RosUnavailableError(f"ROS_MASTER_URI: {error}") from None
 
     def call(self, method: str, *arguments: object) -> Any:  # any type of XML-RPC
-        """Return the value of the answer.
+        """Call a method of the master, and return the value in the answer.
 
         Raises:
             RosUnavailableError: If there is no answer, or the master refuses.
@@ -81,7 +82,7 @@ class Master:
 
     @property
     def is_up(self) -> bool:
-        """Whether it answers."""
+        """Whether the master answers."""
         try:
             self.call("getPid")
         except RosUnavailableError:
@@ -98,15 +99,15 @@ class Master:
         return uri if code == 1 else None
 
     def publishers_of(self, topic: str) -> tuple[str, ...]:
-        """Return the nodes that publish ``topic``, dead ones included."""
+        """Return the nodes that publish ``topic``, including dead nodes."""
         publishers, _, _ = self.call("getSystemState")
         return next((tuple(nodes) for name, nodes in publishers if name == topic), ())
 
     def unregister_all(self, uri: str) -> None:
         """Remove all registrations of our node, whose address is ``uri``.
 
-        Until the master has forgotten the node for some time: what a thread of rospy's
-        has begun to register may still arrive.
+        Repeats until the node stays unregistered for some time, because registrations
+        that a rospy thread has begun may still arrive.
         """
         end = time.monotonic() + UNREGISTER_TIMEOUT
         self._unregister_once(uri)
@@ -144,10 +145,11 @@ class Master:
 
 @contextmanager
 def running_master(master: Master, *, start: bool) -> Iterator[None]:
-    """Provide a master within the context: a running one, or our roscore.
+    """Provide a master within the context: a running master, or our own roscore.
 
     Raises:
-        RosUnavailableError: If none answers, and none may or can be started.
+        RosUnavailableError: If no master answers, and starting one is impossible or not
+            allowed.
     """
     if master.is_up:
         yield
@@ -186,7 +188,7 @@ def _roscore(master: Master) -> ChildProcess:
 
 @final
 class MasterWatch:
-    """Detects that the master is gone, or has lost our registration."""
+    """Registers again after the master went away or lost our registration."""
 
     def __init__(
         self, master: Master, node: str, uri: str, register: Callable[[], None]
@@ -199,7 +201,7 @@ class MasterWatch:
         self._is_gone = False
 
     def check(self) -> None:
-        """Check once; call it about once a second, from one thread."""
+        """Check once; call this about once a second, from a single thread."""
         if not self._master.is_up:
             if not self._is_gone:
                 logger.warning(

@@ -1,8 +1,9 @@
 """Generates the message classes that the ROS interface imports.
 
 Installed packages ``control_msgs``, ``controller_manager_msgs`` and ``gazebo_msgs`` are
-used.  A missing one is generated from our definitions, once, into the cache.  It is a
-Python package for ``import`` and a ROS package for ``rosmsg`` and similar commands.
+used.  A missing package is generated once, from tool0's definitions, in the cache.  The
+result is both a Python package for ``import`` and a ROS package for ``rosmsg`` and
+similar commands.
 """
 
 from __future__ import annotations
@@ -26,9 +27,10 @@ from tool0.installation.ros1.library import SET_UP, import_ros, message_folders
 from tool0.user_data import cache_folder, locked
 
 DEFINITIONS = Path(__file__).parent / "definitions"
-"""One folder per ROS package, with msg/, srv/, action/ and Python modules."""
+"""Folder of definitions: one folder per ROS package, with msg/, srv/, action/ and
+Python modules."""
 EMBEDDED_PACKAGES = ("std_msgs", "geometry_msgs", "trajectory_msgs", "actionlib_msgs")
-"""Installed packages whose messages ours contain."""
+"""Installed packages whose messages are used in tool0's definitions."""
 _SECTIONS = re.compile(r"^---.*\n", re.MULTILINE)
 _CLASSES_OF_SECTIONS = {
     ".msg": ("",),
@@ -39,7 +41,7 @@ _CLASSES_OF_SECTIONS = {
 _KINDS = ("msg", "srv", "action")
 """Folders of definitions, and suffixes of the files in them."""
 _FIELD = re.compile(r"^\S+ (\w+)$", re.MULTILINE)
-"""A line of our definitions that is a field, not a constant."""
+"""Pattern of a line with a field, not a constant, in tool0's definitions."""
 _MANIFEST = """\
 <package format="2">
   <name>{0}</name>
@@ -56,7 +58,8 @@ def import_messages() -> None:
     """Make rospy and every message package importable; repeated calls do nothing.
 
     Raises:
-        RosUnavailableError: If there is no rospy, or an installed package lacks types.
+        RosUnavailableError: If there is no rospy, or an installed package lacks message
+            types.
     """
     import_ros()
     absent = absent_packages()
@@ -74,7 +77,7 @@ def import_messages() -> None:
 
 
 def package_names() -> tuple[str, ...]:
-    """Return the packages that tool0 has definitions of."""
+    """Return the packages that tool0 has definitions for."""
     folders = {file.parent.parent for kind in _KINDS for file in _files("*", kind)}
     return tuple(sorted(folder.name for folder in folders))
 
@@ -85,17 +88,17 @@ def definition_files(package: str) -> list[Path]:
 
 
 def _files(package: str, kind: str) -> Iterator[Path]:
-    """Yield definitions of a kind; pip adds compiled files to Python modules."""
+    """Yield definition files of a kind, without the compiled files that pip adds."""
     return DEFINITIONS.glob(f"{package}/{kind}/*.{kind}")
 
 
 def module_files(package: str) -> list[Path]:
-    """Return the Python modules that the package has beside its types."""
+    """Return the Python modules that the package has in addition to its types."""
     return sorted(DEFINITIONS.joinpath(package).glob("*.py"))
 
 
 def absent_packages() -> tuple[str, ...]:
-    """Return our packages that are not installed; rospy must be importable.
+    """Return tool0's packages that are not installed; rospy must be importable.
 
     A package that an earlier run generated does not count as installed.
     """
@@ -109,7 +112,7 @@ def _path() -> list[str]:
 
 
 def is_generated(entry: str) -> bool:
-    """Return whether ``generated_packages`` made an entry of a search path."""
+    """Return whether a search path's entry was made by ``generated_packages``."""
     return Path(entry).parent == _cache()
 
 
@@ -118,9 +121,9 @@ def _cache() -> Path:
 
 
 def shell_exports() -> list[str]:
-    """Return lines for a POSIX shell; none if every message is installed.
+    """Return shell commands that add the messages; empty if all are installed.
 
-    They append to the current values of the variables, once.
+    They are for a POSIX shell, and append once to the current values of variables.
 
     Raises:
         RosUnavailableError: If there is no rospy, or the cache cannot be written.
@@ -148,13 +151,13 @@ def shell_exports() -> list[str]:
 
 
 def generated_packages(packages: tuple[str, ...]) -> Path:
-    """Return the folder with these packages, generated if needed.
+    """Return the folder with these packages, generating them if needed.
 
-    It is an entry for both PYTHONPATH and ROS_PACKAGE_PATH.
+    The folder is an entry for both PYTHONPATH and ROS_PACKAGE_PATH.
 
     Raises:
         RosUnavailableError: If genpy cannot make them.
-        OSError: If it does not exist and the cache cannot be written.
+        OSError: If the folder does not exist and the cache cannot be written.
     """
     folder = _cache() / _key(packages)
     if folder.is_dir():
@@ -207,7 +210,7 @@ def _temporary_packages(packages: tuple[str, ...], cause: OSError) -> Path:
 
 
 def generate(packages: tuple[str, ...], folder: Path) -> None:
-    """Make ROS packages with Python classes in ``folder``, which exists and is empty.
+    """Make ROS packages with Python classes in ``folder``, an existing empty folder.
 
     Raises:
         RosUnavailableError: If genpy cannot make them.
@@ -273,7 +276,7 @@ def _messages_of_action(name: str, text: str) -> dict[Path, str]:
 
 
 def _check_installed(package: str) -> None:
-    """Raise RosUnavailableError unless it is ROS 1's, with all our types and fields."""
+    """Raise RosUnavailableError unless the package has all our types and fields."""
     for file in definition_files(package):
         module = f"{package}.{'srv' if file.suffix == '.srv' else 'msg'}"
         for name, fields in _classes(file):

@@ -1,4 +1,4 @@
-"""The parts of ROS 1 that tool0 uses: whether and how they are installed."""
+"""Lists the parts of ROS 1 that tool0 uses, and how to install missing parts."""
 
 from __future__ import annotations
 
@@ -38,27 +38,27 @@ class RosComponent:
     purpose: str
     """Purpose of the part, for users."""
     modules: tuple[str, ...] = ()
-    """Python modules to import; each has a package of its name."""
+    """Python modules to import; each is in a package of the same name."""
     programs: tuple[str, ...] = ()
-    """Programs on PATH."""
+    """Required programs on PATH."""
     nodes: tuple[str, ...] = ()
     """Programs that rosrun would start, as ``package/program``."""
     definitions: tuple[str, ...] = ()
     """Packages whose ``.msg`` files are read."""
     other_packages: tuple[tuple[str, str], ...] = ()
-    """Packages besides those of ``modules``: name in ROS, name in Debian and Ubuntu."""
+    """Packages in addition to those of ``modules``: name in ROS, name in Debian."""
     is_needed: bool = False
-    """Whether nothing works without it."""
+    """Whether ROS 1 cannot be used without this component."""
 
     @property
     def contents(self) -> tuple[str, ...]:
-        """Its parts, by name."""
+        """Names of the component's parts."""
         definitions = (f"{name}/msg" for name in self.definitions)
         return (*self.modules, *self.programs, *self.nodes, *definitions)
 
     @property
     def debian(self) -> tuple[str, ...]:
-        """Its packages in Debian and Ubuntu."""
+        """The component's packages in Debian and Ubuntu."""
         return (
             *(f"python3-{name.replace('_', '-')}" for name in self.modules),
             *(f"ros-{name.replace('_', '-')}" for name in self.definitions),
@@ -67,13 +67,13 @@ class RosComponent:
 
     @property
     def ros(self) -> tuple[str, ...]:
-        """Its packages in a distribution of ROS, such as Noetic."""
+        """The component's packages in a ROS distribution, such as Noetic."""
         return (*self.modules, *(ros for ros, _ in self.other_packages))
 
     def missing(self) -> tuple[str, ...]:
-        """Return its missing parts by name, without importing anything.
+        """Return the names of missing parts, without importing anything.
 
-        Debian's modules are not on the path before ``import_ros``.
+        Debian's modules are on the path only after ``import_ros``.
         """
         return (
             *(name for name in self.modules if not importlib.util.find_spec(name)),
@@ -152,7 +152,7 @@ def required_components(*, rviz: bool) -> tuple[RosComponent, ...]:
 
 
 def other_install_command(components: Iterable[RosComponent]) -> str:
-    """Return the command for a ROS from outside the distribution."""
+    """Return the install command for a ROS from outside the distribution."""
     distro = os.environ.get("ROS_DISTRO", "noetic")
     names = (name.replace("_", "-") for one in components for name in one.ros)
     packages = " ".join(f"ros-{distro}-{name}" for name in dict.fromkeys(names))
@@ -177,7 +177,7 @@ class Ros1Status:
     version: str | None = None
     """Version of rospy."""
     source: str | None = None
-    """The origin of its packages."""
+    """The origin of ROS's packages."""
     master: str
     """The expected address of the master."""
     is_master_up: bool = False
@@ -185,7 +185,7 @@ class Ros1Status:
     missing: dict[str, tuple[str, ...]] = field(default_factory=dict)
     """Component → missing parts; complete components are left out."""
     messages: dict[str, str] = field(default_factory=dict)
-    """Package of messages → ``installed``, or ``ours``."""
+    """Message package → ``installed``, or ``ours``."""
     remedies: tuple[str, ...] = ()
     """The command that installs what is missing."""
 
@@ -196,13 +196,13 @@ class Ros1Status:
         return self.rospy is not None and self.missing.keys().isdisjoint(needed)
 
     def why_not(self, names: Iterable[str]) -> str | None:
-        """Return why these components cannot all be used, or None."""
+        """Return why these components cannot all be used; None if they can."""
         absent = [name for name in names if name in self.missing]
         gaps = [f"no {', '.join(self.missing[name])}" for name in absent]
         return "; ".join([*gaps, *self.remedies]) if gaps else None
 
     def as_json(self) -> dict[str, object]:
-        """Return the status for JSON."""
+        """Return the status as data for JSON."""
         return {
             "can_run": self.can_run,
             "rospy": None if self.rospy is None else str(self.rospy),
@@ -244,7 +244,7 @@ class Ros1Status:
 
 
 def ros1_status() -> Ros1Status:
-    """Return the status; nothing is started.  It imports rospy."""
+    """Return the status; imports rospy, but starts nothing."""
     master = os.environ.get("ROS_MASTER_URI", DEFAULT_MASTER)
     try:
         import_ros()

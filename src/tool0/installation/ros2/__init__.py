@@ -1,1 +1,1 @@
-"""ROS 2: finding one, installing one of PyPI's wheels, and its environment."""
+"""Finds a ROS 2, installs one from PyPI's wheels, and sets its environment."""

@@ -1,9 +1,10 @@
-"""Installs a ROS 2 of PyPI's wheels into the user's data folder, and removes it.
+"""Installs a ROS 2 from PyPI's wheels in the user's data folder, and removes it.
 
-The wheels lack control_msgs and other packages: these are generated from our
-definitions and compiled.  An installation is a virtual environment in a folder that is
-named after what it is made of; a link selects one.  Programs that run from the previous
-one continue: the next installation deletes it.
+The wheels lack control_msgs and other packages, which are generated from tool0's
+definitions and compiled.  An installation is a virtual environment in a folder whose
+name is derived from its contents; a link selects the current installation.  Programs
+that run from the previous installation continue, because only the next installation
+deletes it.
 """
 
 from __future__ import annotations
@@ -41,21 +42,21 @@ from tool0.installation.ros2.installation import (
 
 DISTRO: Final = "kilted"
 WHEELS: Final = ("ros-rclpy[fastrtps]==9.1.2", "ros-common-interfaces==5.5.1")
-"""Packages of PyPI with this distribution, for Python 3.10 to 3.14 on x86-64 Linux."""
+"""PyPI packages of this distribution, for Python 3.10 to 3.14 on x86-64 Linux."""
 PYTHONS: Final = ((3, 10), (3, 14))
 _N_WHEELS: Final = 85
-"""Lines that pip prints about the collected packages."""
+"""Pattern of the lines that pip prints about collected packages."""
 DEFINITIONS: Final = Path(__file__).parent / "definitions"
-"""One folder per package of Kilted, with msg/, srv/ and action/."""
+"""Folder of definitions: one folder per package of Kilted, with msg/, srv/, action/."""
 _NEEDED: Final = 700_000_000
-"""Bytes on disk while it is installed; 300 MB of them stay."""
+"""Bytes needed on disk during the installation, of which 300 MB stay in use."""
 _COMPILERS: Final = {
     "CC": ("gcc", "cc", "clang"),
     "CXX": ("g++", "c++", "clang++"),
 }
-"""Variable that names a compiler → the compilers that are tried without it."""
+"""Variable that names a compiler → compilers to try if the variable is not set."""
 _POLL_PERIOD: Final = 0.2
-"""Interval between two looks at a program's output [wall s]."""
+"""Interval of polling a program's output [wall s]."""
 _FAILURES: Final = {
     "no space left": "the disk is full",
     "retrying|connection|resolve|timed out|ssl": (
@@ -67,7 +68,7 @@ _FAILURES: Final = {
         "PIP_INDEX_URL, such as https://pypi.org/simple"
     ),
 }
-"""Pattern of pip's output → what it means; the first match applies."""
+"""Pattern of pip's output → explanation; the first match applies."""
 _CHECK: Final = """\
 import importlib, pathlib, sys
 import rclpy
@@ -82,10 +83,11 @@ for folder in pathlib.Path(sys.argv[1]).iterdir():
 
 
 def install_ros2(progress: ProgressCallback) -> Ros2:
-    """Return tool0's own ROS 2, which is installed if it is missing or out of date.
+    """Return tool0's own ROS 2, installing it if it is missing or out of date.
 
     Raises:
-        RosUnavailableError: If that is impossible, with the reason and the remedy.
+        RosUnavailableError: If that is impossible; the message has the reason and the
+            remedy.
     """
     reason = why_not_installable()
     if reason is not None:
@@ -110,12 +112,12 @@ def install_ros2(progress: ProgressCallback) -> Ros2:
 
 
 def uninstall_ros2() -> int:
-    """Remove every installation of tool0's; return the bytes."""
+    """Remove all of tool0's own installations; return their size [bytes]."""
     return removed(own_folder(), "ROS 2", RosUnavailableError)
 
 
 def expected_prefix() -> Path:
-    """Return the folder of an installation by this tool0 and its Python."""
+    """Return the folder for an installation by this version of tool0 and its Python."""
     version = f"{sys.version_info.major}.{sys.version_info.minor}"
     digest = hashlib.sha256(f"{WHEELS} {version}".encode())
     for file in (Path(generate.__file__), *sorted(DEFINITIONS.glob("*/*/*"))):
@@ -130,7 +132,7 @@ def _leftovers(keep: Sequence[Path]) -> list[Path]:
 
 
 def _select(prefix: Path) -> None:
-    """Make the link point to this installation, in one atomic step."""
+    """Make the link point to this installation, atomically."""
     new = current_link().with_name("next")
     new.unlink(missing_ok=True)
     new.symlink_to(prefix.name)
@@ -141,7 +143,7 @@ def _select(prefix: Path) -> None:
 
 
 def why_not_installable() -> str | None:
-    """Return why there are no wheels for this machine, or None if there are."""
+    """Return why there are no wheels for this machine; None if there are wheels."""
     version = sys.version_info[:2]
     advice = (
         "install ROS 2 another way, and source its setup file (docs/how-to/ros2.md)"
@@ -198,7 +200,7 @@ def _base_python() -> str:
 
 
 def _compilers() -> dict[str, str]:
-    """Return the commands of the compilers by their variables."""
+    """Return the compilers' commands, by variable."""
     return {
         variable: os.environ.get(variable, "").strip()
         or next((name for name in names if shutil.which(name)), names[0])
@@ -261,7 +263,8 @@ def _run(
     """Run a program, and show its output as progress.
 
     Raises:
-        RosUnavailableError: If it fails, with the end of its output.
+        RosUnavailableError: If the program fails; the message has the end of its
+            output.
     """
     log = work / "output.txt"
     with (

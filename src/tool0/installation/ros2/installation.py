@@ -1,7 +1,7 @@
-"""Finds the ROS 2 that would run: the sourced one, one in /opt/ros, or tool0's own.
+"""Finds the ROS 2 to run: the sourced one, one in /opt/ros, or tool0's own.
 
-tool0 does not import ROS 2: its node runs under the Python of that ROS 2, with the
-environment that is returned here.
+tool0 does not import ROS 2 itself: tool0's node runs under the Python of the found ROS
+2, in the environment that this module returns.
 """
 
 from __future__ import annotations
@@ -20,20 +20,22 @@ from tool0.installation.child_process import run_program
 from tool0.user_data import data_folder
 
 SUPPORTED: Final = ("rolling", "lyrical", "kilted", "jazzy", "iron", "humble")
-"""Distributions, the newest first."""
+"""Supported distributions, the newest first."""
 OLDEST_PYTHON: Final = (3, 10)
 SYSTEM_ROOT: Final = Path("/opt/ros")
 NODE_FOLDER: Final = Path(__file__).parents[2] / "ros_packages" / "tool0_ros2"
-"""Entry of PYTHONPATH with tool0's node."""
+"""PYTHONPATH entry of tool0's node."""
 MARKER: Final = "tool0-ros2.json"
-"""Written last into an own installation: a folder without it is not finished."""
+"""File that is written last into tool0's own installation; without it, a folder is
+incomplete."""
 _FORMAT: Final = 1
 
 _FOREIGN: Final = (
     *("VIRTUAL_ENV", "VIRTUAL_ENV_PROMPT", "PYTHONHOME", "__PYVENV_LAUNCHER__"),
     "_ROS_WHEELS_BOOTSTRAP_COMPLETE",
 )
-"""Variables of tool0's Python and of other wheels, which mislead another Python."""
+"""Variables of tool0's Python and of other wheels, which would mislead another
+Python."""
 _ROS_VARIABLES: Final = (
     *("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH", "COLCON_PREFIX_PATH", "PYTHONPATH"),
     *("LD_LIBRARY_PATH", "ROS_DISTRO", "ROS_VERSION", "ROS_PYTHON_VERSION"),
@@ -53,15 +55,16 @@ class Ros2:
     """A ROS 2 with rclpy."""
 
     kind: Kind
-    """Sourced in this terminal, found in /opt/ros, or installed by tool0."""
+    """Whether it was sourced in this terminal, found in /opt/ros, or installed by
+    tool0."""
     distro: str
-    """Name of the release: ``kilted``."""
+    """Name of the release, such as ``kilted``."""
     prefix: Path
     """The folder that has rclpy."""
     python: Path
     """Path of its Python interpreter."""
     environment: dict[str, str] = field(repr=False)
-    """All variables of a process that uses it, except the node's path."""
+    """All environment variables of a process that uses it, except the node's path."""
 
     @property
     def origin(self) -> str:
@@ -72,12 +75,12 @@ class Ros2:
 
     @property
     def prefixes(self) -> list[Path]:
-        """The folders of its packages; the first takes precedence."""
+        """The folders of ROS packages; the first takes precedence."""
         named = self.environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
         return [Path(name) for name in dict.fromkeys(named) if name]
 
     def version(self, package: str) -> str | None:
-        """Return the version of a package, if it is there."""
+        """Return the version of a package, if it is installed."""
         for prefix in self.prefixes:
             manifest = prefix / "share" / package / "package.xml"
             with suppress(OSError):
@@ -90,7 +93,8 @@ def find_ros2(environ: Mapping[str, str] | None = None) -> Ros2 | None:
     """Return the ROS 2 that would run, or None.
 
     Args:
-        environ: The variables of this process, to look for a sourced ROS 2 in.
+        environ: Environment variables of this process, which may include a sourced ROS
+            2.
     """
     variables = dict(os.environ if environ is None else environ)
     return _sourced(variables) or _system(variables) or find_own(variables)
@@ -157,7 +161,7 @@ def _python_of(prefix: Path) -> Path | None:
 
 
 def _after_setup(setup: Path, variables: dict[str, str]) -> dict[str, str]:
-    """Return the variables after a shell has read the setup file."""
+    """Return the environment after sourcing the setup file in a shell."""
     before = plain_environment(variables)
     answer = run_program(
         ["bash", "-c", '. "$0" >&2 && env -0', str(setup)], environment=before
@@ -167,7 +171,7 @@ def _after_setup(setup: Path, variables: dict[str, str]) -> dict[str, str]:
 
 
 def _without_foreign(variables: Mapping[str, str]) -> dict[str, str]:
-    """Return the variables without those of the virtual environment of tool0."""
+    """Return the variables without tool0's virtual environment."""
     kept = {name: text for name, text in variables.items() if name not in _FOREIGN}
     venv = variables.get("VIRTUAL_ENV")
     if venv:
@@ -192,12 +196,12 @@ def own_folder() -> Path:
 
 
 def current_link() -> Path:
-    """Return the link to the installation that is used."""
+    """Return the path of the link to the selected installation."""
     return own_folder() / "current"
 
 
 def find_own(environ: Mapping[str, str] | None = None) -> Ros2 | None:
-    """Return the one that ``tool0 ros2 install`` made, if it is complete."""
+    """Return the ROS 2 that ``tool0 ros2 install`` made, if it is complete."""
     prefix = current_link().resolve()
     return _own(prefix, os.environ if environ is None else environ)
 
@@ -229,12 +233,12 @@ def _own(prefix: Path, variables: Mapping[str, str]) -> Ros2 | None:
 
 
 def own_python(prefix: Path) -> Path:
-    """Return the Python of an own installation."""
+    """Return the path of Python in tool0's own installation."""
     return prefix / "bin" / "python"
 
 
 def read_marker(prefix: Path) -> dict[str, Any] | None:
-    """Return the marker of an own installation; None if it is incomplete."""
+    """Return the marker of tool0's own installation; None if it is incomplete."""
     try:
         marker: dict[str, Any] = json.loads((prefix / MARKER).read_bytes())
         if marker["format"] != _FORMAT or not isinstance(marker["distro"], str):

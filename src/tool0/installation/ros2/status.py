@@ -1,4 +1,4 @@
-"""The status of ROS 2 on this machine, and its environment for a terminal."""
+"""The status of ROS 2 on this machine, and the environment for a terminal."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ OPTIONAL: Final = {
     "ur_dashboard_msgs": "robot mode, safety mode and dashboard of the arm",
     "simulation_interfaces": "services that pause, step, reset and spawn",
 }
-"""Package → the function of the node that requires it."""
+"""Package → feature of the node that requires it."""
 INSTALL: Final = "tool0 ros2 install"
 _TIMEOUT: Final = 30.0
-"""Timeout of the program below [wall s]; it takes about 1 s."""
+"""Timeout of the program below [wall s], which takes about 1 s."""
 _PROGRAM: Final = """\
 import importlib, json, platform, sys
 
@@ -60,11 +60,11 @@ class Ros2Status:
     ros2: Ros2 | None = None
     """The ROS 2 that would run."""
     python: str | None = None
-    """Version of its Python."""
+    """Version of ROS 2's Python."""
     rclpy: str | None = None
     """Version of rclpy."""
     rmw: str | None = None
-    """Name of the middleware, such as ``rmw_fastrtps_cpp``."""
+    """Name of the RMW middleware, such as ``rmw_fastrtps_cpp``."""
     size: int | None = None
     """Size on disk of tool0's own ROS 2 [bytes]."""
     missing: dict[str, str] = field(default_factory=dict)
@@ -78,7 +78,7 @@ class Ros2Status:
         return self.ros2 is not None and self.missing.keys().isdisjoint(NEEDED)
 
     def as_json(self) -> dict[str, object]:
-        """Return the status for JSON."""
+        """Return the status as data for JSON."""
         found = self.ros2
         return {
             "can_run": self.can_run,
@@ -113,7 +113,7 @@ class Ros2Status:
 
 
 def ros2_status() -> Ros2Status:
-    """Return the status; its Python runs for a moment."""
+    """Return the status; runs ROS 2's Python briefly."""
     found = find_ros2()
     if found is None:
         return Ros2Status(remedies=(INSTALL,))
@@ -138,7 +138,7 @@ def ros2_status() -> Ros2Status:
 
 
 def _probe(found: Ros2) -> dict[str, Any]:
-    """Return the versions and the import failures that its Python reports."""
+    """Return the versions and import failures that ROS 2's Python reports."""
     command = [str(found.python), "-c", _PROGRAM, *NEEDED, *OPTIONAL]
     try:
         done = run_program(command, environment=found.environment, timeout=_TIMEOUT)
@@ -171,10 +171,10 @@ def _remedies(found: Ros2, missing: Iterable[str]) -> tuple[str, ...]:
 
 
 def shell_exports(environ: Mapping[str, str] | None = None) -> list[str]:
-    """Return lines for a POSIX shell that make ROS 2 and tool0's node known.
+    """Return POSIX shell commands that set up ROS 2 and tool0's node.
 
     Args:
-        environ: The variables of the shell.
+        environ: Environment variables of the shell.
 
     Raises:
         RosUnavailableError: If there is no ROS 2.
