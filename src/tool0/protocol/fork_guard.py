@@ -1,4 +1,4 @@
-"""Ownership by one process: threads and connections survive no fork and no pickle."""
+"""Ownership by one process: threads and connections survive neither fork nor pickle."""
 
 from __future__ import annotations
 
