@@ -172,7 +172,7 @@ def build_app(
         file = await recording.file()
         if file is None:
             return PlainTextResponse(_NO_RECORDING, 404)
-        # it is compressed already
+        # recordings are already compressed
         headers = {**_UNKEPT, "content-encoding": "identity"}
         return FileResponse(file, filename=file.name, headers=headers)
 

@@ -102,7 +102,7 @@ class CameraImages:
             self._renderings[name, width] = found
         if kind not in found.encoded:
             found.encoded[kind] = asyncio.create_task(self._encode(found, kind))
-        # A page that leaves does not cancel the image of the others.
+        # A page that disconnects must not cancel other pages' image.
         return await asyncio.shield(found.encoded[kind])
 
     def close(self) -> None:
@@ -121,7 +121,7 @@ class CameraImages:
             self._scene, self._poses = snapshot.scene, poses
 
     def _serves(self, rendering: _Rendering, after: int) -> bool:
-        """Return whether a rendering, not ``after``, is current or in progress."""
+        """Return whether a rendering other than ``after`` is current or in progress."""
         if rendering.number == after:
             return False
         return rendering.number == self._number or not rendering.image.done()

@@ -113,7 +113,7 @@ class Entrance:
 
     async def _take(self, peer: socket.socket) -> None:
         self._visitors = [visitor for visitor in self._visitors if visitor.is_open]
-        # The lowest free descriptor is given, so its number says how many are in use.
+        # The system assigns the lowest free descriptor, so its number is the usage.
         is_short = peer.fileno() >= self._max_descriptors
         is_full = len(self._visitors) >= MAX_CONNECTIONS
         if (is_short or is_full) and not self._drop_a_stranger():

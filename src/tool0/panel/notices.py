@@ -1,4 +1,4 @@
-"""Notices: numbered messages to users about what happens to a robot."""
+"""Notices: numbered messages to users about a robot's events."""
 
 from __future__ import annotations
 

@@ -274,7 +274,7 @@ class Status(Struct, frozen=True, kw_only=True, tag="status"):
     """Control box of each arm: modes, program, pins, speed slider; empty without
     physics."""
     programs: list[ProgramRun]
-    """The last program of each arm that ran one."""
+    """Last program of each arm that has run one."""
     recording: RecordingInfo | None = None
     """State of the recording in progress or, if there is none, of the last one."""
     loops: bool = False

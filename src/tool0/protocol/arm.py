@@ -99,8 +99,8 @@ class MoveLinear(_OfTool[GoalStarted], frozen=True, kw_only=True):
 
     pose: AnyPose
     speed: Rate = 0.25
-    """Speed of the tool [m/s]; this and the acceleration are the defaults of UR's
-    movel."""
+    """Speed of the tool [m/s]; by default, this and the acceleration are the same as in
+    UR's movel."""
     acceleration: Rate = 1.2
     """Acceleration of the tool [m/s²]; the rotation ramps over the same duration."""
     angular_speed: Rate = 1.0

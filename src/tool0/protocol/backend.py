@@ -149,7 +149,7 @@ class Backend(Protocol):
 
 
 def missing(request: type[Request[Any]], reason: str) -> NotOfferedError:
-    """Return the error for a request that a backend does not offer."""
+    """Return the error for requests that a backend does not offer."""
     return NotOfferedError(f"'{method_name(request)}' is not offered: {reason}")
 
 

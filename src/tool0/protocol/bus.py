@@ -66,7 +66,7 @@ class Faulted:
 @final
 @dataclass(frozen=True, slots=True)
 class WasReset:
-    """Robot and objects returned to their start."""
+    """The robot and the objects were returned to their start poses."""
 
     time: float = 0.0
     """Simulated time after the reset [s]."""

@@ -25,7 +25,7 @@ class Channel(Observed, Protocol):
     """A connection to a robot."""
 
     def call(self, request: Request[R]) -> R:
-        """Return the response, or raise what the handler raised."""
+        """Return the response, or raise the handler's error."""
 
     def goal(self, started: GoalStarted) -> Goal:
         """Return the goal that a request on this channel has just started."""

@@ -43,7 +43,7 @@ from tool0.protocol.state_message import (
 )
 
 PROTOCOL: Final = 3
-"""Incremented when a program written for the old protocol could misread the new."""
+"""Protocol version, incremented when programs for the old one could misread the new."""
 _LONGEST_STOP: Final = 4096
 """Size of the longest stop request that overtakes waiting ones [bytes]; a longer one,
 due to a long reason, waits like any other request."""

@@ -134,7 +134,7 @@ class RobotLink(Struct, frozen=True, kw_only=True):
     address: str
     """Address of the robot's controller."""
     model: str = ""
-    """Type of the robot as it reports it, such as ``UR5``; empty until it is known."""
+    """Type that the robot reports, such as ``UR5``; empty until it is known."""
     serial_number: str = ""
     """Serial number of the robot; empty until it is known."""
     software: str = ""

@@ -164,7 +164,8 @@ class Gains:
     unwinding: Unwinding = Unwinding.NONE
     """Behaviour of the integral while the command is at a limit."""
     tracking_time: float = 1.0
-    """Time constant of BACK_CALCULATION [s]: shorter shrinks the integral faster."""
+    """Time constant of BACK_CALCULATION [s]; a shorter one shrinks the integral
+    faster."""
 
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, (self.p, self.i, self.d))):

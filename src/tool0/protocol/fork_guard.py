@@ -17,7 +17,7 @@ class OwnProcess:
 
     @property
     def is_this(self) -> bool:
-        """Whether this is not a forked child."""
+        """Whether the current process is this process rather than a forked child."""
         return os.getpid() == self._pid
 
     def check(self) -> None:

@@ -1,4 +1,4 @@
-"""The numbers of goals."""
+"""Registry of goals by number."""
 
 from __future__ import annotations
 

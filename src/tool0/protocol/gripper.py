@@ -27,7 +27,7 @@ class GraspState:
     opening: float
     """Distance between the pads [m]."""
     width: float | None = None
-    """Width of the object between the pads [m]; None where fingers wrap around it."""
+    """Width of the object between the pads [m]; None if fingers wrap around it."""
 
     @property
     def gobj(self) -> int:

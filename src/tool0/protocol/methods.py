@@ -60,7 +60,7 @@ def register(request: type[Request[Any]]) -> None:
     """Register a request of another package.
 
     Raises:
-        TypeError: If another request has its name.
+        TypeError: If another request has the same name.
     """
     name = method_name(request)
     if methods().get(name, request) is not request:

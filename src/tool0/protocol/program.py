@@ -100,7 +100,7 @@ class MoveLinearStep(_Move, frozen=True, kw_only=True, tag="move_linear"):
 
 
 class GripperStep(_Step, frozen=True, kw_only=True, tag="gripper"):
-    """Move the gripper's pads, and wait until they stand still."""
+    """Move the gripper's pads and wait until they stop."""
 
     opening: Metres | Literal["open", "closed"]
     """Distance between the pads [m]."""

@@ -43,7 +43,7 @@ class PlannedMotion(Struct, frozen=True, kw_only=True):
 
 
 class ProgramCheck(Struct, frozen=True, kw_only=True):
-    """The result of checking a program; nothing moved."""
+    """Result of checking a program."""
 
     problems: tuple[ProgramProblem, ...]
     """Problems; empty if the program can be executed from the current posture."""

@@ -117,13 +117,13 @@ class SocketChannel:
         return self.snapshot.time
 
     def call(self, request: Request[R]) -> R:
-        """Return the response, or raise what the handler raised.
+        """Return the response, or raise the handler's error.
 
         Raises:
             TransportError: If the bring-up does not answer, or has ended.
         """
         future = self._submit(request)
-        # Requests that advance time are answered when it has passed.
+        # Requests that advance time are answered only once the time has passed.
         timeout = None if isinstance(request, Run | Step) else ANSWER_TIMEOUT
         reply = self._awaited(future, timeout, method_name(type(request)))
         return _response(request, reply)

@@ -203,7 +203,7 @@ class Replay:
 
     def _index(self) -> int:
         """Return the index of the last snapshot at or before the playhead."""
-        # a time that was sent has as many digits as texts have
+        # a time received as text may lack digits
         return max(0, bisect_right(self._times, self.playhead.time + 1e-9) - 1)
 
     def _read(self, request: ReadReplay) -> ReplaySamples:
