@@ -1,4 +1,4 @@
-"""The panel's address: its listening socket, its token and its names."""
+"""The panel's address: its listening socket, token and host names."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ TOKEN_VARIABLE: Final = "TOOL0_PANEL_TOKEN"
 _LOOPBACK_NAMES: Final = frozenset({"127.0.0.1", "localhost", "::1"})
 _PORT: Final = re.compile(r"[0-9]{1,5}")
 _SEND_BUFFER: Final = 65536
-"""Bytes that the system buffers for a slow page: two seconds of frames.  Its default,
-megabytes, would let such a page lag half a minute behind the robot."""
+"""Size of the system's send buffer for a page [bytes]: two seconds of frames.  The
+system's default of megabytes would let a slow page lag half a minute behind the
+robot."""
 _RECEIVE_BUFFER: Final = 32768
-"""Bytes that are read at once from a page."""
+"""Size of the system's receive buffer for a page [bytes]."""
 
 
 @final
@@ -37,12 +38,12 @@ class Endpoint:
     """Host name or address as requested, without brackets."""
     port: int
     token: str | None
-    """Required by ``/ws``, the URDF and the meshes; None if it listens at the loopback
-    only and no token was chosen."""
+    """Token that ``/ws``, the URDF and the meshes require; None if the server listens
+    only on the loopback interface and no token was chosen."""
 
     @property
     def url(self) -> str:
-        """The page's address, with the token in it."""
+        """The page's address, including the token."""
         host = self.host
         if _is_any(host):
             host = socket.gethostname()
@@ -53,9 +54,9 @@ class Endpoint:
     def is_known_as(self, host_header: str) -> bool:
         """Return whether the header ``Host`` names this server.
 
-        A page elsewhere can make its own name resolve to this machine (DNS rebinding);
-        the browser then sends that name.  With a token the port may differ, since a
-        container or a tunnel may map it.
+        A foreign page can make its own host name resolve to this machine (DNS
+        rebinding); the browser then sends that name.  With a token the port may differ,
+        since a container or a tunnel may map it.
         """
         name, port = _split(host_header)
         is_chosen = name in _LOOPBACK_NAMES or name == self.host.lower()
@@ -69,13 +70,14 @@ class Endpoint:
 def open_endpoint(
     host: str | None = None, port: int | None = None, token: str | None = None
 ) -> Endpoint:
-    """Listen, and return the address.
+    """Start listening and return the endpoint.
 
     Args:
-        host: A name or address of this machine; the loopback if left out.
-        port: If left out the default one, or a free one if that is taken.
-        token: Required from clients.  If left out, with a host or a port, the one of
-            the environment; beyond the loopback without that, a new one.
+        host: Name or address of this machine; if left out, the loopback address.
+        port: If left out, the default port, or a free one if the default is taken.
+        token: Required from clients.  If left out although a host or a port is given,
+            the environment variable's; if that is unset and the host is not the
+            loopback address, a new token.
 
     Raises:
         TransportError: If the address is taken or is not this machine's.
@@ -144,7 +146,7 @@ def _split(host_header: str) -> tuple[str, int | None]:
 
 @functools.cache
 def _own_names() -> frozenset[str]:
-    """Return the names of this machine; finding them may take time."""
+    """Return the names of this machine; the lookup may take time."""
     return frozenset({socket.gethostname().lower(), socket.getfqdn().lower()})
 
 

@@ -1,4 +1,4 @@
-"""The HTTP routes (page, URDF, meshes, WebSocket), and who may use them."""
+"""The HTTP routes (page, URDF, meshes, WebSocket) and access control."""
 
 from __future__ import annotations
 
@@ -53,18 +53,18 @@ _HEADERS: Final = {
     "cross-origin-resource-policy": "same-origin",
 }
 _HTTP_COST: Final = 1e-3
-"""Processor time of answering a request [s]."""
+"""Processor time charged for answering a request [s]."""
 _SECRET_PATHS: Final = ("/ws", "/robot.urdf", "/meshes/", "/cameras/", "/recording")
 _READING: Final = frozenset({"GET", "HEAD"})
 
 
 @final
 class Guard:
-    """Passes our own pages and programs to ``app``; rejects pages of other origins.
+    """Passes our own pages' and programs' requests to ``app``; rejects other origins.
 
     Browsers let any page open a WebSocket to any address, this machine's included.
-    They always send the page's origin (``Origin``) and the name it used for us
-    (``Host``).
+    They always send the page's origin (``Origin``) and the host name that it used for
+    this server (``Host``).
     """
 
     def __init__(self, app: ASGIApp, endpoint: Endpoint) -> None:
@@ -148,7 +148,7 @@ _MIME: Final = {
 
 @final
 class _ImmutableFiles(StaticFiles):
-    """Files that browsers keep: their names change with their contents."""
+    """Files that browsers may keep, as their names change with their contents."""
 
     def file_response(self, *args: Any, **options: Any) -> Response:
         response = super().file_response(*args, **options)
@@ -166,13 +166,13 @@ def build_app(
     recording: LastRecording,
     images: CameraImages | None = None,
 ) -> ASGIApp:
-    """Return the guarded application; ``static`` is the page, made from ``web/``."""
+    """Return the guarded application; ``static`` is the folder of the built page."""
 
     async def download(request: Request) -> Response:
         file = await recording.file()
         if file is None:
             return PlainTextResponse(_NO_RECORDING, 404)
-        # it is compressed already
+        # recordings are already compressed
         headers = {**_UNKEPT, "content-encoding": "identity"}
         return FileResponse(file, filename=file.name, headers=headers)
 
@@ -239,7 +239,7 @@ def build_app(
 
 
 async def _camera_response(images: CameraImages, request: Request) -> Response:
-    """Return an image as PNG, or 204 if the page has it already."""
+    """Return an image as PNG, or status 204 if the page already has it."""
     name, kind = request.path_params["name"], request.path_params["kind"]
     if kind not in get_args(ImageKind):
         kinds = " or ".join(get_args(ImageKind))

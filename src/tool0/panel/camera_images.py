@@ -1,4 +1,4 @@
-"""Camera images for pages: rendered when one asks for it, and once for all of them."""
+"""Camera images for pages: rendered on request, and only once for all pages."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ ImageKind = Literal["color", "depth"]
 
 MIN_WIDTH: Final = 64
 MAX_WIDTH: Final = 1280
-"""Widest image of a page [pixels]."""
+"""Largest width of an image [pixels]."""
 _DIGITS: Final = 5
-"""Decimals of positions [rad | m]: smaller motions are invisible."""
+"""Decimals of positions [rad | m]; smaller motions are invisible."""
 _THREADS: Final = 4
-"""Number of threads that encode, or wait for the thread that renders."""
+"""Number of threads that encode images or wait for the rendering thread."""
 _LEVEL: Final = 1
-"""Level of zlib: a quarter of the time of the default level, for 1.5 times the
-bytes."""
+"""Compression level of zlib; a quarter of the default level's time for 1.5 times the
+size."""
 
 
 @final
@@ -37,7 +37,7 @@ class PageImage:
     """An encoded image."""
 
     number: int
-    """Another one whenever what the cameras see has changed."""
+    """Number that increases whenever the cameras' view has changed."""
     time: float
     """Simulated time [s]."""
     png: bytes
@@ -46,7 +46,7 @@ class PageImage:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Rendering:
-    """An image that is being rendered, or was, and its encodings."""
+    """An image, rendered or still being rendered, and its encodings."""
 
     number: int
     image: asyncio.Future[CameraImage]
@@ -55,7 +55,7 @@ class _Rendering:
 
 @final
 class CameraImages:
-    """Renders and encodes in threads; it lives in the server's event loop."""
+    """Renders and encodes images in threads; used only in the server's event loop."""
 
     def __init__(self, cameras: CameraRenderer) -> None:
         self._cameras = cameras
@@ -64,7 +64,7 @@ class CameraImages:
         self._poses: tuple[tuple[float, ...], ...] = ()
         self._scene: tuple[SceneObject, ...] | None = None
         self._renderings: dict[tuple[str, int], _Rendering] = {}
-        """The newest by camera and width."""
+        """Newest rendering by camera and width."""
 
     def __contains__(self, name: object) -> bool:
         return name in tuple(self._cameras)
@@ -74,17 +74,17 @@ class CameraImages:
     ) -> PageImage | None:
         """Return the current image, or None if its number is ``after``.
 
-        Pages that ask while an image is being rendered get that one.
+        Pages that request an image while it is being rendered get that image.
 
         Args:
-            name: The camera.
-            kind: ``color``, or ``depth`` as ``depth_pixels`` has it.
+            name: Name of the camera.
+            kind: ``color``, or ``depth`` in the format of ``depth_pixels``.
             width: Width of the image [pixels]; the height follows from the camera.
-            after: Number of the image that the page has; 0 for none.
+            after: Number of the image that the page already has; 0 for none.
 
         Raises:
-            RenderError: If there is no such camera, or no OpenGL.
-            ModelError: If MuJoCo does not support an object that Gazebo has.
+            RenderError: If there is no such camera, or OpenGL is missing.
+            ModelError: If MuJoCo does not support one of Gazebo's objects.
         """
         camera = self._cameras[name]
         snapshot = self._cameras.newest()
@@ -102,15 +102,15 @@ class CameraImages:
             self._renderings[name, width] = found
         if kind not in found.encoded:
             found.encoded[kind] = asyncio.create_task(self._encode(found, kind))
-        # A page that leaves does not cancel the image of the others.
+        # A page that disconnects must not cancel other pages' image.
         return await asyncio.shield(found.encoded[kind])
 
     def close(self) -> None:
-        """Render no more images; those in progress end."""
+        """Stop rendering new images; those in progress are completed."""
         self._threads.shutdown(wait=False, cancel_futures=True)
 
     def _look(self, snapshot: Snapshot) -> None:
-        """Count up if the cameras see something else than at the last look."""
+        """Increase the number if the cameras' view has changed since the last call."""
         objects = [(*item.position, *item.quat_wxyz) for item in snapshot.objects]
         poses = tuple(
             tuple(round(value, _DIGITS) for value in values)
@@ -121,7 +121,7 @@ class CameraImages:
             self._scene, self._poses = snapshot.scene, poses
 
     def _serves(self, rendering: _Rendering, after: int) -> bool:
-        """Return whether it is the current one, or will soon be a newer one."""
+        """Return whether a rendering other than ``after`` is current or in progress."""
         if rendering.number == after:
             return False
         return rendering.number == self._number or not rendering.image.done()
@@ -134,9 +134,10 @@ class CameraImages:
 
 
 def depth_pixels(depth: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Return depth [m] as colours (height, width, 3): red · 256 + green is in mm.
+    """Return depth [m] as colours (height, width, 3): red · 256 + green is in [mm].
 
-    0 where unknown or over 65.535 m.  A browser decodes 16-bit grey to 8 bits only.
+    0 where the depth is unknown or over 65.535 m.  Browsers decode 16-bit grey to only
+    8 bits.
     """
     import numpy as np
 

@@ -1,7 +1,7 @@
 """Limits of connections: unauthenticated ones never block the others.
 
-A stranger is a connection that has not yet requested anything that needs the token.  It
-may be a page that is loading, or one of thousands that are opened and left idle.
+A stranger is a connection that has not yet requested anything that needs the token: a
+page that is loading, or one of thousands that an attacker opens and leaves idle.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ if TYPE_CHECKING:
     from starlette.types import Scope
 
 MAX_CONNECTIONS: Final = 128
-"""Maximum number of connections; a further one replaces the oldest stranger."""
+"""Maximum number of connections; further ones replace the oldest stranger."""
 RESERVED_DESCRIPTORS: Final = 64
-"""File descriptors reserved for the Unix socket and the robot; a quarter of a low
-limit."""
+"""Number of file descriptors reserved for the Unix socket and the robot; at most a
+quarter of the limit."""
 IDLE_AFTER: Final = 10.0
 """Wall time within which a connection has to send a complete header [s]."""
 _CHECK_PERIOD: Final = 1.0
-"""Period of checking connections [wall s]."""
+"""Period of the checks for idle connections [wall s]."""
 
 
 @final
 class Visitor:
-    """One connection; the ASGI scope of its requests has it."""
+    """One connection, stored in the ASGI scope of its requests."""
 
     transport: asyncio.Transport
 
@@ -55,12 +55,12 @@ class Visitor:
 
     @property
     def is_answered(self) -> bool:
-        """Whether a request of it is being answered."""
+        """Whether one of its requests is being answered."""
         return self._n_requests > 0
 
     @contextlib.contextmanager
     def answered(self) -> Iterator[None]:
-        """Count a request as being answered."""
+        """Mark a request as being answered."""
         self._n_requests += 1
         try:
             yield
@@ -69,7 +69,7 @@ class Visitor:
             self._idle_since = asyncio.get_running_loop().time()
 
     def is_idle(self) -> bool:
-        """Return whether it has sent and received nothing for too long."""
+        """Return whether the connection has been idle for too long."""
         age = asyncio.get_running_loop().time() - self._idle_since
         is_read = not self.transport.get_write_buffer_size()
         return not self.is_answered and is_read and age > IDLE_AFTER
@@ -81,7 +81,7 @@ class Visitor:
 
 @final
 class Entrance:
-    """Accepts connections, and drops idle strangers."""
+    """Accepts connections and drops idle ones."""
 
     def __init__(
         self,
@@ -89,12 +89,12 @@ class Entrance:
         make_protocol: Callable[[dict[str, Any]], asyncio.Protocol],
         budget: Budget,
     ) -> None:
-        """Start accepting, in the running event loop.
+        """Start accepting connections in the running event loop.
 
         Args:
             listener: The listening socket.
-            make_protocol: Makes a protocol from the state of its ASGI scopes.
-            budget: Budget of all connections.
+            make_protocol: Makes a protocol, given the state for its ASGI scopes.
+            budget: Processor-time budget of all connections.
         """
         self._budget = budget
         self._make_protocol = make_protocol
@@ -107,13 +107,13 @@ class Entrance:
         ]
 
     def close(self) -> None:
-        """Accept no more connections."""
+        """Stop accepting connections."""
         for task in self._tasks:
             task.cancel()
 
     async def _take(self, peer: socket.socket) -> None:
         self._visitors = [visitor for visitor in self._visitors if visitor.is_open]
-        # The lowest free descriptor is given, so its number says how many are in use.
+        # The system assigns the lowest free descriptor, so its number is the usage.
         is_short = peer.fileno() >= self._max_descriptors
         is_full = len(self._visitors) >= MAX_CONNECTIONS
         if (is_short or is_full) and not self._drop_a_stranger():
@@ -128,7 +128,7 @@ class Entrance:
         self._visitors.append(visitor)
 
     def _drop_a_stranger(self) -> bool:
-        """Drop the oldest one, an idle one first; return whether there was one."""
+        """Drop the oldest stranger, preferably idle; return whether there was one."""
         strangers = [visitor for visitor in self._visitors if visitor.is_stranger]
         if not strangers:
             return False

@@ -1,4 +1,4 @@
-"""Frames: states as pages show them, which is rounded."""
+"""Frames: robot states, rounded for display on pages."""
 
 from __future__ import annotations
 
@@ -15,18 +15,19 @@ if TYPE_CHECKING:
     from tool0.protocol.state import Snapshot
 
 _DIGITS: Final = 6
-"""Decimals of positions and the like: a resting robot then gives equal frames."""
+"""Decimals of positions and similar values, so that a resting robot gives equal
+frames."""
 _FORCE_DIGITS: Final = 4
 
 
 def frame_of(
     snapshot: Snapshot, scene: int, *, contacts: bool = False, wrenches: bool = False
 ) -> StateMessage:
-    """Return a snapshot as pages show it.
+    """Return a snapshot in the form that pages show.
 
     Args:
-        snapshot: Has the forces, unless they were asked for just now.
-        scene: The number of its scene.
+        snapshot: The snapshot; may lack forces that were requested only just now.
+        scene: Number of the snapshot's scene.
         contacts: Whether to add contacts.
         wrenches: Whether to add the wrench on each tool.
     """
@@ -65,7 +66,7 @@ def _mask(*, contacts: bool, wrenches: bool) -> StateMask:
 
 
 def rounded(value: float) -> float:
-    """Return a position and the like as pages show it."""
+    """Return a position or similar value, rounded for pages."""
     return round(value, _DIGITS) + 0.0  # no minus zero
 
 

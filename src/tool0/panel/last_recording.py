@@ -1,4 +1,4 @@
-"""The recording that a robot completed last: pages download it, or see it replayed."""
+"""The last completed recording, which pages can download or replay."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ if TYPE_CHECKING:
     from tool0.protocol.backend import Backend
 
 _STARTS_WITHIN: Final = 60.0
-"""Longest wait for the replay's address [wall s]."""
+"""Longest wait for the address of the replay's page [wall s]."""
 _GRACE: Final = 3.0
-"""Time in which the replay has to end when it is stopped [wall s]."""
+"""Time that the replay process has to end when it is stopped [wall s]."""
 _PANEL: Final = "Panel: "
 
 
 @final
 class LastRecording:
-    """Finds the recording, and replays it in a process of its own.
+    """Finds the last recording and replays it in a separate process.
 
-    The process ends with this, or when another recording is replayed.
+    The process ends when this object is closed or another recording is replayed.
     """
 
     def __init__(self, backend: Backend, host: str) -> None:
-        """Nothing starts yet; ``host`` is where a replay listens."""
+        """Store the settings; ``host`` is the address at which replays listen."""
         self._backend = backend
         self._host = host
         self._replay: _ReplayProcess | None = None
         self._starting = asyncio.Lock()
 
     async def file(self) -> Path | None:
-        """Return the last file that was completed; None if there is none."""
+        """Return the last completed file; None if there is none."""
         if self._backend.why_missing(ReadRecording):
             return None
         status = await asyncio.to_thread(self._backend.answer, ReadRecording())
@@ -48,10 +48,10 @@ class LastRecording:
         return file if file.is_file() else None
 
     async def replay(self, file: Path) -> str:
-        """Start the replay of a file, unless it runs; return the page's address.
+        """Start replaying a file, unless this is running; return the page's address.
 
         Raises:
-            RecordingError: If it does not start.
+            RecordingError: If the replay does not start.
         """
         async with self._starting:
             replay = self._replay
@@ -69,7 +69,7 @@ class LastRecording:
 
 @final
 class _ReplayProcess:
-    """``tool0 replay`` of a file."""
+    """A process that runs ``tool0 replay`` on a file."""
 
     def __init__(self, file: Path, host: str) -> None:
         self.file = file
@@ -107,7 +107,7 @@ class _ReplayProcess:
         self._reader.join()
 
     def _read(self, descriptor: int) -> None:
-        """Read its output to the end, so that it never waits for a reader."""
+        """Read the process's output to its end, so that the process never blocks."""
         with open(descriptor, encoding="utf-8", errors="replace") as output:
             for line in output:
                 if self._is_known.is_set():

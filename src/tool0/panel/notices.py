@@ -1,4 +1,4 @@
-"""Notices: numbered messages to users about what happens to a robot."""
+"""Notices: numbered messages to users about a robot's events."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ if TYPE_CHECKING:
     from tool0.protocol.backend import States
 
 MAX_AT_ONCE: Final = 20
-"""Notifications that are shown one by one: a script can end thousands of goals."""
+"""Maximum number of notifications per update; a script can end thousands of goals."""
 _SEVERITY_ORDER: Final[dict[Severity, int]] = {"info": 0, "warning": 1, "error": 2}
 NOTICES_KEPT: Final = 200
 _REPEAT_AFTER: Final = 5.0
-"""Wall time after which the same refusal is noted again [s]: sliders repeat it
-with other numbers."""
+"""Wall time after which a repeated refusal is shown again [s]; sliders repeat refusals
+with different numbers."""
 _ONE_OVERRUN: Final = 60.0
-"""Wall time within which a simulation that falls behind is one event [s]."""
+"""Wall time within which repeated reports of late ticks count as one event [s]."""
 _NUMBER: Final = re.compile(r"-?\d+(\.\d+)?")
 
 
 @final
 class NoticeBook:
-    """Numbers notices and keeps the last ones for pages that connect later."""
+    """Numbers notices and keeps the most recent ones for pages that connect later."""
 
     def __init__(self) -> None:
         self._number = 0
@@ -36,7 +36,7 @@ class NoticeBook:
         self.kept: deque[Notice] = deque(maxlen=NOTICES_KEPT)
 
     def note(self, notification: Notification) -> Notice | None:
-        """Return the notice; None for a refusal that was noted a moment ago."""
+        """Return a notification as a notice; None for a refusal repeated too soon."""
         now = time.time()
         text = notification.text
         if notification.code == "refused" and self._is_repeated(text, now):
@@ -55,7 +55,7 @@ class NoticeBook:
         return notice
 
     def _forget_overrun(self, now: Notice) -> None:
-        """Keep only the newest of a busy spell: others would push out what matters."""
+        """Drop the previous overrun notice to leave room for other notices."""
         for earlier in reversed(self.kept):
             if now.wall_time - earlier.wall_time > _ONE_OVERRUN:
                 return
@@ -77,10 +77,10 @@ class NoticeBook:
 
 @final
 class EventWatcher:
-    """Describes the events and the changes of a robot."""
+    """Describes a robot's events and changes as notifications."""
 
     def __init__(self, states: States, warnings: Sequence[str]) -> None:
-        """Read the states of a robot; ``warnings`` come first."""
+        """Watch a robot's states; ``warnings`` are the first notifications."""
         self._states = states
         self._subscription = states.subscribe()
         self._before = states.snapshot
@@ -91,7 +91,7 @@ class EventWatcher:
         ]
 
     def report_once(self, text: str) -> None:
-        """Return a warning with the next ``notifications``, unless sent before."""
+        """Add a warning to the next ``notifications`` unless it was added before."""
         if text not in self._reported:
             self._reported.add(text)
             self._waiting.append(
@@ -99,7 +99,7 @@ class EventWatcher:
             )
 
     def notifications(self) -> Sequence[Notification]:
-        """Return the events since the last call; at first, the YAML's findings."""
+        """Return new notifications since the last call; at first, the warnings."""
         found, self._waiting = self._waiting, []
         snapshot = self._states.snapshot
         events = self._subscription.events
@@ -115,7 +115,7 @@ class EventWatcher:
 
 
 def _shortened(found: list[Notification]) -> list[Notification]:
-    """Return at most MAX_AT_ONCE, the most severe ones."""
+    """Return the MAX_AT_ONCE most severe notifications and the number of others."""
     if len(found) <= MAX_AT_ONCE:
         return found
     by_severity = sorted(found, key=lambda item: -_SEVERITY_ORDER[item.severity])

@@ -1,4 +1,4 @@
-"""Reads a connection no faster than its account allows, for a protocol of uvicorn.
+"""Reads a connection for a uvicorn protocol no faster than the account allows.
 
 A WebSocket's frames are parsed as they are read, 20 us each: a single read of 256 kB
 would occupy the event loop for 100 ms.
@@ -12,22 +12,22 @@ from typing import Any, Final, final
 from tool0.server.budget import Account
 
 _CHUNK: Final = 1 << 12
-"""Bytes that are read at once: at most 0.5 ms of short frames."""
+"""Number of bytes that are read at once: at most 0.5 ms of short frames."""
 _arriving: Final = memoryview(bytearray(_CHUNK))
-"""Buffer into which the event loop reads: what has arrived is copied at once."""
+"""Buffer into which the event loop reads; its contents are copied immediately."""
 
 
 @final
 class PacedProtocol(asyncio.BufferedProtocol):
-    """Passes on what arrives, while its account allows that."""
+    """Passes incoming data to a protocol while the connection's account allows it."""
 
     def __init__(self, account: Account, protocol: asyncio.Protocol) -> None:
         self._account = account
         self.protocol = protocol
-        """The one that gets what arrives; an upgrade replaces it."""
+        """Protocol that receives the data; a WebSocket upgrade replaces it."""
         self._transport: asyncio.Transport
         self._is_waiting, self._is_paused = False, False
-        """Whether the account, and the protocol, want nothing to be read."""
+        """Whether the account, or the protocol, has paused reading."""
         self._task: asyncio.Task[None] | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -62,7 +62,7 @@ class PacedProtocol(asyncio.BufferedProtocol):
         self.protocol.resume_writing()
 
     def pause(self, paused: bool) -> None:
-        """Pause or resume reading of the protocol."""
+        """Pause or resume reading on the protocol's behalf."""
         self._is_paused = paused
         self._update()
 
@@ -80,7 +80,7 @@ class PacedProtocol(asyncio.BufferedProtocol):
 
 @final
 class _PacedTransport(asyncio.Transport):
-    """The transport as uvicorn's protocols see it."""
+    """Transport that uvicorn's protocols see."""
 
     def __init__(self, transport: asyncio.Transport, paced: PacedProtocol) -> None:
         super().__init__()

@@ -1,7 +1,7 @@
-"""The messages to a page after ``subscribe_view``: the robot as pages show it.
+"""Messages to a page after ``subscribe_view``: the robot as shown on pages.
 
 Each message is a JSON object with its name in ``type``.  ``web/protocol.schema.json``
-and the page's TypeScript types are made from the classes below and the contract.
+and the page's TypeScript types are generated from the classes below and the contract.
 Units are SI: [rad | m], [s], [N·m | N].  Numbers that are infinite in the model are
 null here, since JSON has no infinity.
 """
@@ -26,7 +26,7 @@ from tool0.protocol.state_message import StateMessage
 
 
 class JointInfo(Struct, frozen=True, kw_only=True):
-    """A movable joint, as the controllers see it."""
+    """A movable joint, as seen by controllers."""
 
     name: str
     type: Literal["revolute", "continuous", "prismatic"]
@@ -36,7 +36,7 @@ class JointInfo(Struct, frozen=True, kw_only=True):
     effort: float | None
     driven: bool
     mimics: str | None
-    """The joint it follows."""
+    """Name of the joint that this joint mimics; null if it mimics none."""
 
 
 class GripperInfo(Struct, frozen=True, kw_only=True):
@@ -46,7 +46,7 @@ class GripperInfo(Struct, frozen=True, kw_only=True):
     """Largest opening of the gripper [m]."""
     min_speed: float
     max_speed: float
-    """Largest speed of the pads towards each other [m/s]."""
+    """Largest speed of the pads relative to each other [m/s]."""
     min_force: float
     max_force: float
     """Largest force at each pad [N]."""
@@ -54,25 +54,26 @@ class GripperInfo(Struct, frozen=True, kw_only=True):
     pad_cos: float
     pad_sin: float
     pad_slope: float
-    """Coefficient of q in the opening: with the joint at q, the opening is ``2
-    (pad_offset + pad_cos cos q + pad_sin sin q + pad_slope q)``."""
+    """Coefficient of q in the opening of the gripper, which is ``2 (pad_offset +
+    pad_cos cos q + pad_sin sin q + pad_slope q)`` with the joint at q."""
 
 
 class RobotPartsInfo(Struct, frozen=True, kw_only=True):
-    """One of several robots: an arm with what it carries."""
+    """One of several robots: an arm with its gripper."""
 
     name: str
     """Name of the arm in requests: its name in a cell, or ``arm``."""
     title: str | None
-    """Arm and gripper of the catalogue, ``ur5 + 2f85``; null for a user's own file."""
+    """Arm and gripper in the catalogue, such as ``ur5 + 2f85``; null for a user's own
+    file."""
     prefix: str
-    """Prefix of the names of its links and joints; may be empty."""
+    """Prefix of the robot's link and joint names; may be empty."""
     base: str
-    """The link that carries this robot and no other."""
+    """Base link of this robot, which carries no other robot."""
     joints: list[str]
-    """Movable joints of the robot, those of its gripper included."""
+    """Names of the robot's movable joints, including the gripper's."""
     gripper: str | None
-    """The name of its gripper; null without one."""
+    """Name of the robot's gripper; null if it has none."""
     tip: str
     """The link at the end of the arm."""
 
@@ -80,20 +81,20 @@ class RobotPartsInfo(Struct, frozen=True, kw_only=True):
 class RobotInfo(Struct, frozen=True, kw_only=True):
     name: str
     title: str
-    """Title for the title bar: ``ur5 + 2f85``."""
+    """Title for the title bar, such as ``ur5 + 2f85``."""
     root: str
-    """The fixed link; every pose here is in its frame."""
+    """Fixed root link, in whose frame all poses are given."""
     urdf: str
-    """Path of the URDF on this server; it names its meshes by such paths."""
+    """Path of the URDF on this server; meshes in the URDF also have such paths."""
     ground: float | None
-    """Height of the ground [m]; null for none."""
+    """Height of the ground [m]; null if there is none."""
     joints: list[JointInfo]
     """Joints in the order of every array of a ``state``."""
     grippers: list[GripperInfo]
     robots: list[RobotPartsInfo]
-    """The arms; one, unless it is a cell."""
+    """The arms with their grippers; a cell has several."""
     part_names: dict[str, DisplayName]
-    """Link or joint → its name in English and Chinese, where it has one."""
+    """Link or joint → display name in English and Chinese, if there is one."""
 
 
 class CameraInfo(Struct, frozen=True, kw_only=True):
@@ -126,9 +127,10 @@ class ShapeInfo(Struct, frozen=True, kw_only=True):
     url: str | None = None
     """Path of a mesh on this server."""
     file: str | None = None
-    """The file of a mesh on the simulation's machine, as ``add_object`` takes it."""
+    """File of a mesh on the simulation's machine, in the form that ``add_object``
+    accepts."""
     parts: list[PartInfo] | None = None
-    """Shapes of a compound, which are one rigid body."""
+    """Shapes of a compound, which form one rigid body."""
 
 
 class ViewObject(Struct, frozen=True, kw_only=True):
@@ -140,7 +142,7 @@ class ViewObject(Struct, frozen=True, kw_only=True):
     mass: float | None
     """Mass [kg]; null for a fixed object."""
     friction: float
-    """Coulomb coefficient."""
+    """Coulomb coefficient of friction."""
 
 
 ControllerStage = Literal[
@@ -152,7 +154,7 @@ ControllerStage = Literal[
     "inactive",
     "active",
 ]
-"""The states of ROS 1 and of ROS 2, and ``unloaded``."""
+"""States of ROS 1 and ROS 2 controllers, and ``unloaded``."""
 
 
 class ControllerInfo(Struct, frozen=True, kw_only=True):
@@ -163,13 +165,14 @@ class ControllerInfo(Struct, frozen=True, kw_only=True):
     state: ControllerStage
     is_running: bool
     role: Role
-    """Role of the controller; sliders drive those that follow trajectories."""
+    """Role of the controller; sliders drive controllers that follow trajectories."""
     interface: str | None
-    """The command interface it claims; null if it only reads, or is unloaded."""
+    """Command interface that the controller claims; null if it only reads or is
+    unloaded."""
     joints: list[str]
-    """Joints that it claims while it runs."""
+    """Joints that the controller claims while it is running."""
     undrivable: str | None
-    """Why its joints cannot be driven by sliders; null if they can."""
+    """Reason why sliders cannot drive the controller's joints; null if they can."""
 
 
 class GripperState(Struct, frozen=True, kw_only=True):
@@ -179,14 +182,15 @@ class GripperState(Struct, frozen=True, kw_only=True):
     motion: Literal[
         "moving", "at_target", "holding_inside", "holding_outside", "blocked", "idle"
     ]
-    """``holding_inside`` squeezes between the pads; ``holding_outside`` presses
-    outwards; ``blocked`` cannot move on, without an object; ``idle`` if no controller
-    moves it."""
+    """``holding_inside``: squeezes an object between the pads.  ``holding_outside``:
+    presses the pads outwards against an object.  ``blocked``: cannot move on although
+    nothing presses on both fingers.  ``idle``: no position controller is running."""
     gobj: int
-    """The same as Robotiq's ``gOBJ``: 0 moving, 1 and 2 stopped at an object
-    while opening and closing, 3 at target."""
+    """Value of Robotiq's ``gOBJ``: 0: moving; 1: stopped by an object while opening; 2:
+    stopped by an object while closing; 3: at target."""
     width: float | None
-    """Width of the object it holds [m]."""
+    """Width of the object between the pads [m]; null if there is none or it is
+    unknown."""
 
 
 class StallInfo(Struct, frozen=True, kw_only=True):
@@ -196,66 +200,67 @@ class StallInfo(Struct, frozen=True, kw_only=True):
     effort: float
     """Effort with which the joint pushes [N·m | N]."""
     contacts: list[tuple[str, str]]
-    """Links beyond the joint, and what they touch; the strongest contact first."""
+    """Pairs of a link beyond the joint and the body that it touches, the strongest
+    contact first."""
 
 
 class PoseInfo(Struct, frozen=True, kw_only=True):
     name: str
     saved: bool
-    """Whether it was saved; the others belong to the robot."""
+    """Whether a user saved the pose; other poses come with the robot."""
     is_gripper: bool
-    """Whether it is one of grippers only; the others do not move grippers."""
+    """Whether the pose is for grippers only; other poses do not move grippers."""
     positions: dict[str, float]
-    """Positions of the joints that a move to it moves [rad | m]."""
+    """Positions of the joints that a move to the pose would move [rad | m]."""
 
 
 # ---- from the server ----------------------------------------------------------------
 
 
 class Notice(Struct, frozen=True, kw_only=True, tag="notice"):
-    """An event in words, for the log; ``view`` holds the last ones."""
+    """An entry for the page's log; the ``view`` message has the most recent ones."""
 
     number: int
-    """Counts up from 1 for the life of the server."""
+    """Number of the notice, counted from 1 during the server's lifetime."""
     wall_time: float
-    """Seconds since 1970, UTC."""
+    """Wall time [s] since 1970, UTC."""
     time: float | None
     """Simulated time [s]."""
     severity: Severity
     code: NoticeCode
     text: str
-    """Text in English."""
+    """Text of the notice in English."""
 
 
 class RecordingInfo(Struct, frozen=True, kw_only=True):
     """A recording to a file."""
 
     file: str
-    """The file that is written; the last one, after a rotation."""
+    """Path of the current file; if the recording rotates, of the newest file."""
     is_recording: bool
     seconds: int
     """Simulated time recorded [s]."""
     size: int
-    """Size of all its files, in steps of 10 kB [bytes]."""
+    """Total size of the recording's files, rounded to 10 kB [bytes]."""
     dropped: int
-    """Snapshots that are missing, because the disk was too slow."""
+    """Number of snapshots that are missing because the disk was too slow."""
     error: str | None
-    """Error that ended it early, such as a full disk."""
+    """Error that ended the recording early, such as a full disk."""
 
 
 class Status(Struct, frozen=True, kw_only=True, tag="status"):
-    """Slowly changing state: sent first, and on every change."""
+    """Slowly changing state, sent at first and on every change."""
 
     paused: bool
     stopped: bool
     """Whether the emergency stop is engaged."""
     fault: str | None
     speed: float | None
-    """Requested simulated seconds per wall second; null: as fast as possible."""
+    """Requested simulated seconds per wall second; null for as fast as possible."""
     real_time_factor: float
-    """Measured over about the last second."""
+    """Simulated time per wall time, measured over about the last second."""
     late_ticks: int
-    """Ticks of about the last second that started late."""
+    """Number of ticks that started late in about the last second."""
     clients: int
     """Number of connected pages."""
     controllers: list[ControllerInfo]
@@ -263,34 +268,35 @@ class Status(Struct, frozen=True, kw_only=True, tag="status"):
     poses: list[PoseInfo]
     stalls: list[StallInfo]
     targets: dict[str, float]
-    """Joint → target of its controller's motion; the page draws it as a ghost."""
+    """Joint → target of its controller's motion [rad | m], which the page draws as a
+    ghost."""
     control_boxes: list[ControlBoxState]
     """Control box of each arm: modes, program, pins, speed slider; empty without
     physics."""
     programs: list[ProgramRun]
-    """The last program of each arm that ran one."""
+    """Last program of each arm that has run one."""
     recording: RecordingInfo | None = None
-    """The recording in progress, or the last one."""
+    """State of the recording in progress or, if there is none, of the last one."""
     loops: bool = False
-    """Whether a replay starts again at its end; ``paused`` and ``speed`` are its own,
-    too."""
+    """Whether a replay starts again at its end; in a replay, ``paused`` and ``speed``
+    are also the replay's."""
     episodes: EpisodesStatus | None = None
-    """The folder of demonstrations, with whole seconds; null while there is none."""
+    """State of the folder of demonstrations, in whole seconds; null if none is open."""
 
 
 class ViewScene(Struct, frozen=True, kw_only=True, tag="scene"):
-    """The objects around the robot: sent first, and when one is added or removed.
+    """Objects around the robot, sent at first and when one is added or removed.
 
-    A state says by number which scene its objects are of.
+    A state's ``scene_number`` tells which scene its objects belong to.
     """
 
     number: int
-    """Counts up from 0 for the life of the server."""
+    """Number of the scene, counted from 0 during the server's lifetime."""
     objects: list[ViewObject]
 
 
 class ReplayInfo(Struct, frozen=True, kw_only=True):
-    """The recording that is replayed; its notices are those of ``view``."""
+    """The recording that is replayed; its notices are in the ``view`` message."""
 
     file: str
     """Name of the file, without folders."""
@@ -301,8 +307,8 @@ class ReplayInfo(Struct, frozen=True, kw_only=True):
     is_complete: bool
     """False if the file was cut off while it was written."""
     signals: list[str]
-    """Names of the signals that ``read_replay`` returns: ``joint/elbow_joint/position``
-    and so on."""
+    """Names of the signals that ``read_replay`` can return, such as
+    ``joint/elbow_joint/position``."""
 
 
 class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
@@ -310,20 +316,20 @@ class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
 
     mode: Mode
     engine: str | None
-    """``mujoco``; null in ``view``."""
+    """Name of the physics engine, such as ``mujoco``; null without physics."""
     control_period: float | None
-    """Simulated time of a tick [s]; null in ``view``."""
+    """Simulated time of a tick [s]; null without physics."""
     grasp_assist: bool
     """Whether grasped objects are fixed to the gripper, which is not physical."""
     robot: RobotInfo
     cameras: list[CameraInfo]
-    """``/cameras/NAME/color?width=640`` and ``/cameras/NAME/depth`` on this server are
-    their images; see ``camera_images``."""
+    """Cameras, whose images are at ``/cameras/NAME/color?width=640`` and
+    ``/cameras/NAME/depth`` on this server; see ``camera_images``."""
     notices: list[Notice]
     missing: dict[str, str]
-    """Each method that this robot does not offer, and why."""
+    """Method that this robot does not offer → reason."""
     replay: ReplayInfo | None = None
-    """Recording that ``tool0 replay`` shows; null for a robot that runs."""
+    """Recording that ``tool0 replay`` shows; null for a running robot."""
 
 
 ViewMessage = ViewInfo | ViewScene | Status | StateMessage | Notice

@@ -64,9 +64,9 @@ ONE_AXIS = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMA
 
 @final
 class RobotFiles:
-    """The URDF and the meshes that a page can fetch.
+    """URDF and meshes that a page can fetch.
 
-    Only files that the model and the scene name are served.
+    Only files that the model and the scene refer to are served.
     """
 
     def __init__(self, description: RobotDescription) -> None:
@@ -78,13 +78,13 @@ class RobotFiles:
         meshes = [item for item in geometries if isinstance(item, Mesh)]
         self._numbers = itertools.count()
         self.known: set[Path] = set()
-        """Every mesh that the model and the scene have had so far."""
+        """Paths of all meshes that the model and the scene have had so far."""
         self._url_of = self._urls(meshes, {})
         self._url_of_uri = {mesh.uri: self._url_of[mesh.path] for mesh in meshes}
         self._url_of_object: Mapping[Path, str] = {}
 
     def set_objects(self, objects: Sequence[SceneObject]) -> None:
-        """Serve the meshes of these objects, and of no other objects.
+        """Serve the meshes of these objects and of no others.
 
         A mesh that is removed and added again gets another path, since its file may
         have changed.
@@ -97,7 +97,7 @@ class RobotFiles:
 
     @property
     def meshes(self) -> Mapping[str, Path]:
-        """Path on the server → file."""
+        """Server path → mesh file."""
         both = (self._url_of, self._url_of_object)
         return {url: file for urls in both for file, url in urls.items()}
 
@@ -117,7 +117,7 @@ class RobotFiles:
 
     @cached_property
     def urdf(self) -> bytes:
-        """The URDF, with paths on the server instead of files."""
+        """The URDF, with server paths instead of file names."""
         document: Document = parse_text(self._description.urdf)
         for element in document.getElementsByTagName("mesh"):
             uri = element.getAttribute("filename")
@@ -134,10 +134,11 @@ def robot_info(
     ground: float | None,
     limits: Mapping[str, JointLimits],
 ) -> RobotInfo:
-    """Return what a page needs to draw the robot.
+    """Return the data that a page needs to draw the robot.
 
-    ``joints`` are in the order of every frame's arrays, ``ground`` is its height in the
-    robot's root [m], and ``limits`` are those that differ from the URDF's.
+    ``joints`` are in the order of every frame's arrays, ``ground`` is the ground's
+    height in the robot's root [m], and ``limits`` are the limits that differ from the
+    URDF's.
     """
     model = description.model
     titles = {robot.prefix: robot.parts_title for robot in description.robots}
@@ -171,7 +172,7 @@ def robot_info(
 
 
 def camera_infos(cameras: Iterable[Camera]) -> list[CameraInfo]:
-    """Return what a page needs to ask for images."""
+    """Return the data that a page needs to request camera images."""
     return [
         CameraInfo(
             name=camera.name, width=camera.width, height=camera.height, far=camera.far
@@ -181,7 +182,7 @@ def camera_infos(cameras: Iterable[Camera]) -> list[CameraInfo]:
 
 
 def object_info(item: SceneObject, files: RobotFiles) -> ViewObject:
-    """Return what a page needs to draw an object of the scene."""
+    """Return the data that a page needs to draw an object of the scene."""
     return ViewObject(
         name=item.name,
         shape=_shape_info(item.geometry, files),
@@ -192,7 +193,7 @@ def object_info(item: SceneObject, files: RobotFiles) -> ViewObject:
 
 
 def pose_infos(book: PoseStore, report: Callable[[str], None]) -> list[PoseInfo]:
-    """Return every pose; report saved ones that cannot be read."""
+    """Return every pose; call ``report`` if the saved poses cannot be read."""
     try:
         poses = book.all()
     except ConfigError as error:

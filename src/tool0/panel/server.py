@@ -39,13 +39,13 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 STATIC: Final = Path(__file__).parent / "static"
-"""The page, made from ``web/``."""
+"""Folder of the page, built from ``web/``."""
 
 MAX_PAGES: Final = 64
 GOING_AWAY: Final = 1001
 FULL: Final = 503
 _MAX_MESSAGE: Final = 1 << 16
-"""Longest message of a page [bytes]; a longer one ends the connection."""
+"""Longest message from a page [bytes]; a longer one ends the connection."""
 _FAULTS_OF_PAGES: Final = (
     "ASGI callable returned without completing handshake.",  # a page that is refused
     "Invalid UTF-8 sequence received from client.",
@@ -55,14 +55,14 @@ _PING_PERIOD: Final = 20.0
 
 
 def is_page_built() -> bool:
-    """Return whether there is a page to serve."""
+    """Return whether the page has been built."""
     return (STATIC / "index.html").is_file()
 
 
 def load() -> None:
-    """Import what the server needs, before a control loop runs.
+    """Import the server's modules before a control loop runs.
 
-    Otherwise the server's thread imports it later, which delays ticks by 0.1 s.
+    Otherwise, the server's thread imports them later, which delays ticks by 0.1 s.
     """
     import uvicorn.protocols.http.h11_impl
     import uvicorn.protocols.websockets.websockets_sansio_impl  # noqa: F401
@@ -89,14 +89,14 @@ class WebService:
         setpoint_requests: tuple[type[Request[Any]], ...] = (),
         folder: Path | None = None,
     ) -> None:
-        """Listen.
+        """Prepare the service; the endpoint is already listening.
 
         Args:
-            source: Makes what pages see, in the server's thread.
+            source: Creates the source of the view, in the server's thread.
             endpoint: The listening socket.
-            setpoint_requests: Further requests that pages stream.
-            folder: One below which pages may have files written and read, besides the
-                user's folders of recordings and of episodes.
+            setpoint_requests: Additional request classes that pages stream.
+            folder: Folder in which pages may let files be read and written, in addition
+                to the user's folders for recordings and episodes.
         """
         own = (recordings_folder(), episodes_folder())
         self._folders = own if folder is None else (*own, folder)
@@ -117,7 +117,7 @@ class WebService:
     def await_page(self, timeout: float | None = None) -> bool:
         """Wait up to ``timeout`` [wall s] until a page has drawn the robot.
 
-        Returns whether one has.
+        Returns whether a page has.
         """
         return self._shown.wait(timeout)
 
@@ -204,7 +204,7 @@ class WebService:
 
 @final
 class _PageTransport:
-    """One page; see ``session.Transport``."""
+    """Connection to one page; see ``session.Transport``."""
 
     is_trusted: Final = False
 
@@ -259,9 +259,9 @@ class Panel(AbstractContextManager["Panel"]):
         """Start serving.
 
         Args:
-            robot: A robot of this process, one without physics, or a recording.
-            host: A name or address of this machine; the loopback if left out.
-            port: If left out the default one, or a free one if that is taken.
+            robot: A robot in this process, a robot without physics, or a recording.
+            host: Name or address of this machine; if left out, the loopback address.
+            port: If left out, the default port, or a free one if the default is taken.
             token: Required from pages; see ``open_endpoint``.
             endpoint: A listening socket, instead of host, port and token.
 
@@ -276,7 +276,7 @@ class Panel(AbstractContextManager["Panel"]):
         self._server = Server(backend, [service])
 
     def close(self) -> None:
-        """Close every connection and end; closing twice is allowed."""
+        """Close all connections and stop serving; closing twice is allowed."""
         self._server.close()
 
     def __exit__(self, *_: object) -> None:
@@ -288,9 +288,9 @@ def panel_service(
     endpoint: Endpoint,
     folder: Path | None = None,
 ) -> tuple[Backend, WebService]:
-    """Return what a server needs to show ``robot`` as a page.
+    """Return the backend and the service with which a server shows ``robot``.
 
-    ``folder`` is as for ``WebService``.
+    For ``folder``, see ``WebService``.
     """
     if isinstance(robot, Connected):
         backend = backend_of(robot.channel)
@@ -329,5 +329,5 @@ def _configuration(app: ASGIApp) -> uvicorn.Config:
 
 
 def _is_problem(record: logging.LogRecord) -> bool:
-    """Return whether a log record is no fault of a page, which gets a close code."""
+    """Return whether a log record is not about a page's own fault."""
     return record.getMessage() not in _FAULTS_OF_PAGES

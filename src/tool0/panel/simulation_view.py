@@ -1,4 +1,4 @@
-"""A running simulation, as the panel shows it."""
+"""A running simulation as shown by the panel."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class SimulationView:
     """Derives frames and statuses from snapshots; see ``view_feed.ViewSource``."""
 
     def __init__(self, backend: Backend) -> None:
-        """Read a backend that has states."""
+        """Observe a backend that has states."""
         states = backend.states
         assert states is not None
         self._backend, self._states = backend, states
@@ -95,7 +95,7 @@ class SimulationView:
         }
         self._grippers: list[GripperState] = []
         self._forces: Subscription | None = None
-        """Subscription that gives the snapshots the fields that the frames need."""
+        """Subscription that makes snapshots contain the forces that frames need."""
         self._has_contacts = self._has_wrenches = False
 
     def scene(self) -> ViewScene:
@@ -177,7 +177,7 @@ class SimulationView:
         return self._ask(ReadRuns(), ())
 
     def _episodes(self) -> EpisodesStatus | None:
-        """Return the demonstrations, as they change at most once a second."""
+        """Return the demonstrations' state, which changes at most once a second."""
         found = self._ask(ReadEpisodes(), None)
         if found is None:
             return None
@@ -197,7 +197,7 @@ class SimulationView:
 
 
 def gripper_state(name: str, grasp: GraspState) -> GripperState:
-    """Return a gripper's state as pages show it."""
+    """Return a gripper's state in the form that pages show."""
     return GripperState(
         name=name,
         opening=round(grasp.opening, 4),
@@ -208,7 +208,7 @@ def gripper_state(name: str, grasp: GraspState) -> GripperState:
 
 
 def stall_infos(snapshot: Snapshot) -> list[StallInfo]:
-    """Return the joints that push at their limit, as pages show them."""
+    """Return the joints at their effort limit in the form that pages show."""
     return [
         StallInfo(
             joint=stall.joint,
@@ -220,7 +220,7 @@ def stall_infos(snapshot: Snapshot) -> list[StallInfo]:
 
 
 def targets_of(snapshot: Snapshot) -> dict[str, float]:
-    """Return the ends of the joints' motions [rad | m]."""
+    """Return the target positions of the joints' motions [rad | m]."""
     return {
         joint: rounded(setpoint.target)
         for joint, setpoint in snapshot.setpoints().items()
@@ -233,13 +233,13 @@ def controller_infos(
     joints: Mapping[str, Joint],
     roles: Mapping[str, Role],
 ) -> list[ControllerInfo]:
-    """Return every controller: those of the YAML in its order, then others.
+    """Return every controller: first those in the YAML, in its order, then others.
 
     Args:
-        defined: Name → type of those of the YAML.
-        loaded: The loaded ones.
+        defined: Controllers in the YAML: name → type.
+        loaded: Loaded controllers.
         joints: The robot's joints, with their limits.
-        roles: Roles of the YAML's controllers.
+        roles: Roles of the controllers in the YAML: name → role.
     """
     status_of = {status.name: status for status in loaded}
     types = {**defined, **{status.name: status.type for status in loaded}}
@@ -271,7 +271,7 @@ def controller_infos(
 def _obstacle(
     kind: str, role: Role, status: ControllerStatus | None, joints: Sequence[Joint]
 ) -> str | None:
-    """Return why sliders cannot drive a controller of these joints."""
+    """Return why sliders cannot drive a controller's joints; None if they can."""
     if role is Role.READER:
         return "It moves no joints."
     if role is not Role.TRAJECTORY:

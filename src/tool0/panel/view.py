@@ -1,4 +1,4 @@
-"""A robot without physics, for ``tool0 view``: its pages show and pose it."""
+"""A robot without physics for ``tool0 view``, whose pages show and pose it."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ _NO_OBJECTS: Final = ViewScene(number=0, objects=[])
 
 @final
 class RobotView:
-    """A robot without physics: joints keep the positions last set by a page.
+    """A robot without physics; joints keep the positions last set by a page.
 
-    It is both the backend of the server and the source of its view.
+    It is both the server's backend and the source of the view.
     """
 
     mode: Final = "view"
@@ -83,7 +83,7 @@ class RobotView:
         return self._frame
 
     def need_forces(self, *, contacts: bool, wrenches: bool) -> None:
-        """There are none."""
+        """Do nothing: frames have no forces."""
 
     def status(self, clients: int) -> Status:
         position = self._position
@@ -122,7 +122,7 @@ class RobotView:
     def post(
         self, request: Request[Any], when_failed: Callable[[Exception], None]
     ) -> None:
-        """No stream goes to a tick."""
+        """Do nothing: there are no ticks for streams."""
 
     def check_setpoint(self, request: Request[Any]) -> None:
         assert isinstance(request, PoseJoints)  # the only stream that is offered
@@ -176,7 +176,7 @@ class RobotView:
         return {name: position[name] for name in driven or free}
 
     def _checked(self, positions: Mapping[str, float]) -> Mapping[str, float]:
-        """Return positions that the joints can have, or raise Tool0Error."""
+        """Return valid positions of the joints, or raise Tool0Error."""
         return {
             name: _checked(self._model.joint(name), position)
             for name, position in positions.items()

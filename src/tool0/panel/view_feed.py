@@ -29,40 +29,40 @@ FRAME_PERIOD: Final = 1 / 60
 STATUS_PERIOD: Final = 0.1
 """Period of the status, and of checks for notifications [wall s]."""
 HEARTBEAT: Final = 0.2
-"""Longest wall time between frames, also of a paused robot [s]."""
+"""Longest wall time between frames, even of a paused robot [s]."""
 
 
 class ViewSource(Protocol):
-    """A robot as shown on pages; only the server's thread reads it."""
+    """A robot as shown on pages; used only by the server's thread."""
 
     @property
     def info(self) -> ViewInfo:
-        """The constant part of the view; of its notices only those before this."""
+        """The constant part of the view, with notices from before the start."""
 
     @property
     def files(self) -> RobotFiles: ...
 
     @property
     def cameras(self) -> CameraRenderer | None:
-        """The cameras of ``info``; None without any."""
+        """Renderer of the cameras in ``info``; None if there are none."""
 
     def scene(self) -> ViewScene:
-        """Return the objects of the newest frame that was returned.
+        """Return the objects of the frame that was returned last.
 
-        The same object until an object is added or removed.
+        The result is the same instance until an object is added or removed.
         """
 
     def frame(self) -> StateMessage:
-        """Return the current frame: the same object while nothing changes."""
+        """Return the current frame; the same instance while nothing changes."""
 
     def need_forces(self, *, contacts: bool, wrenches: bool) -> None:
-        """Set whether frames have contacts and wrenches."""
+        """Choose whether frames contain contacts and wrenches."""
 
     def status(self, clients: int) -> Status:
-        """Return the status, with the number of pages."""
+        """Return the status; ``clients`` is the number of pages."""
 
     def notifications(self) -> Sequence[Notification]:
-        """Return the notices since the last call."""
+        """Return the notifications since the last call."""
 
     def close(self) -> None:
         """Stop reading the robot."""
@@ -70,18 +70,18 @@ class ViewSource(Protocol):
 
 @final
 class ViewFeed:
-    """Feeds the sessions that subscribed to the view.  It lives in the event loop."""
+    """Sends the view to subscribed sessions; used only in the event loop."""
 
     def __init__(self, source: ViewSource, hub: Hub) -> None:
         """Start reading the source."""
         self._source = source
         self._hub = hub
         self._sessions: dict[Session, SubscribeView] = {}
-        """Each with the contents of its frames."""
+        """Subscribed sessions → requested contents of their frames."""
         self._book = NoticeBook()
         self._frame = source.frame()
         self._frame_texts: dict[SubscribeView, bytes] = {}
-        """The frame for sessions that want this."""
+        """Encoded current frame by requested contents."""
         self._frame_sent = 0.0
         self._scene = source.scene()
         self._scene_text = encode(self._scene)
@@ -92,7 +92,7 @@ class ViewFeed:
         self._task = asyncio.create_task(self._run())
 
     def attach(self, session: Session, wanted: SubscribeView) -> None:
-        """Send a session the view from now on, or change what its frames have."""
+        """Send the view to a session from now on, or change its frames' contents."""
         if session in self._sessions:
             self._sessions[session] = wanted
             self._update_needs()
@@ -110,12 +110,12 @@ class ViewFeed:
         session.send_latest("state", self._frame_text(wanted))
 
     def close(self) -> None:
-        """Stop."""
+        """Stop sending, and close the source."""
         self._task.cancel()
         self._source.close()
 
     async def _run(self) -> None:
-        """Send changes, at the pace of the wall clock."""
+        """Send changes periodically in wall time."""
         loop = asyncio.get_running_loop()
         next_status = loop.time()
         while True:
@@ -154,7 +154,7 @@ class ViewFeed:
             session.send_latest("state", self._frame_text(wanted))
 
     def _frame_text(self, wanted: SubscribeView) -> bytes:
-        """Return the frame with what a session wants of it."""
+        """Return the encoded frame with the contents that a session requested."""
         text = self._frame_texts.get(wanted)
         if text is None:
             frame = self._frame
@@ -175,7 +175,7 @@ class ViewFeed:
             self._update_needs()
 
     def _update_needs(self) -> None:
-        """Request from the source the forces that a page wants, and no others."""
+        """Request only those forces from the source that a page wants."""
         wanted = self._sessions.values()
         self._source.need_forces(
             contacts=any(item.contacts for item in wanted),

@@ -15,7 +15,8 @@ from tool0.errors import TransportError
 DEFAULT_NAME = "tool0"
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 _MAX_PATH = 103
-"""Bytes that fit sockaddr_un on Linux (107) and on macOS (103), unix(7)."""
+"""Longest socket path [bytes]; sockaddr_un holds 107 on Linux, 103 on macOS
+(unix(7))."""
 
 
 def check_supported() -> None:
@@ -28,10 +29,10 @@ def check_supported() -> None:
 
 
 def folders() -> tuple[Path, ...]:
-    """Return the folders where sockets may be, the preferred one first.
+    """Return the folders that may contain sockets, the preferred one first.
 
-    ``XDG_RUNTIME_DIR`` is private to the person and emptied at logout; where it is
-    missing (a container, cron, su) a folder of mode 0700 stands in.
+    ``XDG_RUNTIME_DIR`` is private to the user and emptied at logout.  Where it is not
+    set (in a container, under cron or su), a folder with mode 0700 is used instead.
     """
     import tempfile
 
@@ -95,17 +96,18 @@ def is_foreign(peer: socket.socket) -> bool:
 
 @final
 class Claim:
-    """A name that this process holds alone, until it closes or dies.
+    """Exclusive claim of this process to a bring-up's name, until it is closed.
 
-    The kernel releases the lock when the process ends, whatever the reason: files of a
-    dead process never block the name, and a live process never loses it.
+    The kernel releases the lock whenever the process ends, so the files of a dead
+    process never block the name, and a live process never loses it.
     """
 
     def __init__(self, name: str) -> None:
         """Acquire the name.
 
         Raises:
-            TransportError: If another process holds it, or no private folder is there.
+            TransportError: If another process holds the name, or there is no private
+                folder.
         """
         check_supported()
         self.name = name
@@ -143,7 +145,7 @@ def _usable_folder() -> Path:
 
 
 def _locked_file(path: Path, name: str) -> IO[str]:
-    """Return the lock file, locked and holding our process id."""
+    """Return the lock file, locked and containing this process's id."""
     import fcntl  # not on Windows, where check_supported has raised before
 
     while True:

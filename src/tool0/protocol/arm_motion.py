@@ -1,7 +1,7 @@
-"""Requests to an arm that a program moves in place of ROS's controllers.
+"""Requests to an arm that is moved by a program instead of ROS controllers.
 
-A program takes the arm, sends paths or streams, and releases it.  The joints are in
-the order from base to flange.
+A program takes the arm, sends paths or streams, and releases it.  Joints are ordered
+from base to flange.
 """
 
 from __future__ import annotations
@@ -48,36 +48,36 @@ PathTime = Annotated[float, Meta(ge=0.0)]
 
 MOST_KNOTS = 100_000
 SILENCE: Final = 0.5
-"""Longest time between two commands of a stream [wall s], unless they say otherwise."""
+"""Default longest time between two commands of a stream [wall s]."""
 
 
 class TakeArm(ArmRequest[None], frozen=True):
-    """Take an arm for a program: its controllers stop, and it holds still.
+    """Take an arm for a program: its controllers are stopped and it holds its position.
 
-    An arm that is taken already only gets the name of the program, and may move again
-    after a motion that failed, or the emergency stop.
+    If the arm is already taken, only the program's name changes, and the arm can move
+    again after a failed motion or an emergency stop.
     """
 
     by: Name
     """Name of the program, shown to users."""
     protected: bool = False
-    """Whether a motion that fails is a protective stop, as on a UR; otherwise the arm
+    """Whether a failed motion causes a protective stop, as on a UR; otherwise the arm
     stays taken."""
 
 
 class ReturnArm(ArmRequest[None], frozen=True):
-    """Stop an arm, and start its controllers again once it is at rest."""
+    """Stop an arm and restart its controllers once it is at rest."""
 
     by: Name | None = None
-    """Program that must still move the arm: no other program that took it is
-    stopped."""
+    """Name of the program that releases the arm.  If another program has taken the arm
+    since, nothing happens."""
 
 
 class ExecutePath(ArmRequest[int], frozen=True):
-    """Follow a path of the joints; the response is its number, from 1 on.
+    """Follow a joint-space path; the response is the path's number, counted from 1.
 
-    It starts now, with the setpoint, or replaces another path.  Between two knots the
-    joints follow cubics, or quintics if there are accelerations.
+    The path starts now, at the setpoint, or replaces another path.  Between two knots
+    the joints follow cubics, or quintics if accelerations are given.
     """
 
     unchecked = ("times", "positions", "velocities", "accelerations")
@@ -92,9 +92,9 @@ class ExecutePath(ArmRequest[int], frozen=True):
     accelerations: Annotated[Rows6, Meta(max_length=MOST_KNOTS)] = ()
     """Joint accelerations at the knots [rad/s²], shape (n, 6), or empty."""
     after: PathNumber | None = None
-    """The number of the path that it replaces; none, if left out."""
+    """Number of the path that this one replaces; if left out, it replaces none."""
     at: PathTime | None = None
-    """Time of that path from which this one replaces it [s]."""
+    """Time on the replaced path at which this one takes over [s]."""
 
 
 class SampledPath(Protocol):
@@ -114,7 +114,7 @@ class SampledPath(Protocol):
 
     @property
     def accelerations(self) -> Array | None:
-        """Joint accelerations [rad/s²], shape (n, 6); None between cubics."""
+        """Joint accelerations [rad/s²], shape (n, 6); None for cubics."""
 
 
 def path_request(
@@ -124,9 +124,9 @@ def path_request(
     after: int | None = None,
     at: float | None = None,
 ) -> ExecutePath:
-    """Return the request that a taken arm follows a path.
+    """Return the request that makes a taken arm follow a path.
 
-    ``after`` and ``at`` are those of the request.
+    ``after`` and ``at`` are passed to ``ExecutePath``.
     """
     accelerations = path.accelerations
     return ExecutePath(
@@ -143,21 +143,21 @@ def path_request(
 
 
 class StopArm(ArmRequest[None], frozen=True):
-    """Ramp down to rest, from any motion."""
+    """Decelerate to rest from any motion."""
 
     deceleration: Acceleration = 2.0
     """Deceleration of the leading joint [rad/s²].  With ``along_path``, deceleration of
-    the path's speed [1/s²]: 2 ends it within half a second."""
+    the path's speed [1/s²]; at 2, the arm stops within half a second."""
     along_path: bool = False
-    """Whether an arm on a path stays on it."""
+    """Whether an arm that follows a path stays on the path while it stops."""
 
 
 class ServoJoints(ArmRequest[None], frozen=True):
-    """Follow a target from now on: one of a stream, as URScript's ``servoj``.
+    """Follow a target, usually one of a stream of targets, like URScript's ``servoj``.
 
-    Without an id, every one is executed at the next tick.  The law is
-    qdd = gain (target - (q + lookahead_time qd)), with the setpoint's q and qd, within
-    the limits of the joints.  The speed slider scales the largest velocity.
+    Each request that is sent without an id is executed at the next tick.  The control
+    law is qdd = gain (target - (q + lookahead_time qd)), where q and qd are the
+    setpoint's; joint limits apply.  The speed slider scales the largest velocity.
     """
 
     is_streamed = True
@@ -165,22 +165,22 @@ class ServoJoints(ArmRequest[None], frozen=True):
     positions: Row6
     """Joint positions to move to [rad], shape (6,)."""
     duration: Annotated[float, Meta(ge=0.0, le=10.0)] = 0.002
-    """Simulated time until the next target is expected [s]; the last one is held after
-    it."""
+    """Simulated time until the next target is expected [s]; after it, the arm holds the
+    last target."""
     lookahead_time: Annotated[float, Meta(ge=0.03, le=0.2)] = 0.1
-    """Lookahead time of the law [s]: longer is smoother, and lags more."""
+    """Lookahead time of the control law [s]; a longer one is smoother but lags more."""
     gain: Annotated[float, Meta(ge=100.0, le=2000.0)] = 300.0
-    """Gain of the law [1/s²]."""
+    """Gain of the control law [1/s²]."""
     timeout: Timeout = SILENCE
-    """Longest wall time between two targets of a stream [s].  If the next one does not
-    come within it, the stream has ended: the arm stops, and follows no further target
-    until it is stopped (``stop_arm``), follows a path or is taken again."""
+    """Longest wall time between two targets of a stream [s].  If the next target is
+    later, the stream has ended: the arm stops, and ignores further targets until it is
+    stopped (``stop_arm``), follows a path or is taken again."""
 
 
 class SpeedJoints(ArmRequest[None], frozen=True):
-    """Ramp to joint velocities, as URScript's ``speedj``.
+    """Accelerate to joint velocities, like URScript's ``speedj``.
 
-    The speed slider scales them.
+    The speed slider scales the velocities.
     """
 
     is_streamed = True
@@ -190,32 +190,35 @@ class SpeedJoints(ArmRequest[None], frozen=True):
     acceleration: Acceleration = 1.4
     """Acceleration of the leading joint [rad/s²]."""
     duration: Duration | None = None
-    """Time after which the arm ramps to rest [s]; never, if left out or 0."""
+    """Time after which the arm decelerates to rest [s]; if left out or 0, it keeps
+    moving."""
     timeout: Timeout | None = None
-    """Longest wall time between two targets [s], as for ``servo_joints``; 0.5 s without
-    a ``duration``, otherwise none."""
+    """Longest wall time between two targets of a stream [s], see ``servo_joints``.  If
+    left out, 0.5 s without a ``duration``, and unlimited with one."""
 
 
 class SpeedTool(ArmRequest[None], frozen=True):
-    """Ramp to a velocity of the tool, as URScript's ``speedl``.
+    """Accelerate to a velocity of the tool, like URScript's ``speedl``.
 
-    Where a joint would be too fast or reach its limit, the tool slows down on its way.
+    Where a joint would be too fast or reach its limit, the tool slows down but keeps
+    its direction.
     """
 
     is_streamed = True
 
     twist: Row6
-    """Velocity of the TCP, linear and angular, in the axes of the base [m/s, rad/s]."""
+    """Linear and angular velocity of the TCP, in the base's axes [m/s, rad/s]."""
     acceleration: Acceleration = 1.2
-    """Acceleration of the tool [m/s²], and with the same number of its turning
-    [rad/s²]."""
+    """Linear acceleration of the tool [m/s²]; the same number limits its angular
+    acceleration [rad/s²]."""
     duration: Duration | None = None
-    """Time after which the arm ramps to rest [s]; never, if left out or 0."""
+    """Time after which the arm decelerates to rest [s]; if left out or 0, it keeps
+    moving."""
     timeout: Timeout | None = None
-    """Longest wall time between two targets [s], as for ``servo_joints``; 0.5 s without
-    a ``duration``, otherwise none."""
+    """Longest wall time between two targets of a stream [s], see ``servo_joints``.  If
+    left out, 0.5 s without a ``duration``, and unlimited with one."""
     tcp: Row6 = ZERO_POSE
-    """The TCP in the flange, with a rotation vector [m, rad]."""
+    """Pose of the TCP in the flange's frame: position and rotation vector [m, rad]."""
 
 
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
@@ -224,16 +227,16 @@ Shares6 = tuple[Share, Share, Share, Share, Share, Share]
 
 VISCOUS_SCALE: Final[Shares6] = (0.9, 0.9, 0.8, 0.9, 0.9, 0.9)
 COULOMB_SCALE: Final[Shares6] = (0.8, 0.8, 0.7, 0.8, 0.8, 0.8)
-"""Parts of the viscous and dry friction that UR's ``direct_torque`` compensates by
+"""Fractions of the viscous and dry friction that UR's ``direct_torque`` compensates by
 default."""
 
 
 class DriveTorques(ArmRequest[None], frozen=True):
-    """Drive the joints with torques, as URScript's ``direct_torque``.
+    """Drive the joints with torques, like URScript's ``direct_torque``.
 
-    The drives add what balances gravity.  A joint that is too fast, or that could not
-    stop within its limits any more, is a protective stop.  Servos hide the inertia and
-    friction of rotors and gears; in this mode they count.
+    The drives compensate gravity in addition.  A joint that is too fast, or that could
+    no longer stop within its limits, triggers a protective stop.  In this mode, unlike
+    in position control, the inertia and friction of rotors and gears affect the motion.
     """
 
     is_streamed = True
@@ -241,88 +244,91 @@ class DriveTorques(ArmRequest[None], frozen=True):
     torques: Row6
     """Torques of the joints [N·m], shape (6,); none may exceed the joint's limit."""
     viscous_scale: Shares6 = VISCOUS_SCALE
-    """Part of each joint's viscous friction that the drives compensate."""
+    """Fraction of each joint's viscous friction that the drives compensate."""
     coulomb_scale: Shares6 = COULOMB_SCALE
-    """Part of each joint's dry friction that they compensate."""
+    """Fraction of each joint's dry friction that the drives compensate."""
     duration: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.02
-    """Simulated time until which the next torques must come [s]: without them, the arm
-    returns to position control, and ramps to rest."""
+    """Simulated time within which the next torques must arrive [s]; otherwise, the arm
+    returns to position control and decelerates to rest."""
 
 
 class EndTorques(ArmRequest[None], frozen=True):
-    """Return from torques to position control, if an arm is driven by them."""
+    """Return an arm that is driven by torques to position control."""
 
 
 class StartForceMode(ArmRequest[None], frozen=True):
-    """Push with a force along some axes of a frame, as URScript's ``force_mode``.
+    """Push with a force along some axes of a frame, like URScript's ``force_mode``.
 
-    It is superimposed on what else the arm does; a second request replaces the first.
-    The force is the one that the tool exerts on its environment at rest.  Motions and
-    their setpoints do not show how far the arm gives way.
+    Force mode is superimposed on the arm's motion; a second request replaces the first.
+    The wrench is the one that the tool exerts on its environment at rest.  Motions and
+    their setpoints do not include the compliant deviation.
     """
 
     frame: Row6
-    """Frame of the task in the base, with a rotation vector [m, rad]."""
+    """Pose of the task frame in the base: position and rotation vector [m, rad]."""
     selection: Flags6
-    """Axes of the frame that give way: x, y, z, and the rotations about them."""
+    """Compliant axes of the frame: x, y, z, and the rotations about them."""
     wrench: Row6
-    """Force and torque along the axes that give way [N, N·m], shape (6,); the numbers
-    of other axes do not count."""
+    """Force and torque along the compliant axes [N, N·m], shape (6,); the numbers for
+    other axes are ignored."""
     limits: Limits6
-    """Largest speed along an axis that gives way [m/s, rad/s]; largest deviation from
-    the motion along another that it resists with more force [m, rad]."""
+    """For compliant axes, the largest speed [m/s, rad/s]; for other axes, the largest
+    deviation from the motion [m, rad], up to which the restoring force grows."""
     kind: Literal[1, 2, 3] = 2
-    """1: the frame's y axis points from the TCP to the frame's origin.  2: the frame is
-    as given.  3: its x axis is the TCP's velocity, projected onto its xy plane."""
+    """1: the frame's y axis points from the TCP to the frame's origin. 2: the frame is
+    as given. 3: the frame's x axis is the TCP's velocity projected onto its xy
+    plane."""
     tcp: Row6 = ZERO_POSE
-    """The TCP in the flange, with a rotation vector [m, rad]."""
+    """Pose of the TCP in the flange's frame: position and rotation vector [m, rad]."""
     damping: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.005
-    """Damping as of ``force_mode_set_damping``: how soon an undriven motion decays."""
+    """Damping as in URScript's ``force_mode_set_damping``: how fast a motion decays
+    when no force drives it."""
     gain_scaling: Annotated[float, Meta(ge=0.0, le=2.0)] = 1.0
-    """Gain scaling as of ``force_mode_set_gain_scaling``: it divides the damping."""
+    """Gain scaling as in URScript's ``force_mode_set_gain_scaling``; the damping is
+    divided by it."""
     controller: Name | None = None
-    """The active ForceModeController of UR's driver for ROS 2 in whose name the arm
-    pushes; without one, the arm must be taken."""
+    """Active ForceModeController (of UR's driver for ROS 2) on whose behalf the arm
+    pushes; if left out, the arm must be taken."""
 
 
 class EndForceMode(ArmRequest[None], frozen=True):
-    """End force mode: the arm stops where it is, and a path of it ends."""
+    """End force mode: the arm stops where it is, and its path ends."""
 
     controller: Name | None = None
-    """Controller in whose name the arm pushes, as for ``start_force_mode``."""
+    """Controller on whose behalf the arm pushes; see ``start_force_mode``."""
 
 
 class StartFreedrive(ArmRequest[None], frozen=True):
-    """Start freedrive: the arm is moved by hand, and stays where it is left."""
+    """Start freedrive: the arm can be moved by hand and stays where it is left."""
 
     axes: Flags6 = (True,) * 6
-    """Axes of the frame along which, and about which, the tool gives way."""
+    """Axes of the frame along and about which the tool can be moved."""
     frame: Row6 = ZERO_POSE
-    """Frame of the task in the base, with a rotation vector [m, rad]."""
+    """Pose of the task frame in the base: position and rotation vector [m, rad]."""
     controller: Name | None = None
-    """The active FreedriveModeController of UR's driver for ROS 2 in whose name the arm
-    gives way, if it does not so far; without one, the arm must be taken."""
+    """Active FreedriveModeController (of UR's driver for ROS 2) on whose behalf the arm
+    enters freedrive, unless it already has; if left out, the arm must be taken."""
 
 
 class EndFreedrive(ArmRequest[None], frozen=True):
-    """Hold the arm where it is."""
+    """End freedrive: the arm holds its position."""
 
     controller: Name | None = None
-    """Controller in whose name the arm gives way, as for ``start_freedrive``."""
+    """Controller on whose behalf the arm is in freedrive; see ``start_freedrive``."""
 
 
 class ReadArmMotion(ArmRequest[ArmSample], frozen=True):
-    """Setpoint, mode, path and wrench of an arm, as ``state`` messages have them."""
+    """Read an arm's setpoint, mode, path and wrench, as in ``state`` messages."""
 
 
 class ZeroWrench(ArmRequest[None], frozen=True):
-    """Tare the wrench that states have of an arm."""
+    """Tare the arm's wrench, which states contain."""
 
 
 class EndStream(Request[None], frozen=True):
-    """Ramp down to rest if the arm follows a stream; any other motion goes on.
+    """Decelerate the arm to rest if it follows a stream; other motions continue.
 
-    The simulation does so itself when a stream has fallen silent.
+    The simulation does this by itself when a stream stops sending.
     """
 
     arm: Name

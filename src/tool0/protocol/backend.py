@@ -1,7 +1,7 @@
-"""A backend: a robot behind the contract, simulated or not.
+"""A backend: a simulated or real robot behind the contract.
 
-It answers requests, publishes states, and says what it does not offer.  A server, the
-Python API and what is built on them know nothing else of it.
+A backend answers requests, publishes states, and reports which requests it does not
+offer.  Servers, the Python API and everything built on them use no other interface.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class Observed(Protocol):
-    """A robot in time, in this process or another one."""
+    """A robot whose state changes with time, in this process or another one."""
 
     @property
     def description(self) -> RobotDescription: ...
@@ -36,32 +36,32 @@ class Observed(Protocol):
 
     @property
     def time(self) -> float:
-        """The robot's time now, which may be later than the newest state [s]."""
+        """The robot's current time [s], which may be later than the newest state's."""
 
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
         """Advance time until ``is_over()``; return False on a timeout.
 
         Args:
             is_over: Polled repeatedly.
-            timeout: Longest simulated time [s] where the caller makes time pass,
-                otherwise longest wall time; None waits without limit.
+            timeout: Longest simulated time [s] if time passes only on request,
+                otherwise longest wall time [s]; None waits without limit.
 
         Raises:
             EngineError: If the physics failed.
             ControlError: If the robot was closed, or is paused without real time.
-            TransportError: If it is in another process, which has ended.
+            TransportError: If the robot's process, another one, has ended.
         """
 
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
-        """Advance time until ``goal`` ends, as ``wait_until`` does."""
+        """Advance time until ``goal`` ends; see ``wait_until``."""
 
 
 class States(Observed, Protocol):
-    """The states of a robot of this process."""
+    """States of a robot in this process."""
 
     @property
     def goals(self) -> GoalRegistry:
-        """The goals that requests have started, by number."""
+        """Registry of the goals that requests have started."""
 
     def subscribe(
         self,
@@ -74,20 +74,20 @@ class States(Observed, Protocol):
         latest_only: bool = False,
         when_published: Callable[[], None] | None = None,
     ) -> Subscription:
-        """Return a reader of snapshots and events, as ``Bus.subscribe`` does.
+        """Return a reader of snapshots and events; see ``Bus.subscribe``.
 
         Args:
-            rate: Snapshots per second of the robot's time [Hz]; the default rate if
-                left out.
-            keep_all: As for ``Bus.subscribe``, and so the rest.
-            with_commands: The snapshots have the commands of the joints.
-            with_arms: They have what moves each arm, and the wrench on its tool.
-            with_contacts: They have contacts and their forces.
-            latest_only: Events, and the newest snapshot only.
-            when_published: Called for every snapshot.
+            rate: Snapshots per second of the robot's time [Hz]; 125 Hz if left out.
+            keep_all: Whether ``pending`` returns every snapshot.
+            with_commands: Whether snapshots contain the joints' commands.
+            with_arms: Whether they contain each arm's motion and the wrench on its
+                tool.
+            with_contacts: Whether they contain contacts and their forces.
+            latest_only: Whether events and the newest snapshot are enough.
+            when_published: Callback for every snapshot.
 
         Raises:
-            ControlError: For a rate that is not offered.
+            ControlError: If the rate is not offered.
         """
 
     @property
@@ -95,14 +95,14 @@ class States(Observed, Protocol):
         """Renderer of camera images; None if there is none."""
 
     def refresh(self) -> None:
-        """Publish a snapshot soon, also while time is held."""
+        """Publish a snapshot soon, even while time is paused."""
 
     def snapshot_with_arms(self) -> Snapshot:
-        """Return the newest state with what moves each arm; it may wait for it."""
+        """Return the newest state that contains the arms' motions; may wait for one."""
 
     @property
     def process(self) -> OwnProcess:
-        """The process that owns the robot, and alone can use and close it."""
+        """The process that owns the robot; only this process can use and close it."""
 
     def close(self) -> None:
         """End the robot; closing twice is allowed."""
@@ -111,9 +111,9 @@ class States(Observed, Protocol):
 class Backend(Protocol):
     """Answers the requests of all clients.
 
-    ``answer`` may take time and is called by worker threads; the rest is called by
-    the server's thread alone.  It is given only requests that the backend offers, and
-    none of ``Request.is_of_connection``.
+    ``answer`` may take time and is called by worker threads; all other methods are
+    called by the server's thread.  ``answer`` receives only requests that the backend
+    offers and whose ``is_of_connection`` is false.
     """
 
     @property
@@ -121,22 +121,22 @@ class Backend(Protocol):
 
     @property
     def states(self) -> States | None:
-        """The states as clients of the contract read them; None for a mere picture."""
+        """The states that clients read; None without a live robot (a replay)."""
 
     def why_missing(self, request: type[Request[Any]]) -> str:
-        """Return why requests of a class are not offered; empty if they are."""
+        """Return why a class of requests is not offered; empty if it is offered."""
 
     def answer(self, request: Request[Any]) -> Any:
-        """Return the response to a checked request that is offered.
+        """Return the response to a checked request that the backend offers.
 
         Raises:
-            Tool0Error: If it cannot be carried out.
+            Tool0Error: If the request cannot be carried out.
         """
 
     def post(
         self, request: Request[Any], when_failed: Callable[[Exception], None]
     ) -> None:
-        """Queue a request of a stream for the next tick, or raise Tool0Error.
+        """Queue a streamed request for the next tick, or raise Tool0Error.
 
         ``when_failed`` may be called in any thread.
         """
@@ -145,16 +145,16 @@ class Backend(Protocol):
         """Raise Tool0Error for a streamed setpoint that can never be carried out."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
-        """Return the controllers whose setpoint streams are ended by a request."""
+        """Return the controllers whose setpoint streams a request ends."""
 
 
 def missing(request: type[Request[Any]], reason: str) -> NotOfferedError:
-    """Return the error for a request that a backend does not offer."""
+    """Return the error for requests that a backend does not offer."""
     return NotOfferedError(f"'{method_name(request)}' is not offered: {reason}")
 
 
 def missing_methods(backend: Backend) -> dict[str, str]:
-    """Return each method of the contract that a backend does not offer, and why."""
+    """Return the contract's methods that a backend does not offer → reason."""
     reasons = {
         name: backend.why_missing(request)
         for name, request in methods().items()

@@ -1,4 +1,4 @@
-"""The only output: frozen snapshots, the newest or one after the other, and events."""
+"""The only output of a robot: a stream of frozen snapshots, and events."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ from tool0.protocol.goals import Goal
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot
 
 EVENTS_KEPT = 1000
-"""Events that a subscriber may fall behind before it loses the oldest."""
+"""Number of unread events after which a subscriber loses the oldest."""
 
 SNAPSHOTS_KEPT = 256
-"""Snapshots that a subscriber may fall behind: half a second's at 500 Hz."""
+"""Number of snapshots by which a subscriber may fall behind: half a second at 500
+Hz."""
 
 HISTORY_LENGTH = 64
-"""Snapshots of the history: half a second's at the default rate.
+"""Number of snapshots in the history: half a second at the default rate.
 
-Commands, short runs and faster subscribers publish many at almost one instant; the
-history leaves those out, so that they do not displace older ones."""
+Commands, short runs and faster subscribers cause many snapshots at almost the same
+instant; the history skips these so that they do not displace older ones."""
 
 _ROUNDING = 1e-6  # [s]
 
@@ -31,12 +32,12 @@ _ROUNDING = 1e-6  # [s]
 @final
 @dataclass(frozen=True, slots=True)
 class GoalFinished:
-    """A goal of any controller ended."""
+    """A controller's goal ended."""
 
     goal: Goal
     """The goal, with its ``controller``, ``status`` and ``result``."""
     time: float | None = None
-    """Simulated time [s]; None over a connection."""
+    """Simulated time [s]; None if the event came over a connection."""
 
 
 @final
@@ -45,7 +46,8 @@ class Overran:
     """The simulation falls behind the wall clock, or keeps up again."""
 
     count: int
-    """Ticks of the last second that started late; 0: it keeps up again."""
+    """Number of ticks that started late in the last second; 0 if the simulation keeps
+    up again."""
     time: float
     """Simulated time [s]."""
 
@@ -64,12 +66,12 @@ class Faulted:
 @final
 @dataclass(frozen=True, slots=True)
 class WasReset:
-    """Robot and objects returned to their start."""
+    """The robot and the objects were returned to their start poses."""
 
     time: float = 0.0
-    """Simulated time, which may have continued [s]."""
+    """Simulated time after the reset [s]."""
     step: int = 0
-    """Ticks since the bring-up; 0 over a connection."""
+    """Ticks since the bring-up; 0 if the event came over a connection."""
 
 
 @final
@@ -99,10 +101,11 @@ Event = GoalFinished | Overran | Faulted | WasReset | Reported | WasFrozen
 
 @final
 class Subscription:
-    """Delivers snapshots and events to one reader, at its pace: ``subscribe``.
+    """Delivers snapshots and events to one reader at the reader's pace.
 
-    Use ``next`` for the newest snapshot, ``following`` for each one after the other,
-    and ``pending`` for all that have arrived.  Each reader needs its own.
+    Use ``next`` for the newest snapshot, ``following`` to read the snapshots one after
+    the other, and ``pending`` for all that have arrived.  Each reader needs its own
+    subscription.
     """
 
     def __init__(
@@ -122,18 +125,19 @@ class Subscription:
     ) -> None:
         self._period = period
         self._with_commands = with_commands
-        """Whether the snapshots need the commands of the joints."""
+        """Whether snapshots must contain the joints' commands."""
         self._with_arms = with_arms
-        """Whether they need what moves each arm, and the wrench on its tool."""
+        """Whether snapshots must contain each arm's motion and the wrench on its
+        tool."""
         self._with_contacts = with_contacts
-        """Whether they need the contacts."""
+        """Whether snapshots must contain the contacts."""
         self._forces_period = forces_period if with_arms or with_contacts else math.inf
-        """Simulated time between two snapshots with these [s]."""
+        """Simulated time between two snapshots with arms or contacts [s]."""
         self._latest_only = latest_only
-        """Whether it takes events and the newest snapshot only: the bus need not keep
-        older ones."""
+        """Whether the reader takes only events and the newest snapshot, so that the bus
+        need not keep older ones."""
         self._when_published = when_published
-        """Called for every snapshot, in the thread of the tick; it must not wait."""
+        """Callback for every snapshot, in the tick's thread; it must not block."""
         self._bus = bus
         self._when_closed = when_closed
         self._seen: Snapshot | None = None
@@ -157,22 +161,23 @@ class Subscription:
 
     @property
     def backlog(self) -> deque[Snapshot] | None:
-        """Every snapshot until ``pending`` takes it; None if not all are kept."""
+        """Snapshots that ``pending`` has not yet taken; None without ``keep_all``."""
         return self._backlog
 
     def next(self, timeout: float | None = None) -> Snapshot | None:
         """Wait for a snapshot newer than the last one and return the newest.
 
-        Snapshots in between are skipped.  None after ``timeout`` [wall s].
+        Snapshots in between are skipped.  After ``timeout`` [wall s], None is returned.
         """
         newer = self._bus.newer_than(self._seen, timeout)
         self._seen = newer or self._seen
         return newer
 
     def following(self, timeout: float | None = None) -> Snapshot | None:
-        """Wait for the snapshot after the last one; None after ``timeout`` [wall s].
+        """Wait for the next snapshot and return it; None after ``timeout`` [wall s].
 
-        No snapshot is left out unless the reader falls ``SNAPSHOTS_KEPT`` behind.
+        No snapshot is skipped unless the reader falls more than ``SNAPSHOTS_KEPT``
+        behind.
         """
         following = self._bus.newer_than(self._seen, timeout)
         if following is not None and self._seen is not None:
@@ -181,7 +186,7 @@ class Subscription:
         return following
 
     def pending(self) -> list[Snapshot]:
-        """Return all snapshots after the last one, without waiting, oldest first."""
+        """Return all unread snapshots without waiting, oldest first."""
         if (backlog := self._backlog) is not None:
             return [backlog.popleft() for _ in range(len(backlog))]
         found = self._bus.since(self._seen)
@@ -197,17 +202,18 @@ class Subscription:
 
 @final
 class Bus:
-    """Keeps the newest snapshots.  Publishing never waits for a reader."""
+    """Keeps the newest snapshots; publishing never waits for readers."""
 
     def __init__(self) -> None:
         self.process = OwnProcess()
         self._lock = threading.RLock()
         self._changed = threading.Condition(self._lock)
         self._n_waiting = 0
-        """Readers that wait for a change: mostly none, and waking takes time."""
+        """Number of readers that wait for a change: usually none, so waking is
+        skipped."""
         self.latest: Snapshot | None = None
         self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
-        """Recent snapshots, while there are subscribers that want them: freeing a
+        """Recent snapshots, kept only while subscribers want them, because freeing a
         snapshot that has left the processor's cache takes longer than making one."""
         self._keeps_recent = False
         self._history: deque[Snapshot] = deque(maxlen=HISTORY_LENGTH)
@@ -217,9 +223,9 @@ class Bus:
         self._backlogs: tuple[deque[Snapshot], ...] = ()
         self._wakers: tuple[Callable[[], None], ...] = ()
         self.wants_commands = False
-        """Whether a subscriber needs the commands of the joints."""
+        """Whether a subscriber needs the joints' commands."""
         self.wants_arms = False
-        """Whether a subscriber needs what moves each arm."""
+        """Whether a subscriber needs the arms' motions."""
         self.wants_contacts = False
         """Whether a subscriber needs the contacts."""
         self._forces_period = math.inf
@@ -227,7 +233,7 @@ class Bus:
         """Simulated time of the newest snapshot with arms or contacts [s]."""
 
     def history(self) -> tuple[Snapshot, ...]:
-        """Return the last half second of simulated time, the newest at the end."""
+        """Return snapshots of the last half second of simulated time, oldest first."""
         with self._lock:
             kept, latest = tuple(self._history), self.latest
         return kept if latest is None or kept[-1] is latest else (*kept, latest)
@@ -246,9 +252,9 @@ class Bus:
         latest_only: bool = False,
         when_published: Callable[[], None] | None = None,
     ) -> Subscription:
-        """Return a new reader; with ``keep_all``, its ``pending`` misses nothing.
+        """Return a new reader; with ``keep_all``, ``pending`` returns every snapshot.
 
-        Of more than ``most_kept`` that wait, it misses the oldest.
+        If more than ``most_kept`` snapshots are unread, the oldest are lost.
 
         The other arguments are explained in ``Subscription``.
         """
@@ -342,9 +348,9 @@ class Bus:
             return None if self.latest is seen else self.latest
 
     def since(self, seen: Snapshot | None) -> list[Snapshot]:
-        """Return the snapshots after ``seen``, oldest first; the newest to begin with.
+        """Return the snapshots after ``seen``, oldest first; only the newest for None.
 
-        All that are kept, if ``seen`` was dropped since.
+        If ``seen`` is no longer kept, all kept snapshots are returned.
         """
         self.process.check()
         with self._lock:

@@ -1,4 +1,4 @@
-"""Connection of handles to the robot: in this process, or over a socket."""
+"""Channels that connect API objects to a robot in this process or over a socket."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ class Channel(Observed, Protocol):
     """A connection to a robot."""
 
     def call(self, request: Request[R]) -> R:
-        """Return the response, or raise what the handler raised."""
+        """Return the response, or raise the handler's error."""
 
     def goal(self, started: GoalStarted) -> Goal:
-        """Return a goal that a request of this channel has just started."""
+        """Return the goal that a request on this channel has just started."""
 
     def subscribe(
         self, rate: float | None = None, *, keep_all: bool = False
     ) -> Subscription:
         """Return a reader of snapshots and events at ``rate`` [Hz].
 
-        With ``keep_all`` it keeps every snapshot that arrives until it is taken.
+        With ``keep_all``, the reader keeps every snapshot until it is taken.
         """
 
     def close(self) -> None:
@@ -58,7 +58,7 @@ class LocalChannel:
 
     @property
     def backend(self) -> Backend:
-        """The backend; ControlError in a forked child, which does not own it."""
+        """The backend; raises ControlError in a forked child, which does not own it."""
         self._process.check()
         return self._backend
 
@@ -88,7 +88,7 @@ class LocalChannel:
 
     @property
     def cameras(self) -> CameraRenderer | None:
-        """Renderer of camera images of this process; None if there is none."""
+        """Renderer of camera images in this process; None if there is none."""
         return self._robot.cameras
 
     def goal(self, started: GoalStarted) -> Goal:
@@ -112,17 +112,17 @@ class LocalChannel:
 
 @runtime_checkable
 class Connected(Protocol):
-    """A robot as its user has it: ``tool0.Robot``."""
+    """A robot object with a channel, such as ``tool0.Robot``."""
 
     @property
     def channel(self) -> Channel: ...
 
 
 def backend_of(channel: Channel) -> Backend:
-    """Return what answers the requests of a channel, for servers.
+    """Return the backend behind a channel, for servers.
 
     Raises:
-        ControlError: If it is in another process.
+        ControlError: If the backend is in another process.
     """
     if not isinstance(channel, LocalChannel):
         raise ControlError("the simulation runs in another process")

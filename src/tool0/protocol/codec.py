@@ -1,8 +1,8 @@
 """Requests, responses, errors and events as JSON, for every connection.
 
-A request is ``{"id": 1, "method": "step", "params": {"ticks": 5}}``.  Its answer is
-``{"type": "reply", "id": 1, "result": 0.005}``, or with ``"error"`` in place of the
-result.  Without an id, only an error is answered.  ``bytes`` are base64.
+A request is ``{"id": 1, "method": "step", "params": {"ticks": 5}}``.  Its reply is
+``{"type": "reply", "id": 1, "result": 0.005}``, or has ``"error"`` instead of
+``"result"``.  Without an id, only errors are answered.  ``bytes`` are base64.
 """
 
 from __future__ import annotations
@@ -43,24 +43,24 @@ from tool0.protocol.state_message import (
 )
 
 PROTOCOL: Final = 3
-"""Incremented when a program written for the old protocol could misread the new."""
+"""Protocol version, incremented when programs for the old one could misread the new."""
 _LONGEST_STOP: Final = 4096
-"""Size of the longest stop that overtakes waiting requests [bytes]; a longer one, with
-its reason, waits like any other request."""
+"""Size of the longest stop request that overtakes waiting ones [bytes]; a longer one,
+due to a long reason, waits like any other request."""
 _SHOWN: Final = 40
-"""Characters of an unknown word that an answer repeats."""
+"""Number of characters of an unknown word that an error message repeats."""
 UNREADABLE: Final = (msgspec.DecodeError, RecursionError, UnicodeDecodeError)
-"""Raised for a text that is no JSON, too deep, or not in UTF-8."""
+"""Exceptions for a text that is not JSON, is nested too deeply, or is not UTF-8."""
 
 
 # ---- errors and outcomes -------------------------------------------------------------
 
 
 class ErrorInfo(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """Reason why a request failed."""
+    """The error with which a request failed."""
 
     type: str
-    """A class of tool0's error tree, such as ``ClaimError``."""
+    """Class in tool0's exception hierarchy, such as ``ClaimError``."""
     message: str
     code: int | None = None
     """Error code of a GoalRejectedError."""
@@ -88,11 +88,11 @@ ERRORS: Final[dict[str, type[Tool0Error]]] = {
     for name, kind in vars(errors).items()
     if isinstance(kind, type) and issubclass(kind, Tool0Error) and name[0] != "_"
 }
-"""The errors that keep their type on a connection."""
+"""Errors whose type is preserved on a connection."""
 
 
 def error_info(error: BaseException) -> ErrorInfo:
-    """Return ``error`` as it is sent; only our own keep their type."""
+    """Return ``error`` in its sent form; only tool0's own errors keep their type."""
     if not isinstance(error, Tool0Error):
         return ErrorInfo(
             type="InternalError",
@@ -109,7 +109,7 @@ def error_info(error: BaseException) -> ErrorInfo:
 
 
 def error_of(info: ErrorInfo) -> Tool0Error:
-    """Return the error that was sent."""
+    """Return the error that a received ``ErrorInfo`` describes."""
     kind = ERRORS.get(info.type, TransportError)
     if kind is GoalRejectedError:
         return GoalRejectedError(
@@ -124,12 +124,12 @@ def error_of(info: ErrorInfo) -> Tool0Error:
 
 
 def outcome_of(result: Result) -> Outcome:
-    """Return a goal's result as it is sent."""
+    """Return a goal's result in the form that is sent."""
     return msgspec.convert(msgspec.to_builtins(result), Outcome)
 
 
 def result_of(outcome: Outcome) -> Result:
-    """Return the result that was sent."""
+    """Return the result that a received ``Outcome`` describes."""
     plain_outcome = msgspec.to_builtins(outcome)
     if outcome.position is None:
         return msgspec.convert(plain_outcome, GoalResult)
@@ -142,7 +142,7 @@ Mode = Literal["simulation", "hardware", "view", "replay"]
 
 
 class Hello(Struct, frozen=True, kw_only=True, tag="hello"):
-    """The first message of the server."""
+    """The server's first message on a connection."""
 
     protocol: int
     version: str
@@ -151,15 +151,15 @@ class Hello(Struct, frozen=True, kw_only=True, tag="hello"):
     """Name of the bring-up."""
     pid: int
     mode: Mode
-    """``hardware`` is a real robot, ``view`` one without physics and controllers,
-    ``replay`` a recording."""
+    """``simulation``, ``hardware`` (a real robot), ``view`` (a robot without physics
+    and controllers), or ``replay`` (a recording)."""
 
 
 class GoalEnded(Struct, frozen=True, kw_only=True, tag="goal_finished"):
-    """A goal ended: to the connection that started it, and to subscribers."""
+    """A goal ended; sent to the connection that started the goal and to subscribers."""
 
     goal: int | None
-    """Number of the goal; null for one that no request started."""
+    """Number of the goal; null if no request started it."""
     controller: str
     outcome: Outcome
 
@@ -169,23 +169,24 @@ class Fault(Struct, frozen=True, kw_only=True, tag="fault"):
 
     message: str
     time: float
-    """Simulated [s]."""
+    """Simulated time [s]."""
 
 
 class ResetDone(Struct, frozen=True, kw_only=True, tag="reset"):
-    """Robot and objects are where they started."""
+    """The robot and the objects were returned to their start poses."""
 
     time: float
-    """Simulated time, which may have continued [s]."""
+    """Simulated time after the reset [s]."""
 
 
 class LateTicks(Struct, frozen=True, kw_only=True, tag="overrun"):
     """The simulation falls behind the wall clock, or keeps up again."""
 
     count: int
-    """Ticks of the last second that started late; 0: it keeps up again."""
+    """Number of ticks that started late in the last second; 0 if the simulation keeps
+    up again."""
     time: float
-    """Simulated [s]."""
+    """Simulated time [s]."""
 
 
 EventMessage = GoalEnded | Fault | ResetDone | LateTicks
@@ -195,11 +196,12 @@ EventMessage = GoalEnded | Fault | ResetDone | LateTicks
 
 
 class Envelope(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A request as it arrives."""
+    """A request as received, with undecoded parameters."""
 
     method: str
     id: int | str | None = None
-    """Repeated in the reply; without one, only an error is answered."""
+    """Number or text that the reply repeats; without an id, only errors are
+    answered."""
     params: Raw = Raw(b"{}")
 
 
@@ -207,13 +209,13 @@ class Reply(Struct, frozen=True, kw_only=True, tag="reply"):
     """The answer to one request."""
 
     id: int | str | None
-    """The request's; null if none could be read."""
+    """Id of the request; null if none could be read."""
     result: Raw | UnsetType = UNSET
     error: ErrorInfo | UnsetType = UNSET
 
 
 class _WireForm(NamedTuple):
-    """Form in which a response that is not plain data is sent."""
+    """The form in which a response that is not plain data is sent."""
 
     kind: Any
     write: Callable[[Any], Any]
@@ -231,13 +233,13 @@ _WIRE_FORMS: Final[Mapping[Any, _WireForm]] = {
 
 
 def wire_type(response: Any) -> Any:
-    """Return the type that a response of this type is sent as."""
+    """Return the type in whose form a response of this type is sent."""
     form = _WIRE_FORMS.get(response)
     return response if form is None else form.kind
 
 
 def _encodable(value: Any) -> Any:
-    """Return a value unknown to msgspec, such as a numpy number, as a Python one."""
+    """Convert a value unknown to msgspec, such as a numpy number, to a Python value."""
     found = plain(value)
     if found is value:
         raise TypeError(f"a value of type {type(value).__name__} cannot be sent")
@@ -250,7 +252,7 @@ _envelopes = msgspec.json.Decoder(Envelope)
 
 @final
 class RequestReadError(Exception):
-    """Text that is no valid request, with what can be answered."""
+    """A text is not a valid request; has the id and the error for the reply."""
 
     def __init__(self, ident: int | str | None, error: Tool0Error) -> None:
         super().__init__(str(error))
@@ -264,10 +266,10 @@ def encode(message: Struct) -> bytes:
 
 
 def encode_request(ident: int | None, request: Request[Any]) -> bytes:
-    """Return a request as JSON, without a newline; it has no reply without ``ident``.
+    """Return a request as JSON, without a newline; with no ``ident``, it gets no reply.
 
     Raises:
-        RequestError: If one of its values cannot be sent.
+        RequestError: If one of the request's values cannot be sent.
     """
     method = method_name(type(request))
     try:
@@ -277,7 +279,7 @@ def encode_request(ident: int | None, request: Request[Any]) -> bytes:
 
 
 def may_be_urgent(text: bytes | str) -> bool:
-    """Return whether ``text``, which is not decoded, may be a stop: a short request."""
+    """Return whether ``text``, still undecoded, may be a stop request."""
     if len(text) > _LONGEST_STOP:
         return False
     if isinstance(text, str):
@@ -291,12 +293,12 @@ def decode_request(
     """Return the id and the request in ``text``.
 
     Args:
-        text: The message as it has arrived.
-        suggests: Whether an error names what is similar, and repeats an id that is
-            hard to find; both take longer than most requests.
+        text: The message as received.
+        suggests: Whether an error suggests similar names, and repeats even an id that
+            is hard to find; both take longer than most requests.
 
     Raises:
-        RequestReadError: If it is no request; nothing was done then.
+        RequestReadError: If the text is not a valid request.
     """
     try:
         envelope = _envelopes.decode(text)
@@ -322,19 +324,19 @@ def decode_request(
 def encode_reply(
     ident: int | str | None, request: Request[Any], response: Any
 ) -> bytes:
-    """Return the answer to a request that succeeded."""
+    """Return the reply to a request that succeeded."""
     form = _WIRE_FORMS.get(response_type(type(request)))
     result = _encoder.encode(response if form is None else form.write(response))
     return encode(Reply(id=ident, result=Raw(result)))
 
 
 def encode_error(ident: int | str | None, error: BaseException) -> bytes:
-    """Return the answer to a request that failed."""
+    """Return the reply to a request that failed."""
     return encode(Reply(id=ident, error=error_info(error)))
 
 
 def decode_response(request: Request[Any], result: Raw) -> Any:
-    """Return the response to ``request``, or raise TransportError if it is none."""
+    """Return the decoded response to ``request``, or raise TransportError."""
     response = response_type(type(request))
     form = _WIRE_FORMS.get(response)
     try:
@@ -362,14 +364,14 @@ def _id_in(text: bytes | str) -> int | str | None:
 
 @cache
 def _urgent_methods(n_methods: int) -> tuple[str, ...]:
-    """Return the names of stops; methods may be registered later."""
+    """Return the names of stop requests; cached until a method is registered."""
     return tuple(name for name, kind in methods().items() if kind.is_urgent)
 
 
 def _explained(
     kind: type[Request[Any]], params: Raw, error: Exception, *, suggests: bool
 ) -> Tool0Error:
-    """Return what is wrong with a request's parameters."""
+    """Return an error that says what is wrong with a request's parameters."""
     if isinstance(error, Tool0Error):
         return error
     method = method_name(kind)

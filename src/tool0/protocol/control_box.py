@@ -18,80 +18,82 @@ from tool0.protocol.control_box_state import (
 from tool0.protocol.request import ArmRequest, Place
 
 DigitalPin = Annotated[int, Meta(ge=0, le=N_DIGITAL - 1)]
-"""Standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
+"""Number of a digital pin: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
 
 AnalogPinNumber = Annotated[int, Meta(ge=0, le=N_ANALOG - 1)]
 
 Fraction = Annotated[float, Meta(ge=0.01, le=1.0)]
 
 MOST_PROGRAM: Final = 200
-"""Characters of a program's name."""
+"""Maximum length of a program's name [characters]."""
 
 MOST_REASON: Final = 500
-"""Characters of the reason of a protective stop."""
+"""Maximum length of a protective stop's reason [characters]."""
 MOST_POPUP: Final = 1000
-"""Characters of a popup."""
+"""Maximum length of a popup's text [characters]."""
 
 Mass = Annotated[float, Meta(ge=0.0, le=1000.0)]
 """Mass [kg]."""
 
 
 class ReadIO(ArmRequest[ControlBoxState], frozen=True):
-    """Pins, speed slider, payload, modes and program of an arm."""
+    """Read an arm's pins, speed slider, payload, modes and program."""
 
 
 class SetIO(ArmRequest[None], frozen=True):
-    """Set digital outputs and the tool's voltage; what is left out does not change."""
+    """Set digital outputs and the tool's voltage; values left out do not change."""
 
     digital_outputs: dict[DigitalPin, bool] = field(default_factory=dict)
     """Levels of the digital outputs by pin: standard 0 … 7, configurable 8 … 15, tool
     16 and 17."""
     digital_inputs: dict[DigitalPin, bool] = field(default_factory=dict)
-    """Levels that the inputs measure, by pin: for tests, in place of wires."""
+    """Simulated levels of the digital inputs by pin, for tests without wiring."""
     tool_voltage: Literal[0, 12, 24] | None = None
     """Voltage at the tool's connector [V]."""
 
 
 class SetAnalogOutput(ArmRequest[None], frozen=True):
-    """Set an analogue output of the box."""
+    """Set an analogue output of the control box."""
 
     pin: AnalogPinNumber
     level: Annotated[float, Meta(ge=0.0, le=1.0)]
     """Fraction of the range: 0 … 10 V, or 4 … 20 mA."""
     domain: AnalogDomain = AnalogDomain.VOLTAGE
-    """0 is a current, 1 a voltage."""
+    """0 for a current, 1 for a voltage."""
 
 
 class SetAnalogInput(ArmRequest[None], frozen=True):
-    """Set what an analogue input measures: for tests, in place of a wire."""
+    """Set the value that an analogue input measures, for tests without wiring."""
 
     pin: AnalogPinNumber
     value: float
-    """Value that the input measures [V] or [A], by ``domain``."""
+    """Value that the input measures, [V] or [A] depending on ``domain``."""
     domain: AnalogDomain = AnalogDomain.VOLTAGE
-    """0 is a current, 1 a voltage."""
+    """0 for a current, 1 for a voltage."""
     tool: bool = False
-    """Whether it is an input of the tool."""
+    """Whether the pin is one of the tool's inputs instead of the box's."""
 
 
 class SetSpeedSlider(ArmRequest[None], frozen=True):
-    """Slow down the trajectories of scaled controllers, smoothly, from now on."""
+    """Scale the speed of scaled controllers' trajectories smoothly from now on."""
 
     fraction: Fraction
     """Fraction of the programmed speed."""
 
 
 class SetPayload(ArmRequest[None], frozen=True):
-    """Set what the drives expect at the flange, with the gripper and its load.
+    """Set the payload that the drives assume at the flange, including the gripper.
 
-    It replaces the tool of the description: drives that compensate gravity use it, and
-    force-torque sensors subtract its weight and inertia.  The physics does not change.
+    It replaces the mass of the tool in the description: drives that compensate gravity
+    use it, and force-torque sensors subtract its weight and inertia.  The physics does
+    not change.
     """
 
     mass: Mass | None = None
-    """Mass of the payload [kg]; as described, if left out."""
+    """Mass of the payload [kg]; if left out, that of the tool in the robot's
+    description."""
     center_of_gravity: Place = (0.0, 0.0, 0.0)
-    """Center of gravity in the frame of the flange, ``tool0`` [m]."""
+    """Center of gravity in the flange's frame, ``tool0`` [m]."""
 
 
 class PlayProgram(ArmRequest[None], frozen=True):
@@ -103,83 +105,83 @@ class PauseProgram(ArmRequest[None], frozen=True):
 
 
 class StopProgram(ArmRequest[None], frozen=True):
-    """Stop the program and what moves the arm; ``play_program`` starts controllers."""
+    """Stop the program and the arm; ``play_program`` restarts the controllers."""
 
     is_urgent = True
     revokes = ("play_program", "run_program", "take_arm")
 
 
 class PowerOff(ArmRequest[None], frozen=True):
-    """Switch the arm off: its program and its controllers stop, the brakes hold it."""
+    """Switch the arm off: program and controllers stop, and the brakes hold the arm."""
 
     is_urgent = True
     revokes = ("power_on", "release_brakes")
 
 
 class PowerOn(ArmRequest[None], frozen=True):
-    """Switch the arm on; its brakes stay on until ``release_brakes``."""
+    """Switch the arm on; the brakes stay engaged until ``release_brakes``."""
 
 
 class ReleaseBrakes(ArmRequest[None], frozen=True):
-    """Release the brakes, and switch the arm on before, if it is off.
+    """Release the brakes; if the arm is off, switch it on first.
 
-    Nothing moves until ``play_program`` starts the controllers again.
+    Nothing moves until ``play_program`` restarts the controllers.
     """
 
 
 class StopProtectively(ArmRequest[None], frozen=True):
-    """Stop this arm as its safety system does: it brakes until the stop is unlocked."""
+    """Trigger a protective stop: the arm brakes, and waits until it is unlocked."""
 
     is_urgent = True
     revokes = ("unlock_protective_stop", "restart_safety")
 
     reason: Annotated[str, Meta(min_length=1, max_length=MOST_REASON)]
-    """Reason of the stop, shown to users."""
+    """Reason for the stop, shown to users."""
 
 
 class UnlockProtectiveStop(ArmRequest[None], frozen=True):
-    """End a protective stop, from 5 s of simulated time after it on.
+    """End a protective stop that began at least 5 s of simulated time ago.
 
-    The arm holds until ``play_program`` starts the controllers again.
+    The arm holds its position until ``play_program`` restarts the controllers.
     """
 
     at_once: bool = False
-    """Whether to unlock also within these 5 s, which are for people to find the cause.
-    UR's primary interface does so."""
+    """Whether to unlock even within these 5 s, which give people time to find the
+    cause.  UR's primary interface does so."""
 
 
 class RestartSafety(ArmRequest[None], frozen=True):
-    """Clear whatever the safety system has stopped; the arm is switched off then."""
+    """Clear all stops and faults of the safety system; the arm is off afterwards."""
 
 
 class SetTcp(ArmRequest[None], frozen=True):
-    """Set the tool centre point, for clients; nothing in the simulation uses it."""
+    """Set the tool centre point that clients read; the simulation does not use it."""
 
     pose: Pose6
-    """Pose in the frame of the flange: position [m] and rotation vector [rad]."""
+    """Pose in the flange's frame: position [m] and rotation vector [rad]."""
 
 
 class SetSafetyLimits(ArmRequest[None], frozen=True):
-    """Configure the automatic protective stops; what is left out does not change."""
+    """Configure the automatic protective stops; values left out do not change."""
 
     enabled: bool | None = None
-    """Whether path errors, contact forces and joint limits stop the arm at all."""
+    """Whether path errors, contact forces and joint limits stop the arm."""
     force: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
-    """Largest force of contacts with the tool or a link but the base [N]."""
+    """Largest contact force on the tool or any link except the base [N]."""
 
 
 class ReportUr(ArmRequest[None], frozen=True):
-    """Show what the interface of UR's protocols does: for its process only."""
+    """Report the state of the UR protocol interface; sent only by its process."""
 
     program: Annotated[str, Meta(max_length=MOST_PROGRAM)] = ""
-    """The name of its program; empty if there is none."""
+    """Name of the program that the interface runs; empty if there is none."""
     program_state: Annotated[str, Meta(max_length=50)] = "STOPPED"
-    """Program state, by its name in RTDE's ``runtime_state``."""
+    """State of that program, named as in RTDE's ``runtime_state``."""
     popup: Annotated[str, Meta(max_length=MOST_POPUP)] | None = None
-    """The text that waits for an answer."""
+    """Text of a popup that waits for an answer; None if there is none."""
     clients: Annotated[int, Meta(ge=0)] = 0
-    """Connections to all of its ports."""
+    """Number of connections to the interface's ports."""
     registers: Annotated[
         Mapping[str, bool | int | float], Meta(max_length=MAX_REGISTERS)
     ] = field(default_factory=dict)
-    """Registers that are not zero, by their names in RTDE."""
+    """Values of all registers that are not zero, by RTDE name."""

@@ -1,4 +1,4 @@
-"""Controllers: their status, roles and gains, and the requests to them."""
+"""Controllers: their status, roles and gains, and the related requests."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from tool0.protocol.trajectories import JointsMotion, TrajectoryState
 
 
 class Role(enum.Enum):
-    """The purpose of a controller: which requests it takes."""
+    """Purpose of a controller, which determines the requests that it accepts."""
 
     TRAJECTORY = "trajectory"
     """Follows trajectories: ``TrajectoryFollower``."""
     GRIPPER = "gripper"
-    """Moves one joint and squeezes: ``GripperDriver``."""
+    """Moves one joint and can squeeze an object: ``GripperDriver``."""
     COMMAND = "command"
-    """Takes a number for each joint: ``CommandTaker``."""
+    """Accepts a number for each joint: ``CommandTaker``."""
     MOTION = "motion"
-    """Moves an arm by requests to the arm: tool0's own controller, and those of UR's
-    driver for freedrive and force mode (``simulation/handlers/arm_motion.py``)."""
+    """Lets requests to an arm move it: tool0's own controller, and UR's driver's
+    controllers for freedrive and force mode (``simulation/handlers/arm_motion.py``)."""
     READER = "reader"
     """Moves nothing."""
 
@@ -37,7 +37,7 @@ KIND_OF: Final = {
     Role.GRIPPER: "GripperActionController",
     Role.COMMAND: "ForwardCommandController",
 }
-"""The usual class of a role, for messages."""
+"""Role → usual controller class, for messages."""
 
 
 @final
@@ -46,29 +46,31 @@ class ControllerStatus:
     """A loaded controller: controller_manager_msgs/ControllerState."""
 
     name: str
-    """Name in the YAML."""
+    """Name of the controller in the YAML."""
     type: str
-    """Type in the YAML: ``effort_controllers/JointTrajectoryController``."""
+    """Type in the YAML, such as ``effort_controllers/JointTrajectoryController``."""
     role: Role
     """Role of the controller."""
     state: str
-    """ROS 1: ``initialized`` after loading, then ``running`` or ``stopped``.  ROS 2:
-    ``unconfigured`` after loading, then ``inactive`` or ``active``."""
+    """State of the controller.  ROS 1: ``initialized`` after loading, then ``running``
+    or ``stopped``.  ROS 2: ``unconfigured`` after loading, then ``inactive`` or
+    ``active``."""
     is_running: bool
-    """Whether it is running, or active."""
+    """Whether the controller is running (ROS 1) or active (ROS 2)."""
     claimed: tuple[tuple[str, tuple[str, ...]], ...]
-    """Each command interface with the joints; claims count while it is running."""
+    """Command interfaces with the joints that the controller claims while it is
+    running."""
     command_interfaces: tuple[str, ...] = ()
-    """Required command interfaces: ``elbow_joint/position``."""
+    """Required command interfaces, such as ``elbow_joint/position``."""
     state_interfaces: tuple[str, ...] = ()
-    """Required state interfaces, as ROS 2 names them."""
+    """Required state interfaces, by their ROS 2 names."""
     blocked: str = ""
-    """Why it cannot be started: its arm is in a protective stop, powered off, or taken
-    by another program; empty if it can."""
+    """Reason why the controller cannot be started: its arm is in a protective stop,
+    powered off, or taken by another program.  Empty if it can."""
 
     @property
     def joints(self) -> frozenset[str]:
-        """The joints that it drives while it is running."""
+        """The joints that the controller drives while it is running."""
         return frozenset(joint for _, joints in self.claimed for joint in joints)
 
 
@@ -77,9 +79,9 @@ def why_not_driven(
     joints: Collection[str],
     roles: Collection[Role] = (Role.TRAJECTORY,),
 ) -> str:
-    """Return why no running controller of these roles drives ``joints``, and a remedy.
+    """Return why no running controller of these roles drives ``joints``, with a remedy.
 
-    The message is for a request that needs one.
+    The message is for requests that need such a controller.
     """
     able = [status for status in statuses if status.role in roles]
     known = frozenset[str]().union(*(status.joints for status in able))
@@ -107,7 +109,7 @@ def why_not_driven(
 
 
 def start_command(name: str, instead_of: Sequence[str] = ()) -> str:
-    """Return how to start a loaded controller, and stop others, for a message."""
+    """Return how to start a loaded controller and stop others, for a message."""
     if instead_of:
         return (
             f"`tool0 controllers switch --stop {' '.join(instead_of)} --start {name}` "
@@ -117,7 +119,7 @@ def start_command(name: str, instead_of: Sequence[str] = ()) -> str:
 
 
 UNLIMITED: Final = sys.float_info.max
-"""Unlimited, as a limit of gains: these are sent as JSON, which has no infinity."""
+"""Value of an unlimited limit in gains, which are sent as JSON without infinity."""
 
 
 class Unwinding(enum.Enum):
@@ -125,9 +127,10 @@ class Unwinding(enum.Enum):
 
     NONE = 0
     CONDITIONAL_INTEGRATION = 1
-    """An error that would drive the command further is not integrated."""
+    """Errors that would drive the command further beyond its limit are not
+    integrated."""
     BACK_CALCULATION = 2
-    """The integral shrinks by what the limits take from the command."""
+    """The integral shrinks by the amount by which the limits clamp the command."""
 
 
 @final
@@ -143,7 +146,7 @@ class Gains:
     p: float
     """Command per position error [N·m/rad | N/m]."""
     i: float = 0.0
-    """Command per position error and second [N·m/(rad·s) | N/(m·s)]."""
+    """Command per integral of the position error [N·m/(rad·s) | N/(m·s)]."""
     d: float = 0.0
     """Command per velocity error [N·m·s/rad | N·s/m]."""
     i_min: float = 0.0
@@ -151,9 +154,9 @@ class Gains:
     i_max: float = 0.0
     """Greatest contribution of the integral, at least 0 [N·m | N]."""
     antiwindup: bool = False
-    """Clamp the integral itself, not only its contribution."""
+    """Whether the integral itself is clamped, not only its contribution."""
     u_min: float = -UNLIMITED
-    """Least command, at most 0; the last five are ROS 2's."""
+    """Least command, at most 0; this field and the next four exist only in ROS 2."""
     u_max: float = UNLIMITED
     """Greatest command, at least 0."""
     error_deadband: float = 0.0
@@ -161,7 +164,8 @@ class Gains:
     unwinding: Unwinding = Unwinding.NONE
     """Behaviour of the integral while the command is at a limit."""
     tracking_time: float = 1.0
-    """Time constant of BACK_CALCULATION [s]: shorter shrinks the integral faster."""
+    """Time constant of BACK_CALCULATION [s]; a shorter one shrinks the integral
+    faster."""
 
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, (self.p, self.i, self.d))):
@@ -180,49 +184,51 @@ Names = Annotated[tuple[Name, ...], Meta(max_length=100)]
 
 
 class ListControllers(Request[tuple[ControllerStatus, ...]], frozen=True):
-    """Every loaded controller with its state and claims."""
+    """List the loaded controllers with their states and claims."""
 
 
 class LoadController(Request[None], frozen=True):
-    """Load a controller: of the bring-up's configuration, or of files for ROS 2."""
+    """Load a controller from the bring-up's configuration or, for ROS 2, from files."""
 
     name: Name
     type: Name | None = None
-    """Type of the controller, if the files do not say it; as the manager's
-    ``<name>.type``."""
+    """Type of the controller, if the files do not contain it; like the controller
+    manager's parameter ``<name>.type``."""
     files: Annotated[tuple[str, ...], Meta(max_length=100)] = ()
-    """YAML files on the simulation's machine, as ``<name>.params_file``; the bring-up's
-    configuration, if left out together with the type."""
+    """YAML files on the simulation's machine, like the parameter
+    ``<name>.params_file``.  If this and the type are left out, the bring-up's
+    configuration is used."""
     configure: bool = True
-    """Whether it is configured at once; a controller of ROS 1 always is."""
+    """Whether to configure the controller at once; ROS 1 controllers always are."""
 
     def read_paths(self) -> tuple[str, ...]:
         return self.files
 
 
 class ConfigureController(Request[None], frozen=True):
-    """Check the parameters of a loaded controller: it can be started then."""
+    """Configure a loaded controller: check its parameters so that it can be started."""
 
     name: Name
 
 
 class CleanupController(Request[None], frozen=True):
-    """Make an inactive controller of ROS 2 unconfigured again."""
+    """Return an inactive ROS 2 controller to ``unconfigured``."""
 
     name: Name
 
 
 class ControllerTypeInfo(Struct, frozen=True, kw_only=True):
-    """A type of controllers that can be loaded."""
+    """A controller type that can be loaded."""
 
     name: str
-    """``joint_trajectory_controller/JointTrajectoryController``"""
+    """Name of the type, such as
+    ``joint_trajectory_controller/JointTrajectoryController``."""
     base: str
-    """The C++ class that ROS reports as its base."""
+    """C++ base class that ROS reports for the type."""
 
 
 class ListControllerTypes(Request[tuple[ControllerTypeInfo, ...]], frozen=True):
-    """Every type of controller that can be loaded."""
+    """List the controller types that can be loaded."""
 
 
 class UnloadController(Request[None], frozen=True):
@@ -232,39 +238,40 @@ class UnloadController(Request[None], frozen=True):
 
 
 class SwitchControllers(Request[None], frozen=True):
-    """Stop and start controllers at one instant."""
+    """Stop and start controllers at the same instant."""
 
     start: Names = ()
     stop: Names = ()
     strict: bool = True
-    """Whether one impossible change rejects all; otherwise it is skipped."""
+    """Whether one impossible change rejects the whole request; otherwise that change is
+    skipped."""
 
 
 class ReadController(Request[TrajectoryState], frozen=True):
-    """Desired, actual and error of a trajectory controller."""
+    """Read a trajectory controller's desired and measured motion, and the error."""
 
     controller: Name
 
 
 class QueryState(Request[JointsMotion], frozen=True):
-    """The setpoint of a trajectory controller at a time."""
+    """Compute a trajectory controller's setpoint at a given time."""
 
     controller: Name
     time: float | None = None
-    """Simulated time [s]; now, if left out."""
+    """Simulated time [s]; if left out, the current time."""
 
 
 class ReadGains(Request[dict[str, Gains]], frozen=True):
-    """The PID gains of each joint of a controller; none where it has no PID."""
+    """Read the PID gains of a controller's joints, except for joints without a PID."""
 
     controller: Name
 
 
 class SetGains(Request[Gains], frozen=True):
-    """Change PID gains of one joint; the response is all of them.
+    """Change PID gains of one joint; the response contains all of its gains.
 
     Gains left out keep their values.  A running controller continues with the new
-    gains, and the contribution of its integral does not jump.  They hold until the
+    gains, and the integral's contribution does not jump.  The gains apply until the
     controller is unloaded; no file changes.
     """
 
@@ -273,7 +280,7 @@ class SetGains(Request[Gains], frozen=True):
     p: float | None = None
     """Command per position error: [N·m/rad | N/m] for an effort controller."""
     i: float | None = None
-    """Command per position error and second."""
+    """Command per integral of the position error."""
     d: float | None = None
     """Command per velocity error."""
     i_clamp: Annotated[float, Meta(ge=0.0)] | None = None
@@ -287,13 +294,13 @@ class ControllerParameter(Struct, frozen=True, kw_only=True):
     """A parameter of a controller."""
 
     value: Any
-    """A boolean, a number, a text, or a list of one of them."""
+    """A boolean, a number, a text, or a list of these."""
     is_adjustable: bool
-    """Whether it may change while the controller runs."""
+    """Whether the parameter may change while the controller runs."""
 
 
 class ReadControllerParameters(Request[dict[str, ControllerParameter]], frozen=True):
-    """Every parameter of a loaded controller by dotted name, defaults included."""
+    """Read a loaded controller's parameters by dotted name, including defaults."""
 
     controller: Name
 
@@ -301,11 +308,11 @@ class ReadControllerParameters(Request[dict[str, ControllerParameter]], frozen=T
 class SetControllerParameters(Request[None], frozen=True):
     """Change parameters of a loaded controller that may change while it runs.
 
-    They hold until the controller is unloaded; no file changes.
+    The values apply until the controller is unloaded; no file changes.
     """
 
     controller: Name
     parameters: dict[
         str, bool | int | float | str | tuple[bool | int | float | str, ...]
     ]
-    """Values by the parameter's dotted name, such as ``constraints.goal_time``."""
+    """Values by dotted parameter name, such as ``constraints.goal_time``."""

@@ -1,4 +1,4 @@
-"""Requests about demonstrations: a folder of recordings, one for each episode."""
+"""Requests about demonstrations, a folder with one recording for each episode."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FolderName = Annotated[str, Meta(min_length=1, max_length=4000)]
 
 
 class EpisodesStatus(Struct, frozen=True, kw_only=True):
-    """A folder of episodes, and whether one is being recorded."""
+    """State of a folder of episodes, and of the episode being recorded."""
 
     folder: str
     """Path of the folder on the simulation's machine."""
@@ -25,36 +25,36 @@ class EpisodesStatus(Struct, frozen=True, kw_only=True):
     is_recording: bool
     """Whether an episode is being recorded."""
     duration: float
-    """Simulated time of the episode being recorded [s]; 0 without one."""
+    """Simulated duration of the episode being recorded [s]; 0 if there is none."""
     episodes: int
-    """Episodes in the folder."""
+    """Number of episodes in the folder."""
     succeeded: int
-    """Number of these with the outcome ``success``."""
+    """Number of episodes with the outcome ``success``."""
     error: str | None = None
     """Error that ended an episode early, such as a full disk."""
 
 
 class OpenEpisodes(Request[EpisodesStatus], frozen=True):
-    """Choose the folder for episodes, which may have some already.
+    """Choose the folder for episodes; it may already contain some.
 
-    From then on the panel has keys to start and end them.
+    From then on, the panel has keys to start and end episodes.
     """
 
     written_paths = ("folder",)
 
     folder: FolderName
     task: Annotated[str, Meta(max_length=500)] = ""
-    """Description of the task; written to each line of the index."""
+    """Description of the task, written to each line of the index."""
     reset: bool = True
     """Whether each episode starts with a reset of robot and objects."""
 
 
 class CloseEpisodes(Request[None], frozen=True):
-    """Leave the folder; an episode that is being recorded is discarded."""
+    """Close the folder; an episode that is being recorded is discarded."""
 
 
 class StartEpisode(Request[EpisodesStatus], frozen=True):
-    """Start to record an episode."""
+    """Start recording an episode."""
 
 
 class EndEpisode(Request[EpisodesStatus], frozen=True):
@@ -64,4 +64,4 @@ class EndEpisode(Request[EpisodesStatus], frozen=True):
 
 
 class ReadEpisodes(Request[EpisodesStatus | None], frozen=True):
-    """The folder of episodes; null while there is none."""
+    """Read the state of the folder of episodes; null if none is open."""

@@ -1,4 +1,4 @@
-"""Ownership by one process: threads and connections survive no fork and no pickle."""
+"""Ownership by one process: threads and connections survive neither fork nor pickle."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class OwnProcess:
 
     @property
     def is_this(self) -> bool:
-        """Whether this is not a forked child."""
+        """Whether the current process is this process rather than a forked child."""
         return os.getpid() == self._pid
 
     def check(self) -> None:

@@ -1,4 +1,4 @@
-"""Detects that the process was frozen: stopped, or on a machine that slept."""
+"""Detection of frozen processes: stopped ones, or on a machine that slept."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Callable
 from typing import final
 
 FROZEN = 1.0
-"""Wall time without a sign of life after which a process was frozen [s]."""
+"""Wall time without a sign of life after which a process counts as frozen [s]."""
 _BUSY = 0.5
-"""Part of that time for which it used the processor, if it was not frozen but busy."""
+"""Share of that time above which processor use means that the process was busy."""
 _SAMPLING = 0.2
-"""Wall time between two looks at the processor time, which is slow to read [s]."""
+"""Wall time between two reads of the processor time, which is slow to read [s]."""
 
 
 def wall_time() -> float:
@@ -23,7 +23,7 @@ def wall_time() -> float:
 class FreezeMeter:
     """Notices that the whole process did not run: it was stopped, or the machine slept.
 
-    A thread that is late because others of the process work is not frozen.
+    A thread that is late because other threads of the process were busy does not count.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class FreezeMeter:
         self._used = processor_time()
 
     def look(self) -> float:
-        """Return for how long the process was frozen since the last look [s], or 0."""
+        """Return how long the process was frozen since the last call [s], or 0."""
         now = self._now()
         gap, self._last = now - self._last, now
         if gap < FROZEN and now - self._sampled < _SAMPLING:

@@ -1,4 +1,4 @@
-"""The numbers of goals."""
+"""Registry of goals by number."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ GOALS_KEPT = 1000
 
 @final
 class GoalRegistry:
-    """Numbers goals and finds them again.  Any thread may use it."""
+    """Numbers goals and finds them by number; thread-safe."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -22,7 +22,7 @@ class GoalRegistry:
         self._last = 0
 
     def add(self, goal: Goal, number: int | None = None) -> int:
-        """Remember ``goal`` and return its number; the next one, if left out."""
+        """Store ``goal`` and return its number; if left out, the next free one."""
         with self._lock:
             if number is None:
                 self._last = number = self._last + 1
@@ -41,13 +41,13 @@ class GoalRegistry:
         return tuple(goal for goal in goals if not goal.status.is_terminal)
 
     def number(self, goal: Goal) -> int | None:
-        """Return a goal's number; None if no request started it, or it is old."""
+        """Return a goal's number; None if no request started it or it was dropped."""
         with self._lock:
             found = (number for number, item in self._goals.items() if item is goal)
             return next(found, None)
 
     def find(self, number: int) -> Goal:
-        """Return the goal, or raise ControlError if there is none or it is old."""
+        """Return a goal, or raise ControlError if it does not exist or was dropped."""
         with self._lock:
             goal = self._goals.get(number)
         if goal is None:

@@ -1,6 +1,6 @@
 """Goals: their status, outcome and tolerances, and the requests about them.
 
-A fault is an exception, an outcome is a value.
+Faults are raised as exceptions; outcomes are values.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from tool0.protocol.request import Request
 
 
 class GoalStatus(enum.Enum):
-    """The status of a goal, as in actionlib."""
+    """Status of a goal, as in actionlib."""
 
     ACTIVE = "ACTIVE"
     SUCCEEDED = "SUCCEEDED"
@@ -47,9 +47,9 @@ class GoalResult:
     status: GoalStatus
     """SUCCEEDED, ABORTED or PREEMPTED."""
     error_code: int = 0
-    """0, or ROS's code of the error, such as ``PATH_TOLERANCE_VIOLATED``."""
+    """0, or ROS's error code, such as ``PATH_TOLERANCE_VIOLATED``."""
     error_string: str = ""
-    """Cause of an abort: which joint, by how much."""
+    """Cause of an abort: the joint and its error."""
 
     @property
     def is_violation(self) -> bool:
@@ -61,7 +61,7 @@ class GoalResult:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GripperResult:
-    """Result of a gripper goal: control_msgs/GripperCommandResult, joint units."""
+    """Result of a gripper goal: control_msgs/GripperCommandResult in joint units."""
 
     status: GoalStatus
     """SUCCEEDED, ABORTED or PREEMPTED."""
@@ -70,13 +70,13 @@ class GripperResult:
     effort: float
     """Effort of the drive [N·m | N]."""
     stalled: bool
-    """Whether the joint stood still before it arrived."""
+    """Whether the joint stalled before it reached its goal."""
     reached_goal: bool
-    """Whether the joint arrived within the goal tolerance."""
+    """Whether the joint reached its goal within the tolerance."""
     holds: bool = False
     """Whether something presses on both fingers: an object is held."""
     error_string: str = ""
-    """Cause of a stop before arrival; empty if the joint arrived."""
+    """Reason why the joint stopped before its goal; empty if it reached the goal."""
 
 
 Result = GoalResult | GripperResult
@@ -84,7 +84,7 @@ Result = GoalResult | GripperResult
 
 @final
 class Goal:
-    """A goal that a controller accepted.  Only its controller finishes it.
+    """A goal that a controller accepted; only that controller can finish it.
 
     Reading is safe from any thread.
     """
@@ -96,10 +96,11 @@ class Goal:
         self._callbacks: list[Callable[[Goal], None]] = []
         self._lock = threading.Lock()
         self.explain: Callable[[Result], Result] = lambda result: result
-        """Adds to the outcome facts beyond the controller, such as contacts."""
+        """Function that adds facts unknown to the controller, such as contacts, to the
+        result."""
 
     def __deepcopy__(self, memo: dict[int, object]) -> NoReturn:
-        """Refuse: somebody waits for its outcome."""
+        """Refuse to copy: somebody waits for the outcome."""
         raise ControlError(
             "it has a goal, which can end only once; cancel it or wait for it"
         )
@@ -125,7 +126,7 @@ class Goal:
             callback(self)
 
     def when_finished(self, callback: Callable[[Goal], None]) -> None:
-        """Call ``callback(goal)`` when it ends, in the thread that ends it."""
+        """Call ``callback(goal)`` when the goal ends, in the thread that ends it."""
         with self._lock:
             if self._result is None:
                 self._callbacks.append(callback)
@@ -133,31 +134,31 @@ class Goal:
         callback(self)
 
     def wait(self, timeout: float | None) -> bool:
-        """Block for at most ``timeout`` wall seconds; return whether it ended."""
+        """Wait up to ``timeout`` [wall s]; return whether the goal has ended."""
         return self._finished.wait(timeout)
 
 
 class Tolerance(NamedTuple):
-    """Largest allowed errors of one joint; 0 is not checked."""
+    """Largest allowed errors of one joint; 0 disables a check."""
 
     position: float = 0.0
     """Position error [rad | m]."""
     velocity: float = 0.0
     """Velocity error [rad/s | m/s]."""
     acceleration: float = 0.0
-    """Never violated: no acceleration is measured, in ROS as here."""
+    """Never checked: neither ROS nor tool0 measures accelerations."""
 
     def allows(self, position_error: float, velocity_error: float) -> bool:
-        """Return whether both errors are within; NaN is not."""
+        """Return whether both errors are within the tolerance; NaN is not."""
         return (self.position <= 0.0 or abs(position_error) <= self.position) and (
             self.velocity <= 0.0 or abs(velocity_error) <= self.velocity
         )
 
 
 ToleranceOverride = Tolerance | float
-"""A goal's own tolerance: > 0 replaces, < 0 switches off, 0 keeps the default.
+"""Tolerance of a goal: > 0 replaces the default, < 0 disables the check, 0 keeps it.
 
-A plain number is the position's.
+A plain number is a position tolerance.
 """
 
 
@@ -170,12 +171,12 @@ class GoalStarted(Struct, frozen=True, kw_only=True):
 
 
 class CancelGoal(Request[None], frozen=True):
-    """Stop a goal's motion as ROS does: ramp down; the goal is PREEMPTED."""
+    """Cancel a goal as ROS does: the motion decelerates and the goal is PREEMPTED."""
 
     goal: int
 
 
 class ReadGoal(Request[GoalStatus], frozen=True):
-    """The status of a goal."""
+    """Read the status of a goal."""
 
     goal: int

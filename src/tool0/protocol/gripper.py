@@ -1,4 +1,4 @@
-"""Parallel grippers, by the opening between their pads: state and requests."""
+"""Parallel grippers in terms of the opening between their pads: state and requests."""
 
 from __future__ import annotations
 
@@ -21,20 +21,21 @@ class GraspState:
     """Motion of a gripper, and its opening."""
 
     motion: GripperMotion
-    """``holding_inside`` squeezes an object between the pads, ``holding_outside``
-    presses them outwards against one; ``blocked`` cannot move on, without anything that
-    presses on both fingers; ``idle`` without a position controller."""
+    """``holding_inside``: squeezes an object between the pads.  ``holding_outside``:
+    presses the pads outwards against an object.  ``blocked``: cannot move on although
+    nothing presses on both fingers.  ``idle``: no position controller is running."""
     opening: float
     """Distance between the pads [m]."""
     width: float | None = None
-    """Width of the object between the pads [m]; None where fingers wrap around it."""
+    """Width of the object between the pads [m]; None if fingers wrap around it."""
 
     @property
     def gobj(self) -> int:
-        """Robotiq's register.
+        """Value of Robotiq's register gOBJ.
 
-        0 moving, idle or blocked, 1 stopped by an object while opening, 2 the same
-        while closing, 3 arrived.  (A real gripper takes blocked fingers for an object.)
+        0: moving, idle or blocked; 1: stopped by an object while opening; 2: stopped by
+        an object while closing; 3: arrived.  (A real gripper mistakes blocked fingers
+        for an object.)
         """
         return _GOBJ[self.motion]
 
@@ -53,31 +54,32 @@ class Grip(Request[GoalStarted], frozen=True):
     """Move the pads of a gripper to an opening."""
 
     gripper: Name | None = None
-    """The robot's only one, if left out."""
+    """Name of the gripper; may be left out if the robot has only one."""
     opening: float | None = None
     """Distance between the pads [m], 0 … the gripper's maximum."""
     position: float | None = None
-    """Instead of an opening: position of the driven joint [rad | m]."""
+    """Position of the driven joint [rad | m], instead of an opening."""
     speed: float | None = None
-    """Speed of the pads relative to each other [m/s]; the fastest, if left out."""
+    """Speed of the pads relative to each other [m/s]; the gripper's maximum if left
+    out."""
     force: float | None = None
-    """Largest force at each pad [N]; the strongest, if left out."""
+    """Largest force at each pad [N]; the gripper's maximum if left out."""
     effort: Annotated[float, Meta(gt=0.0)] | None = None
-    """Instead of a force: largest effort of the driven joint [N·m | N]."""
+    """Largest effort of the driven joint [N·m | N], instead of a force."""
 
 
 class ReactivateGripper(Request[GoalStarted], frozen=True):
-    """Activate a gripper again, as ROS 2's service does: it opens, whatever it holds.
+    """Reactivate a gripper like ROS 2's service: it opens, even if it holds an object.
 
-    A real one closes and opens once more.
+    A real gripper also closes and opens once more.
     """
 
     controller: Name
-    """A running RobotiqActivationController; it and its gripper have one prefix."""
+    """Name of a running RobotiqActivationController with the gripper's prefix."""
 
 
 class ReadGripper(Request[GraspState], frozen=True):
-    """The state of a gripper: whether it moves, has arrived, or holds an object."""
+    """Read a gripper's state: whether it moves, has arrived, or holds an object."""
 
     gripper: Name | None = None
-    """The robot's only one, if left out."""
+    """Name of the gripper; may be left out if the robot has only one."""

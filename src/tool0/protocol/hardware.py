@@ -1,4 +1,4 @@
-"""The request for the hardware components, as ros2_control's controller_manager has."""
+"""The request for hardware components, as in ros2_control's controller_manager."""
 
 from __future__ import annotations
 
@@ -12,29 +12,29 @@ class HardwareInterfaceState(Struct, frozen=True, kw_only=True):
     """A command or state interface."""
 
     name: str
-    """Name such as ``elbow_joint/position``."""
+    """Name of the interface, such as ``elbow_joint/position``."""
     is_available: bool
-    """Whether controllers can use it."""
+    """Whether controllers can use the interface."""
     is_claimed: bool
-    """Whether a running controller commands through it."""
+    """Whether a running controller claims the interface."""
 
 
 class HardwareComponentState(Struct, frozen=True, kw_only=True):
-    """One device with a driver: a ``<ros2_control>`` tag."""
+    """One device with a driver, from a ``<ros2_control>`` tag."""
 
     name: str
     type: ComponentType
-    """``system``, ``actuator`` or ``sensor``."""
+    """Type of the component: ``system``, ``actuator`` or ``sensor``."""
     plugin: str
-    """Driver in the description, which tool0 replaces."""
+    """Driver plugin in the description, which tool0 replaces."""
     state: str
-    """Always ``active``: simulated hardware has no other."""
+    """Lifecycle state; simulated hardware is always ``active``."""
     command_interfaces: tuple[HardwareInterfaceState, ...]
     state_interfaces: tuple[HardwareInterfaceState, ...]
 
 
 class ListHardware(Request[tuple[HardwareComponentState, ...]], frozen=True):
-    """Every hardware component with its interfaces.
+    """List the hardware components with their interfaces.
 
-    A robot whose drives are described by ``<transmission>``s is one component.
+    A robot whose drives are described by ``<transmission>`` tags is one component.
     """

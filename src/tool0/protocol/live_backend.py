@@ -1,6 +1,6 @@
-"""A backend of parts: states that arrive on their own, a function for each request.
+"""A backend made of states that arrive unrequested and a function for each request.
 
-It is what a robot needs that is no simulation: its time is the wall clock's.
+It is for robots that are not simulated: their time is wall time.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ if TYPE_CHECKING:
     from tool0.description.robot import RobotDescription
 
 _POLL_PERIOD: Final = 0.02
-"""Longest wait for a state while a condition is awaited [wall s]."""
+"""Longest wait for a state between two checks of a condition [wall s]."""
 
 
 @final
 class LiveStates:
-    """The states of a robot in real time: see ``backend.States``."""
+    """States of a robot in real time; see ``backend.States``."""
 
     def __init__(
         self, description: RobotDescription, first: Snapshot, close: Callable[[], None]
     ) -> None:
-        """Start with a state.
+        """Publish the first state.
 
         Args:
             description: Description of the robot.
-            first: Its state now.
-            close: Ends what publishes the states; called once.
+            first: State of the robot now.
+            close: Function that stops publishing states; called once.
         """
         self.description = description
         self.bus = Bus()
@@ -108,7 +108,7 @@ class LiveStates:
 
 @final
 class LiveBackend:
-    """Answers requests by functions in the caller's thread: a ``backend.Backend``."""
+    """Answers requests by calling functions directly; see ``backend.Backend``."""
 
     mode: Final = "simulation"
 
@@ -118,13 +118,14 @@ class LiveBackend:
         handlers: Mapping[type[Request[Any]], Callable[[Any], Any]],
         reason: str,
     ) -> None:
-        """Offer what has a handler.
+        """Offer the requests that have a handler.
 
         Args:
             states: States of the robot.
-            handlers: Request class → the function that answers it.  Those that read
-                the description and the newest state have one already.
-            reason: Why it offers nothing else: ``this robot has no objects``.
+            handlers: Request class → function that answers it.  Requests for the
+                description and the newest state already have handlers.
+            reason: Reason why other requests are not offered, such as ``this robot has
+                no objects``.
         """
         self.states = states
         self._handlers: dict[type[Request[Any]], Callable[[Any], Any]] = {
@@ -147,7 +148,7 @@ class LiveBackend:
         self.answer(request)
 
     def check_setpoint(self, request: Request[Any]) -> None:
-        """Accept every setpoint: its handler checks it."""
+        """Accept every setpoint, as handlers check setpoints themselves."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
         return ()

@@ -1,4 +1,4 @@
-"""The methods of the contract: each request by its name on a connection."""
+"""Methods of the contract: request classes by their names on a connection."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ _MODULES: Final = (
     "episodes",
     "replay",
 )
-"""Modules of this package that declare requests, in the order of the document."""
+"""Modules of this package that declare requests, in the order of requests.md."""
 
 
 _METHODS: Final[dict[str, type[Request[Any]]]] = {}
 
 
 def methods() -> Mapping[str, type[Request[Any]]]:
-    """Return every request class that connections take, by the name of its method."""
+    """Return every request class that connections accept, by method name."""
     if not _METHODS:
         _METHODS.update(contract())
     return _METHODS
@@ -49,7 +49,7 @@ def methods() -> Mapping[str, type[Request[Any]]]:
 
 @cache
 def contract() -> Mapping[str, type[Request[Any]]]:
-    """Return the request classes of this package, by the name of their methods."""
+    """Return the request classes of this package, by method name."""
     found: dict[str, type[Request[Any]]] = {}
     for name in _MODULES:
         found |= _declared(import_module(f"tool0.protocol.{name}"))
@@ -60,7 +60,7 @@ def register(request: type[Request[Any]]) -> None:
     """Register a request of another package.
 
     Raises:
-        TypeError: If another request has its name.
+        TypeError: If another request has the same name.
     """
     name = method_name(request)
     if methods().get(name, request) is not request:
@@ -69,7 +69,7 @@ def register(request: type[Request[Any]]) -> None:
 
 
 def _declared(module: ModuleType) -> dict[str, type[Request[Any]]]:
-    """Return the requests that a module declares, by name."""
+    """Return the request classes that a module declares, by method name."""
     return {
         method_name(value): value
         for value in vars(module).values()

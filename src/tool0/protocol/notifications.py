@@ -1,4 +1,4 @@
-"""Events of a robot as text: for its users, and for recordings."""
+"""A robot's events as text, for users and recordings."""
 
 from __future__ import annotations
 
@@ -49,17 +49,17 @@ _GOAL_CODES: Final[dict[GoalStatus, tuple[Severity, NoticeCode]]] = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Notification:
-    """A message to the users."""
+    """A message to users."""
 
     severity: Severity
     code: NoticeCode
     text: str
     time: float | None = None
-    """Simulated [s]."""
+    """Simulated time [s]."""
 
 
 def described(event: Event, now: float) -> Notification:
-    """Return the description of an event; one without a time was ``now`` [s]."""
+    """Return the description of an event; ``now`` [s] is for events without a time."""
     time = now if event.time is None else event.time
     match event:
         case GoalFinished(goal):
@@ -84,7 +84,7 @@ def described(event: Event, now: float) -> Notification:
 
 
 def frozen_text(duration: float) -> str:
-    """Return what is said after the process did not run for so long [wall s]."""
+    """Return the message about a process that was frozen for ``duration`` [wall s]."""
     return (
         f"the simulator stood still for {duration:.1f} s, as when its process is "
         "stopped or the machine sleeps: every motion was stopped"
@@ -143,7 +143,7 @@ def changes(before: Snapshot, now: Snapshot) -> list[Notification]:
 def _mode_changes(
     before: ControlBoxState, now: ControlBoxState, snapshot: Snapshot
 ) -> list[Notification]:
-    """Return what was stopped, powered or taken; the emergency stop is no such."""
+    """Return descriptions of an arm's mode changes, except for the emergency stop."""
     arm, time = f"arm '{now.arm}'", snapshot.time
     found: list[tuple[Severity, NoticeCode, str]] = []
     if now.protective_stop and now.protective_stop != before.protective_stop:

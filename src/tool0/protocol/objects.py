@@ -1,4 +1,4 @@
-"""The objects around the robot: their shapes as data, contacts, and requests."""
+"""Objects around the robot: their shapes as data, contacts, and requests."""
 
 from __future__ import annotations
 
@@ -37,25 +37,25 @@ from tool0.protocol.request import (
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Collision:
-    """Two things that would be in each other, on a path or at its end."""
+    """Two bodies that would overlap on a path or at its end."""
 
     first: str
-    """A link of the robot, or an object that it holds."""
+    """Link of the robot, or object that it holds."""
     second: str
-    """Another link, an object, or ``ground``."""
+    """Other body: a link, an object, or ``ground``."""
     depth: float
-    """Largest depth on the path [m]."""
+    """Largest penetration depth on the path [m]."""
     begins: float
     """Place on the path where the collision begins: 0 at its start, 1 at its end."""
     depth_at_end: float
-    """Depth at the end of the path [m]; 0 if they do not collide there."""
+    """Penetration depth at the end of the path [m]; 0 if they do not collide there."""
 
 
 class BoxShape(Struct, frozen=True, kw_only=True, tag="box", tag_field="kind"):
     """A box, centred at its origin."""
 
     size: tuple[Length, Length, Length]
-    """Edges [m]."""
+    """Lengths of the edges [m]."""
 
 
 class CylinderShape(
@@ -99,7 +99,7 @@ class ShapePart(Struct, frozen=True, kw_only=True):
 class CompoundShape(
     Struct, frozen=True, kw_only=True, tag="compound", tag_field="kind"
 ):
-    """Several shapes that are one rigid body, of the same density."""
+    """Several shapes of equal density that form one rigid body."""
 
     parts: tuple[ShapePart, ...]
 
@@ -117,7 +117,7 @@ class ObjectInfo(Struct, frozen=True, kw_only=True):
     friction: float
     rgba: RGBA
     pose: Pose
-    """Start position, in the robot's root."""
+    """Start pose, in the robot's root."""
 
 
 class AddObject(Request[None], frozen=True):
@@ -134,16 +134,17 @@ class AddObject(Request[None], frozen=True):
     friction: Annotated[float, Meta(ge=0.0, le=100.0)] = DEFAULT_FRICTION
     """Coulomb coefficient of sliding friction."""
     rgba: RGBA | None = None
-    """Each within 0 … 1; a colour of its own, if left out."""
+    """Red, green, blue and opacity, each within 0 … 1; if left out, a colour is
+    chosen."""
     allow_penetration: bool = False
-    """Whether it may be inside a link."""
+    """Whether the object may overlap with a link."""
 
     def read_paths(self) -> tuple[str, ...]:
         return _mesh_files(self.shape)
 
 
 class SpawnedModel(Struct, frozen=True, kw_only=True):
-    """The object that a model became."""
+    """Object that was made from a model."""
 
     xyz: Vector3
     """Position of the object's origin, in the frame that the model was placed at
@@ -155,19 +156,19 @@ class SpawnedModel(Struct, frozen=True, kw_only=True):
 class AddModel(Request[SpawnedModel], frozen=True):
     """Add the body of a URDF or SDF document to the scene, at rest.
 
-    It has one link of simple shapes.  One that is ``<static>``, or fixed to a link
-    ``world``, stands still.
+    The model must have one link of simple shapes.  If it is ``<static>``, or fixed to a
+    link ``world``, the object is fixed.
     """
 
     name: Name
     model: Annotated[str, Meta(max_length=LONGEST_MODEL)]
-    """The document."""
+    """Text of the URDF or SDF document."""
     xyz: Place = (0.0, 0.0, 0.0)
     """Position of the model's frame, in the robot's root [m]."""
     quat_wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
-    """Orientation of the model's frame, in the robot's root; any length but zero."""
+    """Orientation of the model's frame, in the robot's root; normalized on receipt."""
     allow_penetration: bool = False
-    """Whether it may be inside a link."""
+    """Whether the object may overlap with a link."""
 
     def read_paths(self) -> tuple[str, ...]:
         from tool0.description.rigid_model import mesh_uris  # only with documents
@@ -182,7 +183,7 @@ class RemoveObject(Request[None], frozen=True):
 
 
 class PlaceObject(Request[None], frozen=True):
-    """Place an object at once; a reset restores its start pose."""
+    """Place an object immediately; a reset restores its start pose."""
 
     name: Name
     xyz: Place
@@ -190,52 +191,53 @@ class PlaceObject(Request[None], frozen=True):
     rpy: Vector3 = (0.0, 0.0, 0.0)
     """Fixed-axis roll, pitch, yaw [rad]."""
     quat_wxyz: Quaternion | None = None
-    """Instead of roll, pitch and yaw; of any length but zero."""
+    """Orientation instead of roll, pitch and yaw; any nonzero length."""
     linear: Vector3 = (0.0, 0.0, 0.0)
-    """Velocity of its origin, in the root's axes [m/s]."""
+    """Velocity of the object's origin, in the root's axes [m/s]."""
     angular: Vector3 = (0.0, 0.0, 0.0)
     """Angular velocity, in the root's axes [rad/s]."""
     allow_penetration: bool = False
-    """Whether it may be inside a link."""
+    """Whether the object may overlap with a link."""
 
 
 class ApplyWrench(Request[None], frozen=True):
-    """Push a link or an object for a span of simulated time.
+    """Apply a wrench to a link or an object for some simulated time.
 
-    Force and torque keep their direction in the robot's root.
+    Force and torque keep their directions in the robot's root.
     """
 
     name: Name
-    """A link or an object that can move."""
+    """Name of a link or an object that can move."""
     force: Vector3 = (0.0, 0.0, 0.0)
     """Force [N], in the axes of the robot's root."""
     torque: Vector3 = (0.0, 0.0, 0.0)
     """Torque [N·m], in the axes of the robot's root."""
     point: Place | None = None
-    """Point at which the force acts at its start, in the robot's root [m]; the body's
-    centre of mass, if left out."""
+    """Point at which the force starts to act, in the robot's root [m]; if left out, the
+    body's centre of mass.  The point follows the body's translation, but not its
+    rotation."""
     start: Annotated[float, Meta(ge=0.0)] = 0.0
-    """Simulated time at which it begins [s]; at once, if that is past."""
+    """Simulated time at which the wrench begins [s]; a past time means at once."""
     duration: Annotated[float, Meta(ge=0.0)] | None = None
-    """Simulated time for which it acts [s]; if left out, until it is cleared or the
-    robot is reset."""
+    """Simulated time for which the wrench acts [s]; if left out, it acts until it is
+    cleared or the robot is reset."""
 
 
 class PullLink(Request[None], frozen=True):
-    """Pull a point of a link towards a place with a damped spring: one of a stream.
+    """Pull a point of a link towards a place with a damped spring.
 
-    It replaces another spring on the link.  Without an id, every one is executed at the
-    next tick.
+    The spring replaces an earlier one on the link.  Each request of a stream, sent
+    without an id, is executed at the next tick.
     """
 
     is_streamed = True
 
     name: Name
-    """A link that can move."""
+    """Name of a link that can move."""
     point: Place
     """Point that the spring pulls, in the link's frame [m]."""
     target: Place
-    """Place that the spring pulls it to, in the robot's root [m]."""
+    """Place to which the spring pulls the point, in the robot's root [m]."""
     stiffness: Annotated[float, Meta(gt=0.0, le=2000.0)] = 250.0
     """Stiffness of the spring [N/m]."""
     damping: Annotated[float, Meta(ge=0.0, le=100.0)] = 15.0
@@ -243,36 +245,36 @@ class PullLink(Request[None], frozen=True):
     max_force: Annotated[float, Meta(gt=0.0, le=500.0)] = 80.0
     """Largest force of the spring [N]."""
     duration: Annotated[float, Meta(gt=0.0, le=10.0)] = 0.25
-    """Simulated time after which it ends if no other follows [s]."""
+    """Simulated time after which the spring ends unless another request follows [s]."""
 
 
 class ClearWrenches(Request[None], frozen=True):
-    """End the wrenches and springs on a link or an object, or all of them."""
+    """End the wrenches and springs on a link or an object, or, without a name, all."""
 
     name: Name | None = None
 
 
 class ReadContacts(Request[tuple[Contact, ...]], frozen=True):
-    """The contact forces of the last physics step, one item for each pair that touches.
+    """Read the contact forces of the last physics step, one for each touching pair.
 
-    The engine computes them only when asked; Gazebo reports none the first time.
+    The engine computes them only on request; Gazebo returns none the first time.
     """
 
 
 class FindCollisions(Request[tuple[Collision, ...]], frozen=True):
-    """The collisions that the robot would have in a pose, and on the way to it.
+    """Find the collisions that the robot would have on the way to a pose and there.
 
-    On the way, all joints move in proportion from where they are now, and what a
-    gripper holds is carried along.  Pairs that are as deep in each other now are left
+    On the way, all joints move in proportion from their current positions, and objects
+    in grippers are carried along.  Pairs that already overlap as deeply now are left
     out.  The pair whose collision begins first comes first.
     """
 
     positions: JointPositions
-    """Joint → target [rad | m]; other joints stay."""
+    """Joint → target [rad | m]; other joints do not move."""
 
 
 def shape_of(solid: Solid) -> Shape:
-    """Return a shape as it is sent."""
+    """Return a shape in the form that is sent."""
     if not isinstance(solid, Compound):
         return _single_shape(solid)
     return CompoundShape(
@@ -296,7 +298,7 @@ def _single_shape(geometry: Geometry) -> SingleShape:
 
 
 def info_of(item: SceneObject) -> ObjectInfo:
-    """Return an object as it is sent."""
+    """Return an object in the form that is sent."""
     return ObjectInfo(
         name=item.name,
         shape=shape_of(item.geometry),
@@ -308,7 +310,7 @@ def info_of(item: SceneObject) -> ObjectInfo:
 
 
 def object_of(info: ObjectInfo) -> SceneObject:
-    """Return the object that was sent."""
+    """Return the object that a received ``ObjectInfo`` describes."""
     return SceneObject(
         name=info.name,
         geometry=solid_of(info.shape),
@@ -320,7 +322,7 @@ def object_of(info: ObjectInfo) -> SceneObject:
 
 
 def solid_of(shape: Shape) -> Solid:
-    """Return the shape that was sent; DescriptionError without the file of a mesh."""
+    """Return a received shape; raise DescriptionError if a mesh file is missing."""
     if not isinstance(shape, CompoundShape):
         return _geometry_of(shape)
     return Compound(
@@ -332,7 +334,7 @@ def solid_of(shape: Shape) -> Solid:
 
 
 def with_meshes(shape: Shape, files: Mapping[str, Path]) -> Shape:
-    """Return a shape whose meshes are read from elsewhere, by their former names."""
+    """Return a shape with its mesh files replaced: former name → file."""
     match shape:
         case MeshShape(file=file) if file in files:
             return structs.replace(shape, file=str(files[file]))
@@ -346,7 +348,7 @@ def with_meshes(shape: Shape, files: Mapping[str, Path]) -> Shape:
 
 
 def _mesh_files(shape: Shape) -> tuple[str, ...]:
-    """Return the files of a shape's meshes."""
+    """Return the mesh files of a shape."""
     if isinstance(shape, CompoundShape):
         return tuple(file for part in shape.parts for file in _mesh_files(part.shape))
     return (shape.file,) if isinstance(shape, MeshShape) else ()

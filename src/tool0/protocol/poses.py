@@ -1,4 +1,4 @@
-"""Named poses of the robot, and the requests to them."""
+"""Named poses of the robot, and the related requests."""
 
 from __future__ import annotations
 
@@ -8,33 +8,33 @@ from tool0.protocol.request import CollisionRule, Name, Request, SpeedScale
 
 
 class ListPoses(Request[dict[str, NamedPose]], frozen=True):
-    """The robot's own poses and the saved ones, by name."""
+    """List the robot's own poses and the saved ones, by name."""
 
 
 class SavePose(Request[None], frozen=True):
-    """Save the measured positions of the driven joints on the simulation's machine."""
+    """Save the measured positions of the driven joints as a pose."""
 
     name: Name
     robot: Name | None = None
-    """Robot whose joints are saved; a saved pose of that name keeps those of the
-    others.  All joints, if left out."""
+    """Robot of the cell whose joints are saved; a saved pose of that name keeps the
+    other robots' joints.  If left out, all joints are saved."""
 
 
 class DeletePose(Request[None], frozen=True):
-    """Delete a saved pose; the robot's own poses stay."""
+    """Delete a saved pose; the robot's own poses cannot be deleted."""
 
     name: Name
 
 
 class GoToPose(Request[tuple[GoalStarted, ...]], frozen=True):
-    """Move the joints of a named pose there, as ``MoveJoints`` does.
+    """Move joints to a named pose; see ``MoveJoints``.
 
-    A pose with joints of an arm does not move its gripper, which may hold something; a
-    pose with joints of grippers only, such as ``open``, moves those.
+    A pose with arm joints does not move grippers, which may hold something; a pose with
+    gripper joints only, such as ``open``, moves these.
     """
 
     name: Name
     robot: Name | None = None
-    """Robot whose joints move; all robots, if left out."""
+    """Robot of the cell whose joints move; if left out, all robots."""
     speed: SpeedScale = 0.5
     collision: CollisionRule = "ignore"

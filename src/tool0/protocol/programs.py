@@ -1,4 +1,4 @@
-"""Programs of steps: what is known of them, and the requests to check and run them."""
+"""Programs of steps: their checks and runs, and the related requests."""
 
 from __future__ import annotations
 
@@ -16,63 +16,65 @@ ENDED: frozenset[RunState] = frozenset({"succeeded", "failed", "stopped"})
 
 
 class ProgramProblem(Struct, frozen=True, kw_only=True):
-    """Why a program cannot be executed."""
+    """A problem in a program, with its location."""
 
     step: StepPath
-    """The numbers of the step and of the loops around it, from 1 on; empty if it is the
-    program as a whole."""
+    """Numbers of the loops around the step and of the step itself, from 1 on; empty if
+    the problem concerns the whole program."""
     text: str
-    """The problem and its remedy."""
+    """Description of the problem and its remedy."""
     line: int | None = None
-    """Line in the file, from 1 on."""
+    """Line in the file, counted from 1."""
 
 
 class PlannedMotion(Struct, frozen=True, kw_only=True):
-    """The motion of a program's arm, for a preview."""
+    """Motion of a program's arm, for a preview."""
 
     joint_names: tuple[str, ...]
     """Names of the arm's joints, from base to flange."""
     times: tuple[float, ...]
-    """Times since the first motion [s], without the durations of waits and grips."""
+    """Times since the start of the first motion [s], excluding waits and grips."""
     positions: tuple[tuple[float, ...], ...]
     """Positions of the joints at these times [rad]."""
     points: tuple[tuple[float, float, float], ...]
     """Positions of the program's tool at these times, in the robot's root [m]."""
     steps: tuple[StepPath, ...]
-    """The step that moves the arm up to each of these times."""
+    """Step that moves the arm up to each of these times."""
 
 
 class ProgramCheck(Struct, frozen=True, kw_only=True):
-    """The result of checking a program; nothing moved."""
+    """Result of checking a program."""
 
     problems: tuple[ProgramProblem, ...]
-    """Empty if the program can be executed from the present posture."""
+    """Problems; empty if the program can be executed from the current posture."""
     warnings: tuple[ProgramProblem, ...]
-    """Differences from the request: a smaller blend, a slower move."""
+    """Deviations from the program, such as a smaller blend or a slower move."""
     motion: PlannedMotion
-    """Motion up to the first problem.  Each loop is planned once; a move until contact
-    goes all its way."""
+    """Motion up to the first problem.  Each loop is planned for one iteration; a move
+    until contact covers its whole distance."""
 
 
 class ProgramRun(Struct, frozen=True, kw_only=True):
-    """The last program of an arm: what it does, or how it ended."""
+    """The last program of an arm: its progress, or how it ended."""
 
     run: int
-    """Counts up from 1."""
+    """Number of the run, counted from 1."""
     program: str
     """Name of the program."""
     arm: str
     """Name of the arm that the program moves."""
     state: RunState
-    """``stopped`` is ended by something else, ``failed`` by a step."""
+    """State of the run; ``stopped``: ended from outside, ``failed``: ended by a
+    step."""
     step: StepPath = ()
-    """The one that is executed, or was the last; empty before the first."""
+    """Numbers of the step that is being executed, or was last; empty before the
+    first."""
     text: str = ""
     """Description of that step."""
     error: str = ""
-    """Why it failed or was stopped."""
+    """Reason why the program failed or was stopped."""
     time: float = 0.0
-    """Simulated time since its start [s]."""
+    """Simulated time since the program's start [s]."""
 
 
 class SavedProgram(Struct, frozen=True, kw_only=True):
@@ -83,85 +85,88 @@ class SavedProgram(Struct, frozen=True, kw_only=True):
     n_steps: int
     """Number of steps, including those in loops; 0 if it cannot be read."""
     error: str = ""
-    """Why it cannot be read."""
+    """Reason why the program cannot be read."""
 
 
 LONGEST_TEXT = 1_000_000
-"""Characters of a program's file."""
+"""Maximum length of a program's file [characters]."""
 
 ProgramFormat = Literal["yaml", "python", "urscript"]
 
 
 class CheckProgram(Request[ProgramCheck], frozen=True):
-    """Plan a program from the present posture; nothing moves."""
+    """Check and plan a program from the current posture; nothing moves."""
 
     program: Program
 
 
 class ParseProgram(Request[Program], frozen=True):
-    """Read a program's file, YAML; the error says the line."""
+    """Parse a program's YAML file; errors include the line."""
 
     text: Annotated[str, Meta(max_length=LONGEST_TEXT)]
 
 
 class ExportProgram(Request[str], frozen=True):
-    """Write a program as its file, or in a language that does the same."""
+    """Export a program as its YAML file, or as a Python or URScript program."""
 
     program: Program
     format: ProgramFormat
-    """``python`` is a script for this API, ``urscript`` one for a UR's control box."""
+    """``yaml`` is the program's file, ``python`` a script for tool0's API, and
+    ``urscript`` a program for a UR's control box."""
 
 
 class RunProgram(Request[GoalStarted], frozen=True):
-    """Check a program, and run it.
+    """Check a program and run it.
 
-    The program takes the arm from its controllers, and releases it at the end.  The
-    goal ends with the program; its number is the negative one of the run.
+    The program takes the arm from its controllers and releases it at the end.  The goal
+    ends with the program; the goal's number is minus the run's number.
     """
 
     program: Program | None = None
     name: Name | None = None
-    """Instead of a program: that of a saved one."""
+    """Name of a saved program, instead of a program."""
     paused: bool = False
-    """Whether it waits before its first step, for ``step_run`` or ``resume_run``."""
+    """Whether the program waits for ``step_run`` or ``resume_run`` before its first
+    step."""
 
 
 class _OfRun(Request[Response], Generic[Response], frozen=True):
-    """The field of every request to a program that runs."""
+    """Common field of requests to a running program."""
 
     arm: Name | None = None
-    """Program that the run executes; the only one that runs, if left out."""
+    """Name of the arm whose program is meant; may be left out if only one is
+    running."""
 
 
 class PauseRun(_OfRun[None], frozen=True):
-    """Pause a program: the arm slows down to a standstill on its path."""
+    """Pause a program: the arm decelerates to a standstill on its path."""
 
 
 class ResumeRun(_OfRun[None], frozen=True):
-    """Continue a program that was paused."""
+    """Continue a paused program."""
 
 
 class StepRun(_OfRun[None], frozen=True):
-    """Continue a program that was paused until its next step is done."""
+    """Continue a paused program until its next step is done."""
 
 
 class StopRun(_OfRun[None], frozen=True):
-    """End a program: the arm stops on its path, and its controllers start again."""
+    """End a program: the arm stops on its path, and its controllers are restarted."""
 
     is_urgent = True
     revokes = ("run_program", "resume_run", "step_run")
 
 
 class ReadRuns(Request[tuple[ProgramRun, ...]], frozen=True):
-    """The last program of each arm."""
+    """Read the state of each arm's last program."""
 
 
 class ListPrograms(Request[tuple[SavedProgram, ...]], frozen=True):
-    """The programs that were saved with this robot."""
+    """List the programs that were saved with this robot."""
 
 
 class ReadProgram(Request[Program], frozen=True):
-    """A saved program."""
+    """Read a saved program."""
 
     name: Name
 
@@ -171,11 +176,11 @@ class SaveProgram(Request[None], frozen=True):
 
     program: Program
     overwrite: bool = True
-    """Whether it replaces a saved one of that name; otherwise that is an error."""
+    """Whether to replace a saved program of that name; otherwise, this is an error."""
 
 
 class RenameProgram(Request[None], frozen=True):
-    """Give a saved program another name."""
+    """Rename a saved program."""
 
     name: Name
     new_name: Name

@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 
 def described_by(info: DescriptionInfo, document: Document) -> RobotDescription:
-    """Return the robot in another process, or of another time.
+    """Return a robot from another process or from a recording.
 
     Args:
-        info: Answer of the bring-up.
-        document: Its URDF, which may have other paths of meshes.
+        info: Description as received from the bring-up.
+        document: The robot's URDF; its mesh paths may be changed.
 
     Raises:
-        ModelError: If the document is no robot.
+        ModelError: If the document does not describe a robot.
     """
     robots = tuple(
         CatalogueRobot(

@@ -11,49 +11,50 @@ from tool0.protocol.request import Name, Request
 
 @final
 class RecordingStatus(Struct, frozen=True, kw_only=True):
-    """The recording in progress, or the last one."""
+    """State of the recording in progress or, if there is none, of the last one."""
 
     file: str
-    """The file that is written; the last one, after a rotation."""
+    """Path of the current file; if the recording rotates, of the newest file."""
     is_recording: bool
-    """Whether snapshots are still written."""
+    """Whether the recording is still in progress."""
     duration: float
-    """Simulated time recorded, in all files [s]."""
+    """Simulated time recorded in all files [s]."""
     size: int
-    """Size of all its files [bytes]."""
+    """Total size of the recording's files [bytes]."""
     files: int = 1
-    """Number of files, if the recording rotates."""
+    """Number of files; more than 1 if the recording rotates."""
     dropped: int = 0
-    """Snapshots that are missing, because the disk was too slow."""
+    """Number of snapshots that are missing because the disk was too slow."""
     error: str | None = None
-    """Error that ended it early, such as a full disk."""
+    """Error that ended the recording early, such as a full disk."""
 
 
 class StartRecording(Request[RecordingStatus], frozen=True):
-    """Record to an MCAP file until ``stop_recording``, or until the robot is closed."""
+    """Record to an MCAP file until ``stop_recording`` or until the robot is closed."""
 
     written_paths = ("file",)
 
     file: Annotated[str, Meta(min_length=1, max_length=4000)] | None = None
-    """The path on the simulation's machine, which ends in ``.mcap``, or a folder for a
-    file named by date and time; if left out, the user's folder of recordings."""
+    """Path on the simulation's machine that ends in ``.mcap``, or a folder, in which
+    the file is named by date and time.  If left out, the user's folder of
+    recordings."""
     overwrite: bool = False
-    """Whether to replace a file that exists."""
+    """Whether to replace an existing file."""
     max_size: Annotated[int, Meta(ge=1_000_000, le=1 << 40)] | None = None
-    """Go on in another file from this size on [bytes]."""
+    """File size at which a new file is started [bytes]."""
     max_duration: Annotated[float, Meta(ge=1.0, le=1e6)] | None = None
-    """Go on in another file after this simulated time [s]."""
+    """Simulated time after which a new file is started [s]."""
     max_files: Annotated[int, Meta(ge=1, le=100_000)] | None = None
-    """Keep only so many files, the newest."""
+    """Number of files to keep; older ones are deleted."""
     cameras: Annotated[tuple[Name, ...], Meta(max_length=16)] = ()
     """Cameras whose images are recorded."""
     camera_rate: Annotated[float, Meta(ge=0.1, le=60.0)] = 5.0
-    """Images of each per simulated second [Hz]."""
+    """Images of each camera per simulated second [Hz]."""
 
 
 class StopRecording(Request[RecordingStatus], frozen=True):
-    """End the recording, and complete its file."""
+    """End the recording and complete its file."""
 
 
 class ReadRecording(Request[RecordingStatus | None], frozen=True):
-    """The recording in progress, or the last one."""
+    """State of the recording in progress or, if there is none, of the last one."""

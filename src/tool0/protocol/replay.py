@@ -1,6 +1,6 @@
-"""Requests about the replay of a recording: ``tool0 replay`` alone answers them.
+"""Requests about the replay of a recording; only ``tool0 replay`` answers them.
 
-``Pause``, ``Resume``, ``Step`` and ``SetSpeed`` apply to a replay, too; ``Reset`` goes
+``Pause``, ``Resume``, ``Step`` and ``SetSpeed`` also apply to a replay; ``Reset`` seeks
 to its start.
 """
 
@@ -13,17 +13,17 @@ from msgspec import Meta, Struct
 from tool0.protocol.request import Name, Request
 
 Time = Annotated[float, Meta(ge=0.0, le=1e9)]
-"""Simulated [s]."""
+"""Simulated time [s]."""
 
 
 class SeekReplay(Request[None], frozen=True):
-    """Show the recording's last snapshot up to a simulated time; outside, its ends."""
+    """Show the last snapshot at or before a simulated time; outside, the nearer end."""
 
     time: Time
 
 
 class LoopReplay(Request[None], frozen=True):
-    """Start again at the end of the recording, or stop there."""
+    """Choose whether the replay loops or stops at the end of the recording."""
 
     loops: bool
 
@@ -34,17 +34,17 @@ class ReplaySamples(Struct, frozen=True, kw_only=True):
     times: list[float]
     """Ascending simulated times [s]."""
     values: list[list[float | None]]
-    """Values of each signal in SI units, in the order of the request; null where it has
-    none.
+    """Values of each signal in SI units, in the request's order; null for no value.
 
-    Of many samples these are the least and the greatest of equal intervals."""
+    If there are too many samples, these are the minima and maxima of equal
+    intervals."""
 
 
 class ReadReplay(Request[ReplaySamples], frozen=True):
-    """Signals of the recording, by the names in ``view.replay.signals``."""
+    """Read signals of the recording; ``view.replay.signals`` lists their names."""
 
     signals: Annotated[tuple[Name, ...], Meta(max_length=64)]
     start: Time = 0.0
     end: Time = 1e9
     points: Annotated[int, Meta(ge=2, le=1_000_000)] = 2000
-    """Approximate largest number of samples of each signal."""
+    """Approximate maximum number of samples per signal."""

@@ -1,4 +1,4 @@
-"""The start of a session as plain data: with its journal, it repeats the session."""
+"""The start of a session as plain data; with the journal, it can be repeated."""
 
 from __future__ import annotations
 
@@ -15,39 +15,39 @@ class MeshFile(Struct, frozen=True, kw_only=True):
     uri: str
     """URI of the mesh in the URDF, or in the object."""
     path: str
-    """Path of the file at that time."""
+    """Path of the file when the session started."""
     sha256: str
-    """SHA-256 of its content."""
+    """SHA-256 of the file's content."""
 
 
 class Reproduction(Struct, frozen=True, kw_only=True):
-    """All that a bring-up depends on, as plain data."""
+    """Everything that a bring-up depends on, as plain data."""
 
     versions: dict[str, str]
     """Versions of ``tool0``, ``python`` and the engine's package."""
     platform: str
     """Operating system and processor."""
     kernel: bool
-    """Whether compiled code executed the ticks; the results are the same."""
+    """Whether compiled code executed the ticks; the results do not depend on it."""
     name: str
     """Name of the robot's model."""
     source: str
-    """The xacro or URDF file it was read from."""
+    """Path of the xacro or URDF file from which the robot was read."""
     urdf: str
-    """The robot as one document."""
+    """URDF of the whole robot as one document."""
     meshes: tuple[MeshFile, ...]
     controllers: str
-    """The whole YAML of the controllers, as one text."""
+    """Complete YAML of the controllers, as text."""
     started: tuple[str, ...]
-    """Controllers that were loaded and started, in order."""
+    """Names of the controllers that were loaded and started, in order."""
     loaded: tuple[str, ...]
-    """Controllers that were loaded only."""
+    """Names of the controllers that were loaded but not started."""
     initial_position: dict[str, float]
-    """Joint → [rad | m]; mimic joints follow."""
+    """Joint → initial position [rad | m]; mimic joints follow."""
     poses: dict[str, dict[str, float]]
-    """The named poses: joint → [rad | m]."""
+    """Named poses: name → joint → position [rad | m]."""
     scene: tuple[ObjectInfo, ...]
-    """The objects at the start."""
+    """Objects at the start."""
     cameras: tuple[Camera, ...]
     engine: str
     engine_options: dict[str, str | bool | int | float | None]
@@ -63,4 +63,4 @@ class Reproduction(Struct, frozen=True, kw_only=True):
 
 
 class ReadReproduction(Request[Reproduction], frozen=True):
-    """Read all that is needed to bring the same robot up again, as it started."""
+    """Read everything needed to bring the same robot up again as it started."""

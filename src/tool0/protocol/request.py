@@ -30,43 +30,47 @@ class Request(
     """One operation on a running robot, answered by a ``Response``."""
 
     unchecked: ClassVar[tuple[str, ...]] = ()
-    """Fields that the handler checks itself: large ones, as a trajectory's points."""
+    """Fields that the handler checks itself because they are large, such as a
+    trajectory's points."""
     is_urgent: ClassVar[bool] = False
-    """Whether it is a stop: it overtakes everything that waits, on its connection, for
-    a worker and for the tick."""
+    """Whether the request is a stop: it overtakes all requests that wait on its
+    connection, for a worker, or for the tick."""
     revokes: ClassVar[tuple[str, ...]] = ()
-    """Methods that undo a stop.  Those that its connection sent before it and that wait
-    are refused, for the same arm; if one is in progress, the stop follows it."""
+    """Methods that would undo this stop.  If the same connection sent such a request
+    for the same arm before the stop, it is refused while it waits; if it is in
+    progress, the stop follows it."""
     is_streamed: ClassVar[bool] = False
-    """Whether many of them follow each other without replies: each is executed at the
-    next tick, without a detour through other threads."""
+    """Whether the requests form streams without replies: each is executed at the next
+    tick, without passing through other threads."""
     written_paths: ClassVar[tuple[str, ...]] = ()
-    """Fields that name files or folders on the robot's machine, which it writes."""
+    """Fields that name files or folders on the robot's machine that the request
+    writes."""
     is_of_connection: ClassVar[bool] = False
-    """Whether it is about the streams of one connection: the server answers it, for
-    every backend."""
+    """Whether the request concerns the streams of one connection; the server answers it
+    for every backend."""
 
     def read_paths(self) -> tuple[str, ...]:
-        """Return the files on the robot's machine that it names to be read."""
+        """Return the paths of files on the robot's machine that the request reads."""
         return ()
 
     def as_done(self) -> Request[Any]:
-        """Return the request that repeats what it did, without what was checked."""
+        """Return the request that repeats the effect of this one without its checks."""
         return self
 
 
 class ArmRequest(Request[Response], Generic[Response], frozen=True, kw_only=True):
-    """The field of every request to an arm or its control box."""
+    """Common field of requests to an arm or its control box."""
 
     arm: str | None = None
-    """Name of the arm, from ``list_arms``; the only one, if left out."""
+    """Name of the arm, as in ``list_arms``; may be left out if the robot has only
+    one."""
 
 
 RequestType = TypeVar("RequestType", bound=Request[Any])
 
 
 def method_name(request: type[Request[Any]]) -> str:
-    """Return the name on a connection: ``MoveJoints`` is ``move_joints``."""
+    """Return the method name of a request: ``MoveJoints`` becomes ``move_joints``."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", request.__name__).lower()
 
 
@@ -80,7 +84,7 @@ SpeedScale = Annotated[float, Meta(ge=SLOWEST, le=1.0)]
 Vector3 = tuple[float, float, float]
 
 Quaternion = tuple[float, float, float, float]
-"""w, x, y, z."""
+"""Quaternion w, x, y, z."""
 
 RGBA = tuple[float, float, float, float]
 
@@ -93,7 +97,7 @@ Coordinate = Annotated[float, Meta(ge=-1000.0, le=1000.0)]
 Place = tuple[Coordinate, Coordinate, Coordinate]
 
 CollisionRule = Literal["refuse", "ignore"]
-"""Check a motion for collisions and refuse it if an arm would collide, or do not
+"""``refuse``: check a motion and refuse it if an arm would collide; ``ignore``: do not
 check."""
 
 JointPositions = Annotated[dict[str, float], Meta(max_length=1000)]
@@ -101,10 +105,10 @@ JointPositions = Annotated[dict[str, float], Meta(max_length=1000)]
 
 
 def checked(request: RequestType) -> RequestType:
-    """Return ``request`` with plain values, or raise what is wrong with one of them.
+    """Return ``request`` with plain values, or raise RequestError for an invalid value.
 
-    numpy's numbers and arrays become Python's, and every value is compared with the
-    type and the bounds of its field, as it is when it arrives on a connection.
+    Numpy numbers and arrays are converted to Python's, and every value is checked
+    against its field's type and bounds, as for requests on a connection.
 
     Raises:
         RequestError: If a value has the wrong type, is not finite, or is out of bounds.
@@ -120,11 +124,11 @@ def checked(request: RequestType) -> RequestType:
 
 
 def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
-    """Return ``value`` as one of type ``kind``, or raise RequestError.
+    """Return ``value`` converted to type ``kind``, or raise RequestError.
 
     Args:
-        method: Method to which the value is given, for the message.
-        name: The name of the parameter.
+        method: Name of the method with this parameter, for the message.
+        name: Name of the parameter.
         value: The value.
         kind: A type, with bounds.
     """
@@ -135,7 +139,7 @@ def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
 
 
 def checked_path(method: str, name: str, value: object) -> Path:
-    """Return ``value``, a text or a path, as an absolute path, or raise RequestError.
+    """Return a text or a path as an absolute path, or raise RequestError.
 
     ``~`` is the user's home folder.
     """
@@ -148,15 +152,15 @@ def checked_path(method: str, name: str, value: object) -> Path:
 
 
 def problem_text(error: Exception) -> str:
-    """Return the text about a wrong value in Python's and YAML's words, not JSON's."""
+    """Return the text of an error in Python's and YAML's terms instead of JSON's."""
     return str(error).replace("`object", "`mapping").replace("`array", "`list")
 
 
 def plain(value: Any, key: object = None) -> Any:
-    """Return ``value`` made of Python's own numbers and sequences, all finite.
+    """Return ``value`` with plain Python numbers and sequences; all must be finite.
 
     Raises:
-        ValueError: If a number is NaN or infinite; with its ``key`` in a mapping.
+        ValueError: If a number is NaN or infinite; names the ``key`` in a mapping.
     """
     match value:
         case str():
@@ -180,7 +184,7 @@ def plain(value: Any, key: object = None) -> Any:
 
 
 def _encodable(text: str) -> str:
-    """Return a text as it is, or raise ValueError for halves of a character."""
+    """Return a text unchanged, or raise ValueError for unpaired surrogates."""
     if not text.isascii():
         try:
             text.encode()
@@ -190,7 +194,7 @@ def _encodable(text: str) -> str:
 
 
 def _plain_struct(value: msgspec.Struct) -> Any:
-    """Return a structure as the mapping that a connection brings."""
+    """Return a structure as a mapping, in the form that connections receive."""
     kind = value.__struct_config__
     found: dict[str, Any] = {}
     if kind.tag_field is not None:
@@ -210,7 +214,7 @@ def _field_types(kind: type[Request[Any]]) -> Mapping[str, Any]:
 
 @cache
 def response_type(kind: type[Request[Any]]) -> Any:
-    """Return the type of the response to a request class, resolved."""
+    """Return the resolved response type of a request class."""
     for parent in kind.__mro__:
         for base in parent.__dict__.get("__orig_bases__", ()):
             if isinstance(argument := (*typing.get_args(base), None)[0], TypeVar):

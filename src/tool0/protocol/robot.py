@@ -1,4 +1,4 @@
-"""The robot as a whole: its description, constant properties, and newest state."""
+"""The robot as a whole: description, constant properties, and newest state."""
 
 from __future__ import annotations
 
@@ -32,26 +32,26 @@ class LimitsInfo(Struct, frozen=True, kw_only=True):
 
     @staticmethod
     def of(limits: JointLimits) -> LimitsInfo:
-        """Return limits as they are sent."""
+        """Return limits in the form that is sent."""
         given = asdict(limits).items()
         return LimitsInfo(**{k: v if math.isfinite(v) else None for k, v in given})
 
     @property
     def limits(self) -> JointLimits:
-        """The limits as values of the model: infinite where there are none."""
+        """The limits in the form of the model; infinite where there is no limit."""
         given = {k: v for k, v in structs.asdict(self).items() if v is not None}
         return JointLimits(**given)
 
 
 class SimulationInfo(Struct, frozen=True, kw_only=True):
-    """Properties that are constant while a bring-up runs."""
+    """Properties of a simulation that are constant while a bring-up runs."""
 
     engine: str = ""
-    """Name of the physics engine, mujoco or gazebo; empty without one."""
+    """Name of the physics engine, ``mujoco`` or ``gazebo``; empty if there is none."""
     control_period: float
     """Simulated time of a tick [s]."""
     is_realtime: bool = True
-    """Whether simulated time passes without requests."""
+    """Whether simulated time passes by itself, in real time."""
     spawn_z: float = 0.0
     """Height of the robot's root above the world's origin [m]."""
     ground: float | None = None
@@ -59,15 +59,16 @@ class SimulationInfo(Struct, frozen=True, kw_only=True):
     grasp_assist: bool = False
     """Whether grasp assist attaches gripped objects."""
     joint_limits: dict[str, LimitsInfo]
-    """Limits of each driven joint [rad | m], [rad/s | m/s], [N·m | N], and so on."""
+    """Limits of each driven joint: position [rad | m], velocity [rad/s | m/s], effort
+    [N·m | N], acceleration and jerk."""
     defined_controllers: dict[str, str] = {}
-    """Controllers of the YAML, loaded or not: name → type."""
+    """Controllers in the YAML, loaded or not: name → type."""
     controller_roles: dict[str, Role] = {}
-    """Role of each defined controller."""
+    """Roles of these controllers: name → role."""
     parameters: dict[str, Any] = {}
-    """The whole YAML, as plain values."""
+    """Complete content of the YAML, as plain values."""
     warnings: tuple[str, ...] = ()
-    """Findings about the YAML."""
+    """Warnings about the YAML."""
 
 
 class CatalogueRobotInfo(Struct, frozen=True, kw_only=True):
@@ -76,20 +77,20 @@ class CatalogueRobotInfo(Struct, frozen=True, kw_only=True):
     name: str
     """Name of the robot in its cell; empty for a single robot."""
     arm: str
-    """The arm's folder."""
+    """Name of the arm's folder in the catalogue."""
     gripper: str | None
-    """The gripper's folder; None without one."""
+    """Name of the gripper's folder in the catalogue; None if there is no gripper."""
     prefix: str
-    """Prefix of the names of its links and joints."""
+    """Prefix of the arm's link and joint names."""
 
 
 class NamespaceInfo(Struct, frozen=True, kw_only=True):
-    """A robot of a cell that has a namespace of its own in ROS."""
+    """A robot of a cell that has its own namespace in ROS."""
 
     name: str
-    """Name of the robot, and of its namespace."""
+    """Name of the robot and of its namespace."""
     urdf: str
-    """The robot alone, with the names that it has alone."""
+    """URDF of the robot alone, with unprefixed names."""
 
 
 class DescriptionInfo(Struct, frozen=True, kw_only=True):
@@ -98,34 +99,35 @@ class DescriptionInfo(Struct, frozen=True, kw_only=True):
     urdf: str
     """The robot as one URDF document."""
     source: str
-    """The xacro or URDF file it was read from."""
+    """Path of the xacro or URDF file from which the robot was read."""
     robots: tuple[CatalogueRobotInfo, ...]
-    """The robot's arms and grippers of the catalogue; none for your own file."""
+    """The robot's arms and grippers from the catalogue; empty for a user's own file."""
     namespaces: tuple[NamespaceInfo, ...]
-    """The robots of a cell with namespaces; otherwise none."""
+    """The robots of a cell with namespaces; otherwise empty."""
     packages: dict[str, str]
-    """``file://`` URIs of the ROS packages inside tool0, which the URDF refers to."""
+    """ROS packages inside tool0 that the URDF refers to, with their ``file://``
+    URIs."""
 
 
 class ReadDescription(Request[DescriptionInfo], frozen=True):
-    """The robot's description as URDF."""
+    """Read the robot's description as URDF."""
 
 
 class ReadInfo(Request[SimulationInfo], frozen=True):
-    """Properties that are constant while a bring-up runs."""
+    """Properties of a simulation that are constant while a bring-up runs."""
 
 
 class ReadSnapshot(Request[Snapshot], frozen=True):
-    """The newest state of the whole robot."""
+    """Read the newest state of the whole robot."""
 
 
 class ReadLinkPose(Request[Transform], frozen=True):
-    """The measured frame of a link."""
+    """Read the measured frame of a link."""
 
     link: Name
     relative_to: str | None = None
-    """The link in whose frame it is; the root, if left out."""
+    """Link in whose frame the result is given; if left out, the robot's root."""
 
 
 class ReadSummary(Request[dict[str, Any]], frozen=True):
-    """A summary of the run in plain values."""
+    """Read a summary of the run as plain values."""

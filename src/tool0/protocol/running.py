@@ -18,38 +18,38 @@ class Resume(Request[None], frozen=True):
 
 
 class Step(Request[float], frozen=True):
-    """Run control periods while paused; the response is the time then [s]."""
+    """Run control periods while paused; the response is the time afterwards [s]."""
 
     ticks: Annotated[int, Meta(ge=1, le=1_000_000)] = 1
 
 
 class Run(Request[None], frozen=True):
-    """Advance simulated time; without real time, only this request does."""
+    """Advance simulated time; without real-time pacing, time passes only on request."""
 
     duration: Annotated[float, Meta(ge=0.0)]
     """Simulated time to advance by [s]."""
 
 
 class SetSpeed(Request[None], frozen=True):
-    """Change the speed of a simulation in real time."""
+    """Change the speed of a simulation that runs in real time."""
 
     factor: Annotated[float, Meta(gt=0.0, le=1000.0)]
     """Simulated seconds per wall second."""
 
 
 class Reset(Request[None], frozen=True):
-    """Return to the initial pose; goals are PREEMPTED, objects go to their start."""
+    """Return robot and objects to their initial poses; goals are PREEMPTED."""
 
     position: JointPositions = field(default_factory=dict)
-    """Joint → position instead of the initial one [rad | m]."""
+    """Joint → position that replaces the initial one [rad | m]."""
     keep_time: bool = False
     """Whether simulated time continues."""
     allow_penetration: bool = False
-    """Whether ``position`` may put a link into something."""
+    """Whether links may overlap with other bodies at ``position``."""
 
 
 class EmergencyStop(Request[None], frozen=True):
-    """Brake every joint at once, or release the brakes; goals are PREEMPTED."""
+    """Engage all brakes at once and preempt all goals, or release the brakes."""
 
     is_urgent = True
 
@@ -57,8 +57,8 @@ class EmergencyStop(Request[None], frozen=True):
 
 
 class StopMotions(Request[None], frozen=True):
-    """Stop every motion, without brakes: nothing resumes on its own.
+    """Stop every motion without engaging brakes; no motion resumes on its own.
 
-    Goals are PREEMPTED, programs end, and arms that were taken are released.  The
-    simulation does so itself when its process was frozen for a second or more.
+    Goals are PREEMPTED, programs end, and taken arms are released.  The simulation does
+    this by itself after its process was frozen for a second or more.
     """

@@ -1,4 +1,4 @@
-"""Cameras and force-torque sensors: their values, and the requests to them."""
+"""Cameras and force-torque sensors: their values, and the related requests."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ class CameraImage:
     time: float
     """Simulated time [s]."""
     rgb: NDArray[np.uint8]
-    """Colours, shape (height, width, 3); the first row is the top one."""
+    """Colours, shape (height, width, 3); the first row is the image's top."""
     depth: NDArray[np.float32]
-    """Distance along the camera's z [m], shape (height, width), as REP-118 has it:
-    infinite where there is nothing up to ``camera.far``."""
+    """Distance along the camera's z axis [m], shape (height, width), as in REP 118;
+    infinite where there is nothing within ``camera.far``."""
     K: NDArray[np.float64]
-    """The intrinsics, shape (3, 3): ``Camera.intrinsics``."""
+    """Intrinsic matrix, shape (3, 3); see ``Camera.intrinsics``."""
     T_root_camera: Transform
-    """The optical frame in the robot's root."""
+    """Pose of the optical frame in the robot's root."""
 
 
 class CameraRenderer(Protocol):
-    """Cameras by name, which draw states.  Any thread may use it."""
+    """Cameras by name, which render snapshots; thread-safe."""
 
     def __iter__(self) -> Iterator[str]: ...
 
@@ -47,19 +47,19 @@ class CameraRenderer(Protocol):
         """Return a camera, or raise RenderError."""
 
     def newest(self) -> Snapshot:
-        """Return the newest snapshot, to draw it."""
+        """Return the newest snapshot, for rendering."""
 
     def render(self, camera: Camera, snapshot: Snapshot | None = None) -> CameraImage:
-        """Return an image of ``snapshot``, by default the newest, from any camera.
+        """Return an image of ``snapshot`` (by default, the newest) from any camera.
 
         Raises:
-            RenderError: If it cannot draw here, or the robot is closed.
+            RenderError: If images cannot be rendered here, or the robot is closed.
         """
 
 
 DEFAULT_CUTOFF = 15.0
-"""Cutoff of the filter [Hz]: a compromise between fast response to a load and
-suppressing vibrations of the arm; not from a data sheet."""
+"""Cutoff frequency of the filter [Hz], a compromise between a fast response to loads
+and the suppression of arm vibrations; not from a data sheet."""
 
 
 @final
@@ -67,16 +67,17 @@ suppressing vibrations of the arm; not from a data sheet."""
 class WrenchReading:
     """Wrench of the tool on the flange, averaged over one step of the physics.
 
-    In the axes of ``frame``, at its origin, minus the payload if one was set, and minus
-    the reading at the last tare.
+    The wrench is in the axes of ``frame``, at its origin.  The payload, if one was set,
+    and the reading at the last tare are subtracted.
     """
 
     time: float
     """Simulated time at the end of the step [s]."""
     number: int
-    """Number of the sample since the sensor was started; a reset does not change it."""
+    """Number of the sample since the sensor was started; a reset does not restart
+    it."""
     frame: str
-    """Name of the link in whose axes the wrench is."""
+    """Name of the link in whose axes the wrench is given."""
     force: Vector3
     """Filtered force [N]."""
     torque: Vector3
@@ -86,24 +87,24 @@ class WrenchReading:
     raw_torque: Vector3
     """Unfiltered torque [N·m]."""
     dropped: int = 0
-    """Number of samples before this one that were no longer kept; in ``samples()``."""
+    """Number of samples before this one that were lost; only in ``samples()``."""
 
 
 class ListCameras(Request[tuple[Camera, ...]], frozen=True):
-    """Every camera of the robot."""
+    """List the robot's cameras."""
 
 
 class TakePicture(Request[CameraImage], frozen=True):
-    """The current image of a camera: colour and depth."""
+    """Render the current image of a camera: colour and depth."""
 
     camera: Name
 
 
 class WrenchSensorRequest(Request[Response], Generic[Response], frozen=True):
-    """The fields of every request about a force-torque sensor."""
+    """Common field of requests about a force-torque sensor."""
 
     link: Name | None = None
-    """The link that carries the tool; the robot's only ``tool0``, if left out."""
+    """Link that carries the tool; if left out, the robot's only ``tool0``."""
 
 
 class StartForceTorque(WrenchSensorRequest[float], frozen=True):
@@ -111,61 +112,62 @@ class StartForceTorque(WrenchSensorRequest[float], frozen=True):
 
     rate: float | None = None
     """Samples per simulated second [Hz], 50 … 1000 and a divisor of the control rate;
-    125 or the next divisor below, if left out."""
+    if left out, 125 or the next lower divisor."""
     cutoff: float = DEFAULT_CUTOFF
     """Cutoff frequency of the low-pass filter [Hz]."""
 
 
 class StopForceTorque(WrenchSensorRequest[None], frozen=True):
-    """Stop sampling, and forget the tare."""
+    """Stop sampling and discard the tare."""
 
 
 class ReadForceTorqueRate(WrenchSensorRequest[float], frozen=True):
-    """Samples per simulated second [Hz]; 0 while the sensor is not started."""
+    """Read the rate per simulated second [Hz]; 0 while the sensor is not started."""
 
 
 class TareForceTorque(WrenchSensorRequest[None], frozen=True):
-    """Tare the sensor, as UR's ``zero_ftsensor`` does."""
+    """Tare the sensor, like UR's ``zero_ftsensor``."""
 
 
 class ReadForceTorque(WrenchSensorRequest[WrenchReading], frozen=True):
-    """The newest sample; the first one starts the sensor."""
+    """Read the newest sample; the first such request starts the sensor."""
 
 
 class ReadForceTorqueSamples(
     WrenchSensorRequest[tuple[WrenchReading, ...]], frozen=True
 ):
-    """All samples after one, oldest first.
+    """Read all samples after a given one, oldest first.
 
-    The last 4096 are kept; ``dropped`` of the first one says how many are missing.
+    The last 4096 samples are kept; the first one's ``dropped`` says how many are
+    missing.
     """
 
     since: Annotated[int, Meta(ge=-1)] = -1
-    """Number of the last sample that is known already."""
+    """Number of the last sample that the caller already has."""
     timeout: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.0
-    """Longest wait for the first [wall s]."""
+    """Longest wait for a first sample [wall s]."""
 
 
 class Picture(Struct, frozen=True, kw_only=True):
-    """A camera image as it is sent: arrays row by row, little endian, by zlib."""
+    """A camera image in its sent form: zlib-compressed arrays, little endian."""
 
     time: float
     """Simulated time [s]."""
     width: int
-    """Width of the picture [pixels]."""
+    """Width of the image [pixels]."""
     height: int
-    """Height of the picture [pixels]."""
+    """Height of the image [pixels]."""
     K: tuple[Vector3, Vector3, Vector3]
-    """The intrinsics, shape (3, 3)."""
+    """Intrinsic matrix, shape (3, 3)."""
     T_root_camera: Transform
     rgb: bytes
-    """uint8, shape (height, width, 3)."""
+    """Colours as uint8, shape (height, width, 3), row by row."""
     depth: bytes
-    """float32 [m], shape (height, width)."""
+    """Depth as float32 [m], shape (height, width), row by row."""
 
 
 def picture_of(image: CameraImage) -> Picture:
-    """Return an image as it is sent."""
+    """Return an image in the form that is sent."""
     height, width = image.depth.shape
     return Picture(
         time=image.time,
@@ -179,7 +181,7 @@ def picture_of(image: CameraImage) -> Picture:
 
 
 def image_of(picture: Picture) -> CameraImage:
-    """Return the image that was sent."""
+    """Return the image that a received ``Picture`` contains."""
     import numpy as np
 
     shape = picture.height, picture.width

@@ -1,4 +1,4 @@
-"""A robot's description as a backend sends it."""
+"""A robot's description in the form that backends send."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 
 def description_info(description: RobotDescription, spawn_z: float) -> DescriptionInfo:
-    """Return a description as it is sent.
+    """Return a description in the form that is sent.
 
     Args:
         description: Description of the robot.
-        spawn_z: Height of its root above the world's origin [m].
+        spawn_z: Height of the robot's root above the world's origin [m].
     """
     return DescriptionInfo(
         urdf=description.urdf,

@@ -54,28 +54,29 @@ R = TypeVar("R")
 V = TypeVar("V")
 
 ANSWER_TIMEOUT: Final = 30.0
-"""Longest wait for an answer that should come at once [wall s]."""
+"""Longest wait for a reply that should come at once [wall s]."""
 POLL_PERIOD: Final = 0.02
 """Wall time between polls of the state [s]."""
 MAX_REQUEST: Final = 1 << 23
-"""Longest request [bytes]; 10 000 points of 6 joints with velocities and accelerations
-fit."""
+"""Longest request [bytes]; enough for 10 000 trajectory points of 6 joints with
+velocities and accelerations."""
 
 
 @final
 class SocketChannel:
-    """A connection to a simulation in another process: JSON lines over its Unix socket.
+    """A connection to a robot in another process: JSON lines over its Unix socket.
 
-    Any thread may use it.  A separate thread reads incoming messages.
+    The channel is thread-safe.  A separate thread reads incoming messages.
     """
 
     def __init__(self, name: str = DEFAULT_NAME) -> None:
         """Connect, or raise TransportError."""
         self.name = name
         self.when_refused: Callable[[Tool0Error], None] = self._give_up
-        """Called if a request without a reply failed, in the reader's thread."""
+        """Callback in the reader's thread when a request without a reply has failed."""
         self.when_ended: Callable[[TransportError], None] = lambda failure: None
-        """Called once when the connection has ended, in the reader's thread."""
+        """Callback in the reader's thread when the connection has ended; called
+        once."""
         self._peer = _connect(name)
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
@@ -116,13 +117,13 @@ class SocketChannel:
         return self.snapshot.time
 
     def call(self, request: Request[R]) -> R:
-        """Return the response, or raise what the handler raised.
+        """Return the response, or raise the handler's error.
 
         Raises:
             TransportError: If the bring-up does not answer, or has ended.
         """
         future = self._submit(request)
-        # Requests that advance time are answered when it has passed.
+        # Requests that advance time are answered only once the time has passed.
         timeout = None if isinstance(request, Run | Step) else ANSWER_TIMEOUT
         reply = self._awaited(future, timeout, method_name(type(request)))
         return _response(request, reply)
@@ -130,10 +131,10 @@ class SocketChannel:
     def submit(
         self, request: Request[R], when_done: Callable[[Callable[[], R]], None]
     ) -> None:
-        """Send a request and return; ``when_done`` gets a function with its outcome.
+        """Send a request without waiting; call ``when_done`` once it is answered.
 
-        It is called in the reader's thread.  The function returns the response, or
-        raises what the handler raised.
+        ``when_done`` is called in the reader's thread with a function that returns the
+        response or raises the handler's error.
 
         Raises:
             RequestError: If the request is invalid.
@@ -146,7 +147,7 @@ class SocketChannel:
         self._submit(request).add_done_callback(finish)
 
     def post(self, request: Request[Any]) -> None:
-        """Send a request without a reply; ``when_refused`` gets an error."""
+        """Send a request that gets no reply; errors are passed to ``when_refused``."""
         self._send(codec.encode_request(None, checked(request)) + b"\n")
 
     def _submit(self, request: Request[Any]) -> Future[codec.Reply]:
@@ -192,7 +193,7 @@ class SocketChannel:
     def subscribe(
         self, rate: float | None = None, *, keep_all: bool = False
     ) -> Subscription:
-        """Return a reader; the connection has one rate, the last one requested."""
+        """Return a reader; the connection has a single rate, the last one requested."""
         request = Subscribe() if rate is None else Subscribe(rate=rate)
         return self.follow(request, keep_all=keep_all)
 
@@ -203,7 +204,7 @@ class SocketChannel:
         keep_all: bool = False,
         when_published: Callable[[], None] | None = None,
     ) -> Subscription:
-        """Return a reader of the requested states: the connection's only stream.
+        """Return a reader of the requested states, the connection's only stream.
 
         The reader's thread calls ``when_published`` for every snapshot.
         """
@@ -297,7 +298,7 @@ class SocketChannel:
                 self._hello.set_result(message)
 
     def _goal(self, number: int, controller: str) -> Goal:
-        """Return the goal with this number: one handle for the reply and the event."""
+        """Return the goal with this number, which the reply and the event share."""
         with self._lock:
             if number not in self._goals:
                 self._goals[number] = Goal(controller)
@@ -310,7 +311,7 @@ class SocketChannel:
         self._fail(TransportError(f"the bring-up answered: {error}"))
 
     def _fail(self, failure: TransportError) -> None:
-        """Wake every waiting thread."""
+        """Wake every waiting thread with an error."""
         with self._lock:
             self._failure = self._failure or failure
             pending, self._pending = list(self._pending.values()), {}
@@ -321,7 +322,7 @@ class SocketChannel:
 
 
 def _response(request: Request[R], reply: codec.Reply) -> R:
-    """Return the response of a reply, or raise its error."""
+    """Return a reply's response, or raise the reply's error."""
     if not isinstance(reply.error, UnsetType):
         raise codec.error_of(reply.error)
     result = b"null" if isinstance(reply.result, UnsetType) else reply.result
@@ -353,7 +354,7 @@ def _connect(name: str) -> socket.socket:
 
 
 def _trusted(path: Path) -> socket.socket:
-    """Return a connection to a bring-up of this user."""
+    """Return a socket connected to a bring-up of this user."""
     if (problem := insecurity(path.parent)) is not None:
         raise TransportError(f"{path} may be another user's: {problem}")
     peer = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)

@@ -17,17 +17,16 @@ from tool0.protocol.trajectories import TrajectoryState
 MotionMode = Literal[
     "free", "hold", "path", "servo", "speed", "stop", "freedrive", "torque"
 ]
-"""Source of an arm's motion: ``free`` is a controller of ROS, or nothing."""
+"""Source of an arm's motion; ``free``: a ROS controller, or nothing."""
 
 SNAPSHOT_PERIOD = 0.008
-"""Default simulated time between snapshots [s]: 125 Hz, the rate of the UR's own
-reports."""
+"""Default simulated time between snapshots [s]: 125 Hz, like a real UR's reports."""
 
 
 def ticks_between_snapshots(period: float, control_period: float) -> int:
-    """Return the control periods between snapshots at least every ``period`` [s].
+    """Return the number of control periods between snapshots for a ``period`` [s].
 
-    It is the largest such number that divides that of the default period.
+    It is the largest number that fits into ``period`` and divides the default period's.
     """
     default = max(1, round(SNAPSHOT_PERIOD / control_period))
     wanted = max(1, math.floor(period / control_period + 1e-9))
@@ -42,15 +41,15 @@ class JointSetpoint(NamedTuple):
     velocity: float
     """Velocity at this instant [rad/s | m/s]."""
     target: float
-    """The end of the motion [rad | m]."""
+    """Position at the end of the motion [rad | m]."""
 
 
 class ControllerSetpoint(Protocol):
-    """The setpoint of a controller at one instant, computed when it is read."""
+    """A controller's setpoint at one instant, computed on access."""
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints of every sequence here."""
+        """Names of the joints, in the order of all sequences here."""
 
     def joint_setpoints(self) -> Mapping[str, JointSetpoint]:
         """Return the setpoint of each joint."""
@@ -58,17 +57,18 @@ class ControllerSetpoint(Protocol):
     def desired_and_target(self, joint: str) -> tuple[float, float] | None:
         """Return the desired and the final position of one joint [rad | m].
 
-        None if it is none of these; much cheaper than ``joint_setpoints``.
+        None if the joint is not one of ``joint_names``.  Much cheaper than
+        ``joint_setpoints``.
         """
 
     def desired_motion(self, joints: Sequence[str], time: float) -> ArmSetpoint | None:
         """Return the desired motion of these joints at a simulated time [s].
 
-        None if one is none of these.
+        None if one of them is not in ``joint_names``.
         """
 
     def state(self) -> TrajectoryState:
-        """Return desired, actual and error at that instant."""
+        """Return the desired and measured motion and the error at that instant."""
 
 
 @final
@@ -76,28 +76,29 @@ class ArmSample(Struct, frozen=True):
     """Motion of an arm, its source, and the wrench on its tool."""
 
     mode: MotionMode
-    """Source of the motion: ``free`` is a controller of ROS, or nothing."""
+    """Source of the motion; ``free``: a ROS controller, or nothing."""
     setpoint: ArmSetpoint | None
     """Setpoint of the arm, or its measured motion if nothing drives it.  Sent as
-    [positions, velocities, accelerations], base to flange [rad] and per second.  None
-    only in a snapshot of this process: the setpoint is then its controller's."""
+    [positions, velocities, accelerations], from base to flange [rad, rad/s, rad/s²].
+    None only in snapshots of this process, if a controller has the setpoint."""
     path: int
     """Number of the last path; 0 before the first."""
     path_time: float
-    """Time on that path [s]; it passes more slowly if the speed is scaled."""
+    """Time on that path [s]; passes more slowly if the speed is scaled."""
     is_done: bool
-    """Whether the path has arrived at its end, or the stop has ended: the setpoint is
-    at rest.  Not after a failure."""
+    """Whether the path or the stop has ended, so that the setpoint is at rest.  False
+    after a failure."""
     force_mode: bool
-    """Whether it pushes with a force; the setpoint is the motion without it."""
+    """Whether force mode is active; the setpoint does not include the resulting
+    deviation."""
     wrench: Wrench
-    """External force [N] and torque [N·m] on the tool at the flange, in its axes, less
-    the payload and the tare."""
+    """External force [N] and torque [N·m] on the tool at the flange, in the flange's
+    axes, minus payload and tare."""
     failure: str = ""
-    """Why the motion failed: the arm rests where it was, and accepts no motion until it
-    is taken again.  Empty if it did not."""
+    """Reason why the motion failed, after which the arm holds its position and accepts
+    no motion until it is taken again.  Empty if the motion did not fail."""
     joint_names: tuple[str, ...] | UnsetType = UNSET
-    """Joints from base to flange; only in the process of the simulation."""
+    """Names of the joints from base to flange; only in the simulation's process."""
     currents: tuple[float, ...] = ()
     """Motor currents of a real arm [A], base to flange; empty for a simulated one."""
 
@@ -106,8 +107,8 @@ class ArmSample(Struct, frozen=True):
 class Snapshot(Struct, frozen=True):
     """The whole robot at one instant.
 
-    A struct of msgspec: the loop creates one for every eight steps, and a dataclass
-    would take ten times as long.
+    It is a msgspec struct because the loop creates one every eight steps, and a
+    dataclass would take ten times as long.
     """
 
     time: float
@@ -115,7 +116,7 @@ class Snapshot(Struct, frozen=True):
     tick: int
     """Control periods since the start or the last reset."""
     joint_names: tuple[str, ...]
-    """Every movable joint: the order of the three sequences that follow."""
+    """Names of all movable joints, in the order of the next three sequences."""
     position: tuple[float, ...]
     """Measured positions [rad | m], shape (n_joints,)."""
     velocity: tuple[float, ...]
@@ -123,46 +124,46 @@ class Snapshot(Struct, frozen=True):
     effort: tuple[float, ...]
     """Efforts applied during the last step [N·m | N], shape (n_joints,)."""
     controllers: tuple[ControllerStatus, ...]
-    """Every loaded controller."""
+    """Status of every loaded controller."""
     is_paused: bool = False
-    """Whether simulated time is held."""
+    """Whether simulated time is paused."""
     is_stopped: bool = False
     """Whether the emergency stop is engaged."""
     real_time_factor: float = 1.0
     """Simulated time per wall time, over about the last second."""
     overruns: int = 0
-    """Ticks that began more than one control period late, since the start."""
+    """Number of ticks since the start that began more than one control period late."""
     late_ticks: int = 0
-    """The same, in about the last second of wall time."""
+    """Number of such ticks in about the last second of wall time."""
     fault: str | None = None
-    """Why the simulation has stopped, until a reset."""
+    """Reason why the simulation has stopped until a reset."""
     speed: float | None = None
-    """Requested simulated time per wall time; None if time passes only on request, as
-    fast as possible."""
+    """Requested simulated time per wall time; None if time passes only on request and
+    as fast as possible."""
     controller_setpoints: Mapping[str, ControllerSetpoint] = field(default_factory=dict)
-    """The setpoint of each running controller; empty in another process."""
+    """Setpoint of each running controller, by name; empty in other processes."""
     received_setpoints: Mapping[str, JointSetpoint] = field(default_factory=dict)
-    """Joint → setpoint, if another process computed them."""
+    """Joint → setpoint, for snapshots received from another process."""
     scene: tuple[SceneObject, ...] = ()
-    """The objects around the robot: the same tuple until one is added or removed."""
+    """Objects around the robot; the same tuple until an object is added or removed."""
     objects: Sequence[ObjectState] = ()
     """Poses and velocities of the objects, in the order of ``scene``."""
     stalls: tuple[Stall, ...] = ()
     """Joints that push at their effort limit without moving, and what they touch."""
     gripping: tuple[str, ...] = ()
-    """The grippers whose fingers press on something from two sides."""
+    """Names of the grippers whose fingers press on something from two sides."""
     control_boxes: tuple[ControlBoxState, ...] = ()
-    """The control box of each arm: the same tuple until one changes."""
+    """Control box of each arm; the same tuple until a control box changes."""
     command: tuple[float, ...] = ()
-    """The last command of each joint, in the unit of its interface; empty unless a
-    subscriber needs it."""
+    """Last command of each joint, in its interface's unit; empty unless a subscriber
+    needs it."""
     arms: Mapping[str, ArmSample] = field(default_factory=dict)
-    """Arm → what moves it; empty unless a subscriber needs it."""
+    """Arm → its motion; empty unless a subscriber needs it."""
     contacts: tuple[Contact, ...] = ()
     """Contacts with their forces; empty unless a subscriber needs them."""
     step: int = 0
-    """Control periods since the bring-up; no reset sets it back.  Only in the process
-    of the simulation."""
+    """Control periods since the bring-up, unaffected by resets; only in the
+    simulation's process."""
 
     @property
     def positions(self) -> dict[str, float]:
@@ -172,7 +173,7 @@ class Snapshot(Struct, frozen=True):
     def setpoints(self) -> Mapping[str, JointSetpoint]:
         """Return the setpoint of each joint that a controller moves by position.
 
-        It is computed here, in the thread of the reader.
+        Setpoints are computed in the calling thread.
         """
         if not self.controller_setpoints:
             return self.received_setpoints
@@ -195,7 +196,7 @@ class Snapshot(Struct, frozen=True):
 
 
 class ArmSetpoint(NamedTuple):
-    """The commanded motion of an arm's joints at an instant, base to flange."""
+    """Commanded motion of an arm's joints at an instant, from base to flange."""
 
     positions: Sequence[float]
     """Positions [rad]."""
@@ -211,26 +212,27 @@ class ArmSetpoint(NamedTuple):
 
     @staticmethod
     def resting(positions: Sequence[float]) -> ArmSetpoint:
-        """Return the setpoint of resting at ``positions`` [rad]."""
+        """Return the setpoint of an arm that rests at ``positions`` [rad]."""
         zeros = (0.0,) * len(positions)
         return ArmSetpoint(tuple(positions), zeros, zeros)
 
 
 Six = tuple[float, float, float, float, float, float]
-"""Numbers of an arm's joints from base to flange, or a wrench: force, then torque."""
+"""One number per arm joint from base to flange, or a wrench (force, then torque)."""
 
 
 class Stall(NamedTuple):
-    """A joint that is driven and has not moved for ``STALL_TIME``."""
+    """A driven joint that has not moved for ``STALL_TIME``."""
 
     joint: str
     effort: float
     """Effort with which the joint pushes [N·m | N]."""
     contacts: tuple[tuple[str, str], ...] = ()
-    """The links beyond the joint that touch something, and what they touch; the
-    strongest contact first.  Empty if the joint is at its stop or overloaded."""
+    """Pairs of a link beyond the joint and the body that it touches, the strongest
+    contact first.  Empty if the joint is at its stop or overloaded."""
     lag: float | None = None
-    """Distance from its setpoint [rad | m]; None if it pushes with its effort limit."""
+    """Distance from the setpoint [rad | m]; None if the joint is at its effort
+    limit."""
 
     def __str__(self) -> str:
         touching = contacts_text(self.contacts)

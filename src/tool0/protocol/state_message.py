@@ -1,4 +1,4 @@
-"""A state of the robot as connections send it: one schema, of which readers choose."""
+"""A robot's state in the form that connections send; readers choose its fields."""
 
 from __future__ import annotations
 
@@ -43,50 +43,50 @@ StateField = Literal[
     "control_boxes",
     "scene",
 ]
-"""The fields that a reader of states chooses from."""
+"""Names of the fields that a reader of states can choose."""
 
 Rows = tuple[tuple[float, ...], ...]
 
 
 class RareChanges(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """Fields that rarely change: absent if they are as in the message before."""
+    """Fields that rarely change; absent if unchanged since the previous message."""
 
     is_paused: bool | UnsetType = UNSET
-    """Whether simulated time is held."""
+    """Whether simulated time is paused."""
     is_stopped: bool | UnsetType = UNSET
     """Whether the emergency stop is engaged."""
     fault: str | UnsetType | None = UNSET
-    """Why the simulation has stopped, until a reset."""
+    """Reason why the simulation has stopped until a reset."""
     speed: float | UnsetType | None = UNSET
-    """Requested simulated time per wall time; null: as fast as possible."""
+    """Requested simulated time per wall time; null for as fast as possible."""
     stalls: tuple[Stall, ...] | UnsetType = UNSET
-    """Joints that push at their limit without moving, each as [joint, effort, [[link,
-    what it touches], …], lag]."""
+    """Joints that push at their effort limit without moving, each as [joint, effort,
+    [[link, touched body], …], lag]."""
     gripping: tuple[str, ...] | UnsetType = UNSET
-    """The grippers whose fingers press on something from two sides."""
+    """Names of the grippers whose fingers press on something from two sides."""
     real_time_factor: float | UnsetType = UNSET
     """Simulated time per wall time, over about the last second."""
     overruns: int | UnsetType = UNSET
-    """Ticks that began more than one control period late, since the start."""
+    """Number of ticks since the start that began more than one control period late."""
     late_ticks: int | UnsetType = UNSET
-    """The same, in about the last second of wall time."""
+    """Number of such ticks in about the last second of wall time."""
     controllers: tuple[ControllerStatus, ...] | UnsetType = UNSET
-    """Every loaded controller."""
+    """Status of every loaded controller."""
     control_boxes: tuple[ControlBoxState, ...] | UnsetType = UNSET
-    """The control box of each arm."""
+    """Control box of each arm."""
     scene: tuple[ObjectInfo, ...] | UnsetType = UNSET
-    """The objects around the robot; it changes when one is added or removed."""
+    """Objects around the robot; changes when an object is added or removed."""
 
 
 class ControllerMotion(Struct, frozen=True, kw_only=True):
-    """Motion of the joints of a trajectory controller, in its order."""
+    """Motion of a trajectory controller's joints, in the controller's order."""
 
     reference: Rows
-    """Desired positions, velocities and accelerations [rad | m] and per second."""
+    """Desired positions, velocities and accelerations [rad | m, per s, per s²]."""
     feedback: Rows
-    """Measured positions and velocities."""
+    """Measured positions and velocities [rad | m, per s]."""
     error: Rows
-    """reference - feedback, of positions and velocities."""
+    """Errors of positions and velocities: ``reference`` minus ``feedback``."""
     time_from_start: float
     """Time on the trajectory [s]."""
     speed_scaling: float
@@ -95,19 +95,19 @@ class ControllerMotion(Struct, frozen=True, kw_only=True):
 
 @final
 class StateMessage(RareChanges, frozen=True, kw_only=True, tag="state"):
-    """The robot at one instant: the fields to which the reader subscribed.
+    """The robot at one instant: the fields that the reader subscribed to.
 
-    A sequence of numbers of joints is in the order of ``joint_names``.
+    Sequences with one number per joint are in the order of ``joint_names``.
     """
 
     time: float
-    """Simulated [s]."""
+    """Simulated time [s]."""
     tick: int
     """Control periods since the start or the last reset."""
     missed: int = 0
-    """States before this one that a slow reader has lost."""
+    """Number of states before this one that a slow reader has lost."""
     joint_names: tuple[str, ...] | UnsetType = UNSET
-    """Every movable joint; absent where they are as before."""
+    """Names of all movable joints; absent if unchanged."""
     position: tuple[float, ...] | UnsetType = UNSET
     """Measured positions [rad | m]."""
     velocity: tuple[float, ...] | UnsetType = UNSET
@@ -128,7 +128,7 @@ class StateMessage(RareChanges, frozen=True, kw_only=True, tag="state"):
     arms: Mapping[str, ArmSample] | UnsetType = UNSET
     """Motion of each arm and its source, by name."""
     wrenches: Mapping[str, Wrench] | UnsetType = UNSET
-    """The ``wrench`` of ``arms`` alone."""
+    """Wrench of each arm by name: the ``wrench`` of ``arms`` alone."""
     objects: tuple[tuple[Vector3, Quaternion], ...] | UnsetType = UNSET
     """Position [m] and orientation of each object of ``scene``, in its order, in the
     robot's root."""
@@ -138,7 +138,7 @@ class StateMessage(RareChanges, frozen=True, kw_only=True, tag="state"):
     contacts: tuple[Contact, ...] | UnsetType = UNSET
     """Contacts with their forces, in the axes of the root."""
     scene_number: int | UnsetType = UNSET
-    """Number of the ``scene`` that ``objects`` belong to, in the panel's view."""
+    """Number of the ``scene`` to which ``objects`` belong; only in the panel's view."""
 
 
 _SETPOINTS: Final = ("desired", "desired_velocity", "target")
@@ -152,7 +152,7 @@ SNAPSHOT_FIELDS: Final[tuple[StateField, ...]] = (
     *("real_time_factor", "overruns", "late_ticks"),
     *("controllers", "control_boxes", "scene"),
 )
-"""Fields that every snapshot has; the rest is computed on demand."""
+"""Fields that every snapshot has; the others are computed on demand."""
 
 
 @final
@@ -165,12 +165,12 @@ class StateMask:
         controllers: Collection[str] = (),
         arms: Collection[str] = (),
     ) -> None:
-        """Want these fields.
+        """Choose the fields.
 
         Args:
-            fields: By name.
-            controllers: Those in ``motions``; all, if left out.
-            arms: Those in ``arms`` and ``wrenches``; all, if left out.
+            fields: Names of the fields.
+            controllers: Controllers in ``motions``; if left out, all.
+            arms: Arms in ``arms`` and ``wrenches``; if left out, all.
         """
         self.controllers = controllers
         self.arms = arms
@@ -192,9 +192,9 @@ def state_message(
     *,
     missed: int = 0,
 ) -> StateMessage:
-    """Return the subscribed fields of a snapshot, after ``before`` in a stream.
+    """Return the subscribed fields of a snapshot that follows ``before`` in a stream.
 
-    ``missed`` is the number of snapshots between them that the reader has lost.
+    ``missed`` is the number of snapshots in between that the reader has lost.
     """
     found = changes(snapshot, before, mask.rare)
     for name in mask.copied:
@@ -212,7 +212,7 @@ def state_message(
 def changes(
     snapshot: Snapshot, before: Snapshot | None, names: Collection[str]
 ) -> dict[str, Any]:
-    """Return those of some fields that changed since ``before``, as they are sent."""
+    """Return the named fields that changed since ``before``, in their sent form."""
     found = {}
     for name in names:
         value = getattr(snapshot, name)
@@ -225,9 +225,9 @@ def changes(
 
 
 def snapshot_of(message: StateMessage, before: Snapshot | None = None) -> Snapshot:
-    """Return the snapshot that was sent, after ``before`` in a stream.
+    """Return the snapshot in a message that follows ``before`` in a stream.
 
-    It has nothing that the reader has not asked for; ``motions`` it has never.
+    The snapshot contains only the requested fields, and never ``motions``.
     """
     found = {
         name: value for name in _READ if (value := getattr(message, name)) is not UNSET
@@ -250,7 +250,7 @@ def snapshot_of(message: StateMessage, before: Snapshot | None = None) -> Snapsh
 
 
 def filled(snapshot: Snapshot, sample: ArmSample) -> ArmSample:
-    """Return an arm's motion, with the setpoint of a controller, as it is sent."""
+    """Return an arm's motion in its sent form, with its controller's setpoint."""
     return structs.replace(
         sample,
         joint_names=UNSET,
@@ -280,7 +280,7 @@ def _motion(snapshot: Snapshot, controller: str) -> ControllerMotion:
 
 
 def _sampled(snapshot: Snapshot, mask: StateMask) -> dict[str, ArmSample]:
-    """Return the samples of the wanted arms, as far as the snapshot has them."""
+    """Return the samples of the wanted arms that the snapshot contains."""
     samples = snapshot.arms
     return {name: samples[name] for name in mask.arms or samples if name in samples}
 
@@ -296,7 +296,7 @@ def _wrenches(snapshot: Snapshot, mask: StateMask) -> dict[str, Wrench]:
 
 
 def _arm_setpoint(snapshot: Snapshot, sample: ArmSample) -> ArmSetpoint:
-    """Return the motion that a controller desires of an arm, or the measured."""
+    """Return an arm's motion: a controller's desired motion, or the measured one."""
     joints = sample.joint_names
     assert not isinstance(joints, UnsetType)  # a sample of this process
     for setpoint in snapshot.controller_setpoints.values():

@@ -1,4 +1,4 @@
-"""Trajectories: their points and state, and the requests that send them."""
+"""Trajectories: their points, their state, and the requests that send them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tool0.protocol.request import Name, Request, Response
 @final
 @dataclass(frozen=True, slots=True)
 class TrajectoryPoint:
-    """Desired motion of the joints at a time after the trajectory's start.
+    """Desired motion of the joints at a given time after the trajectory's start.
 
     Each sequence has shape (n_joints,), in the order of the goal's joints.
     """
@@ -25,11 +25,11 @@ class TrajectoryPoint:
     positions: Sequence[float]
     """Positions [rad | m]."""
     velocities: Sequence[float] | None = None
-    """Velocities [rad/s | m/s]; None leaves them open: the motion to and from this
-    point is linear."""
+    """Velocities [rad/s | m/s]; if None, the motion to and from this point is
+    linear."""
     accelerations: Sequence[float] | None = None
-    """Accelerations [rad/s² | m/s²]; None leaves them open: the motion to and from
-    this point is cubic at most."""
+    """Accelerations [rad/s² | m/s²]; if None, the motion to and from this point is at
+    most cubic."""
     time_from_start: float = 0.0
     """Simulated time after the start of the trajectory [s]."""
 
@@ -64,15 +64,15 @@ class TrajectoryState:
     """Desired and measured motion of a controller's joints, and the difference."""
 
     joint_names: tuple[str, ...]
-    """The controller's joints: the order of the other fields."""
+    """Names of the controller's joints, in the order of the other fields."""
     time: float
-    """Simulated time of the update that it describes [s]."""
+    """Simulated time of the controller update that this state describes [s]."""
     desired: JointsMotion
-    """The setpoint."""
+    """Desired motion (the setpoint)."""
     actual: JointsMotion
-    """The measured motion."""
+    """Measured motion."""
     error: JointsMotion
-    """desired - actual; the shortest way round for a continuous joint."""
+    """``desired`` minus ``actual``; for continuous joints, the shorter way round."""
     speed_scaling: float = 1.0
     """Trajectory time per simulated time."""
 
@@ -98,7 +98,7 @@ Tolerances = dict[str, ToleranceOverride]
 
 
 class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
-    """The fields of every request with a trajectory."""
+    """Common fields of requests with a trajectory."""
 
     unchecked = ("points", "path_tolerance", "goal_tolerance")
 
@@ -107,34 +107,35 @@ class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
     """Positions, velocities and accelerations at ``time_from_start`` [s], in the order
     of ``joint_names``."""
     joint_names: tuple[str, ...] | None = None
-    """The controller's, if left out."""
+    """Names of the points' joints; if left out, the controller's joints."""
     stamp: float | None = None
-    """Simulated time at which the trajectory starts [s]; now, if left out."""
+    """Simulated time at which the trajectory starts [s]; if left out, it starts now."""
 
 
 class FollowTrajectory(_OfTrajectory[GoalStarted], frozen=True):
-    """Send a trajectory as a goal, as ROS's action does; no points stop the motion."""
+    """Send a trajectory as a goal, like ROS's action; an empty one stops the motion."""
 
     path_tolerance: Tolerances = field(default_factory=dict)
-    """Joint → largest error on the way [rad | m]; below 0 disables the check."""
+    """Joint → largest error during the motion [rad | m]; < 0 disables the check."""
     goal_tolerance: Tolerances = field(default_factory=dict)
-    """Joint → largest error at the end [rad | m]; below 0 disables the check."""
+    """Joint → largest error at the end [rad | m]; < 0 disables the check."""
     goal_time_tolerance: float | None = None
-    """Grace after the last point [s]; below 0 disables the check."""
+    """Time allowed after the last point to reach the goal [s]; < 0 disables the
+    check."""
     grip: GripLimits | None = None
-    """Limits of a gripper whose joint moves; the joint's own, if left out."""
+    """Limits of the gripper whose joint moves; if left out, the joint's own limits."""
 
 
 class CommandTrajectory(_OfTrajectory[None], frozen=True):
-    """Send a trajectory without a goal; no points stop the motion."""
+    """Send a trajectory without a goal; an empty one stops the motion."""
 
     points: Points = ()
 
 
 class ScaleTrajectory(Request[None], frozen=True):
-    """Scale the speed of a controller's trajectories, as ROS 2's speed_scaling_input.
+    """Scale the speed of a controller's trajectories, like ROS 2's speed_scaling_input.
 
-    Its tolerances are judged by the slower trajectory.
+    Tolerances are checked against the slowed trajectory.
     """
 
     controller: Name

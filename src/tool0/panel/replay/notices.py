@@ -1,4 +1,4 @@
-"""Events of a recording, as the notices of a page."""
+"""A recording's events as notices for a page."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from tool0.recording.reading import RecordingFile
 
 MOST: Final = 20_000
-"""Notices that are sent; of more, the first ones."""
+"""Maximum number of notices; if there are more, only the first ones are sent."""
 _CODES: Final = frozenset(get_args(NoticeCode))
 
 
 def notices_of(recording: RecordingFile) -> list[Notice]:
-    """Return events and grips, in the order of their times."""
+    """Return the recording's events and grips in chronological order."""
     found = sorted([*_events(recording), *_grips(recording)], key=lambda item: item[0])
     start = float(recording.time[0])
     return [
@@ -50,7 +50,7 @@ def _events(
 def _grips(
     recording: RecordingFile,
 ) -> Iterator[tuple[float, Severity, NoticeCode, str]]:
-    """Yield when fingers begin to press on something, and when they end."""
+    """Yield an event when a gripper's fingers start or stop pressing on something."""
     before: frozenset[str] = frozenset()
     for frame, gripping in recording.gripping:
         now, time = frozenset(gripping), float(recording.time[frame])

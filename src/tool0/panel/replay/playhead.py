@@ -1,4 +1,4 @@
-"""The time of a recording that is shown: it plays, pauses, loops, and jumps."""
+"""The playback position in a recording: plays, pauses, loops, and seeks."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ MIN_SPEED, MAX_SPEED = 0.01, 100.0
 
 @final
 class Playhead:
-    """A time between two ends, which passes with the wall clock.
+    """A time between two ends that advances with the wall clock.
 
-    Any thread may use it.
+    It is thread-safe.
     """
 
     def __init__(
         self, start: float, end: float, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        """Pause at ``start`` [s]; ``clock`` returns wall time [s]."""
+        """Start paused at ``start`` [s]; ``clock`` returns wall time [s]."""
         self._start, self._end = start, end
         self._clock = clock
         self._lock = threading.Lock()
@@ -38,48 +38,48 @@ class Playhead:
 
     @property
     def is_playing(self) -> bool:
-        """Whether time passes: not beyond the end, unless it loops."""
+        """Whether time passes; playback stops at the end unless it loops."""
         with self._lock:
             self._update()
             return self._is_playing
 
     @property
     def speed(self) -> float:
-        """Seconds of the recording per second of wall time."""
+        """Recorded time per wall time."""
         return self._speed
 
     @property
     def loops(self) -> bool:
-        """Whether it starts again at the end."""
+        """Whether playback starts again at the end."""
         return self._loops
 
     def play(self) -> None:
-        """Advance the time; after the end, it starts again."""
+        """Let time advance; at the end, start again from the beginning."""
         with self._lock:
             if self._update() >= self._end:
                 self._time = self._start
             self._is_playing = True
 
     def pause(self) -> None:
-        """Hold the time."""
+        """Stop the time from advancing."""
         with self._lock:
             self._update()
             self._is_playing = False
 
     def seek(self, time: float) -> None:
-        """Go to a time, or to the nearer end."""
+        """Go to a time, clamped to the ends."""
         with self._lock:
             self._update()
             self._time = min(self._end, max(self._start, time))
 
     def set_speed(self, speed: float) -> None:
-        """Change the speed from now on; beyond the bounds, to the nearer one."""
+        """Change the speed from now on, clamped to its bounds."""
         with self._lock:
             self._update()
             self._speed = min(MAX_SPEED, max(MIN_SPEED, speed))
 
     def set_loops(self, loops: bool) -> None:
-        """Start again at the end, or stop there."""
+        """Choose whether playback loops or stops at the end."""
         with self._lock:
             self._update()
             self._loops = loops

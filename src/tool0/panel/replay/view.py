@@ -1,4 +1,4 @@
-"""A recording, for ``tool0 replay``: its pages play it and show the robot as it was."""
+"""A recording for ``tool0 replay``, whose pages play it and show the recorded robot."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 class Replay:
     """A recording and its playhead, which all pages share.
 
-    It is both the backend of the server and the source of its view.
+    It is both the server's backend and the source of the view.
     """
 
     mode: Final = "replay"
@@ -58,9 +58,9 @@ class Replay:
     def __init__(
         self, recording: RecordingFile, beside: SimulatedRun | None = None
     ) -> None:
-        """Pause at the start; RecordingError if there is nothing to show.
+        """Start paused; raise RecordingError if there are no snapshots.
 
-        ``beside`` is a simulated run, for the plots.
+        ``beside`` is a simulated run that plots show next to the recording.
         """
         if len(recording) == 0:
             raise RecordingError(f"{recording.path} has no snapshots to show")
@@ -165,10 +165,10 @@ class Replay:
     def post(
         self, request: Request[Any], when_failed: Callable[[Exception], None]
     ) -> None:
-        """No stream is offered."""
+        """Do nothing: streams are not offered."""
 
     def check_setpoint(self, request: Request[Any]) -> None:
-        """No stream is offered."""
+        """Do nothing: streams are not offered."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
         return ()
@@ -202,12 +202,12 @@ class Replay:
     # ---- inside ----------------------------------------------------------------------
 
     def _index(self) -> int:
-        """Return the number of the last snapshot up to the playhead."""
-        # a time that was sent has as many digits as texts have
+        """Return the index of the last snapshot at or before the playhead."""
+        # a time received as text may lack digits
         return max(0, bisect_right(self._times, self.playhead.time + 1e-9) - 1)
 
     def _read(self, request: ReadReplay) -> ReplaySamples:
-        """Return samples of a range, and the nearest one on either side."""
+        """Return the samples in a range and the nearest one on either side."""
         first = max(0, bisect_right(self._times, request.start) - 1)
         end = bisect_right(self._times, request.end) + 1
         columns = [self._signals[name][first:end] for name in request.signals]

@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 
 def folders() -> tuple[Path, ...]:
-    """Return the folders where sockets may be, the preferred one first.
+    """Return the folders that may contain sockets, the preferred one first.
 
-    ``XDG_RUNTIME_DIR`` is private to the person and emptied at logout; where it is
-    missing (a container, cron, su) a folder of mode 0700 stands in.
+    ``XDG_RUNTIME_DIR`` is private to the user and emptied at logout.  Where it is not
+    set (in a container, under cron or su), a folder with mode 0700 is used instead.
     """
     import tempfile
 
