@@ -144,7 +144,7 @@ class Transform:
         )
 
     def rotate(self, vector: Vector3) -> Vector3:
-        """Return a free ``vector``, given in this frame's axes, in the parent's."""
+        """Return a free ``vector``, given in this frame, in the parent's axes."""
         return Transform(rotation=self.rotation).apply(vector)
 
     def inverse(self) -> Transform:
@@ -186,14 +186,14 @@ class Transform:
         return factor * x, factor * y, factor * z
 
     def __repr__(self) -> str:
-        """Return position and quaternion, rounded to the micrometre."""
+        """Return position and quaternion as text, rounded to the micrometre."""
         position = ", ".join(_short(value) for value in self.position)
         quat = ", ".join(_short(value) for value in self.quat_wxyz)
         return f"Transform(position=({position}), quat_wxyz=({quat}))"
 
 
 def from_quaternion(position: Sequence[float], quat_wxyz: Sequence[float]) -> Transform:
-    """Return the transform with a quaternion of any positive length."""
+    """Return the transform with a position and a quaternion of any positive length."""
     px, py, pz = position
     length = math.hypot(*quat_wxyz)
     w, x, y, z = (part / length for part in quat_wxyz)
@@ -210,7 +210,7 @@ def from_quaternion(position: Sequence[float], quat_wxyz: Sequence[float]) -> Tr
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mimic:
-    """position = multiplier · position of ``joint`` + offset."""
+    """Mimic relation: position = multiplier · position of ``joint`` + offset."""
 
     joint: str
     multiplier: float = 1.0
@@ -220,16 +220,16 @@ class Mimic:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pose:
-    """A frame in its parent, as in URDF's ``<origin>``."""
+    """Pose of a frame in its parent, as in URDF's ``<origin>``."""
 
     xyz: Vector3 = (0.0, 0.0, 0.0)
     """Position of the frame's origin [m]."""
     rpy: Vector3 = (0.0, 0.0, 0.0)
-    """Fixed-axis roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """Roll, pitch and yaw about fixed axes [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
 
 
 def to_transform(pose: Pose) -> Transform:
-    """Return ``pose``, an ``<origin>`` of URDF, as a transform."""
+    """Return ``pose``, given in the form of URDF's ``<origin>``, as a transform."""
     roll, pitch, yaw = pose.rpy
     cr, sr = math.cos(roll), math.sin(roll)
     cp, sp = math.cos(pitch), math.sin(pitch)
@@ -277,7 +277,7 @@ T = TypeVar("T", float, "NDArray[np.float64]")
 
 
 def joint_position(joint: Joint, position: Mapping[str, T]) -> T | float:
-    """Return the position of ``joint``: as given, by its mimic relation, or 0.
+    """Return the position of ``joint``: given, from its mimic relation, or 0.
 
     Positions are numbers or arrays.
     """
@@ -290,7 +290,7 @@ def joint_position(joint: Joint, position: Mapping[str, T]) -> T | float:
 def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
     """Return the pose of the joint's child link in its parent link.
 
-    Positions are as for ``link_poses``; planar and floating joints rest at 0.
+    Positions are as for ``link_poses``; planar and floating joints stay at 0.
     """
     at_zero = _at_zero(joint.origin)
     if joint.type is JointType.PRISMATIC:
