@@ -208,7 +208,7 @@ class UrControlBox:
         await future
 
     async def until(self, condition: Callable[[], bool]) -> None:
-        """Wait for the first update at which a condition holds, which may be this one."""
+        """Wait until a condition holds, which is checked now and at each update."""
         while not condition():
             await self.next_update()
 
@@ -275,7 +275,7 @@ class UrControlBox:
 
     @property
     def q(self) -> Six:
-        """Measured joint positions [rad], like all values ordered from base to flange."""
+        """Measured joint positions [rad], in the order from base to flange."""
         return self._of_joints(self.snapshot.position)
 
     @property
@@ -337,7 +337,7 @@ class UrControlBox:
         return self.posture(target=target).flange @ self._T_tip_tcp[1]
 
     def flange_wrench(self) -> tuple[Vector3, Vector3]:
-        """Return the external force [N] and torque [N·m] at the flange, in base axes."""
+        """Return external force [N] and torque [N·m] at the flange, in base axes."""
         flange, (fx, fy, fz, tx, ty, tz) = self.posture().flange, self.sensed_wrench
         return flange.rotate((fx, fy, fz)), flange.rotate((tx, ty, tz))
 

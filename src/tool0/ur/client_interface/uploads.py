@@ -33,7 +33,7 @@ MAX_SECONDARY: Final = 16
 
 @final
 class Uploads:
-    """Executes scripts; unlike a secondary program, a program replaces the current one."""
+    """Executes scripts; a program replaces the current one, unless it is secondary."""
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
