@@ -50,7 +50,7 @@ class CallablePolicy:
             return function(argument)
         except Tool0Error:
             raise
-        except Exception as error:  # of the person's own program
+        except Exception as error:  # raised by the user's own code
             place = _place(error)
             reason = f"{type(error).__name__}: {error}"
             raise PolicyError(f"policy '{self._name}': {place}{reason}") from error

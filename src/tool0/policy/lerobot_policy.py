@@ -96,7 +96,7 @@ class LeRobotPolicy:
         try:
             with torch.inference_mode():
                 ready = self._before(inputs)
-                if self._has_queues:  # of the last observations, which it keeps itself
+                if self._has_queues:  # it stores the last observations itself
                     return self._after(self._policy.select_action(ready)).cpu().numpy()
                 chunk = self._policy.predict_action_chunk(ready)
                 return self._after(chunk[0]).cpu().numpy()

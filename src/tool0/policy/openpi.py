@@ -122,7 +122,7 @@ def _default_keys(columns: Mapping[str, Any]) -> dict[str, str]:
         name.removeprefix(_IMAGES) for name in columns if name.startswith(_IMAGES)
     ]
     keys = {"observation/state": "state", _PROMPT: _PROMPT}
-    for name in reversed(images):  # of several, the first
+    for name in reversed(images):  # the first, if there are several
         is_wrist = "wrist" in name
         keys[f"observation/{'wrist_image' if is_wrist else 'image'}"] = name
     return keys

@@ -143,7 +143,7 @@ class RobotEnvironment:
             self._robot.arms[name].motion.take(BY)
         snapshot = self._robot.snapshot
         position = np.array(snapshot.position)[self._columns]
-        self._target = position.clip(*self.limits)  # a measured one may be beyond them
+        self._target = position.clip(*self.limits)  # measured positions may exceed them
         self._grip = {k: float(self._target[k]) for k in self._grippers}
         self._start, self._step = snapshot.time, 0
 
@@ -167,7 +167,7 @@ class RobotEnvironment:
         return Seen(
             observation={**values, **images},
             values={**values, **images},
-            kept=values,  # the recording has what images are rendered from
+            kept=values,  # images can be rendered from the recording
             names=self.names,
             surroundings=self.surroundings,
             instruction=self.instruction,
@@ -250,7 +250,7 @@ class RobotEnvironment:
         """Stop the arms and return them to their controllers, which hold them."""
         for name in self._arms:
             motion = self._robot.arms[name].motion
-            with contextlib.suppress(Tool0Error):  # it is not taken, or stopped
+            with contextlib.suppress(Tool0Error):  # the arm is not taken, or is stopped
                 motion.release()
                 self._robot.channel.wait_until(partial(_is_free, motion), _LONGEST_STOP)
 

@@ -244,13 +244,13 @@ class _InTime:
             start = time.perf_counter()
             try:
                 answer = self._policy.infer(seen)
-            except BaseException as error:  # for the thread that waits
+            except BaseException as error:  # raised in the waiting thread
                 pending.set_exception(error)
             else:
                 pending.set_result((answer, time.perf_counter() - start))
 
         self._pending = pending
-        # a daemon: a policy that hangs does not keep the process
+        # a daemon: a hanging policy does not keep the process alive
         threading.Thread(target=infer, name="policy", daemon=True).start()
 
     def arrived(self, step: int) -> Array | None:

@@ -101,7 +101,7 @@ class TaskEnvironment:
         """Begin the episode with a seed."""
         self._observation, _ = self._env.reset(seed=seed)
         self._last = np.zeros_like(self._last)
-        self._last[self._grippers] = 1.0  # they are open
+        self._last[self._grippers] = 1.0  # grippers are open
 
     def see(self) -> Seen:
         """Return the current observation."""

@@ -314,7 +314,7 @@ class UrControlBox:
     @property
     def _setpoint(self) -> ArmSetpoint:
         setpoint = self.arm_sample.setpoint
-        assert setpoint is not None  # what was sent has one
+        assert setpoint is not None  # sampled states have one
         return setpoint
 
     @property
@@ -444,7 +444,7 @@ def _call(callbacks: Collection[Callable[[], None]]) -> None:
     for callback in tuple(callbacks):
         try:
             callback()
-        except Exception:  # one must not stop the others
+        except Exception:  # one callback must not stop the others
             logger.exception("an update could not be shown")
 
 

@@ -159,8 +159,8 @@ class Port:
         try:
             await self._serve_peer(peer)
         except (OSError, asyncio.IncompleteReadError, asyncio.LimitOverrunError):
-            pass  # it has left, or sent too much
-        except ValueError as error:  # what readline raises for a long line
+            pass  # the client has left, or sent too much
+        except ValueError as error:  # raised by readline for a long line
             logger.warning("%s: %s", self.name, error)
         except asyncio.CancelledError:
             pass

@@ -259,11 +259,11 @@ class Moves:
         """Decelerate to rest from any motion; ``a`` is the leading joint's [rad/s²]."""
         box, request = self._box, StopArm(arm=self._box.arm, deceleration=_above_0(a))
         if box.arm_sample.is_done and not any(box.target_qd):
-            box.send(request)  # what was sent before it, and is not shown yet, stops
+            box.send(request)  # also stops a motion that updates do not show yet
             self._running = None
             return
         await box.call(request)
-        self._running = None  # also a path that was to begin later
+        self._running = None  # also ends a path that was to begin later
         await self._rest()
 
     async def stopl(self, a: float = 20.0, a_rot: float | None = None) -> None:
@@ -298,7 +298,7 @@ class Moves:
                 await box.next_update()
                 if box.arm_sample.is_done and box.target_q == start:
                     raise
-                # The last update did not show yet that the arm moved.
+                # The last update did not show the arm's motion yet.
 
     async def _blend(
         self, running: _Running, moves: tuple[Move, ...]
@@ -315,7 +315,7 @@ class Moves:
             if rest is None:
                 return None
             # The path begins with the motion of the old one, which may be 0.02 mm
-            # away: a knot at once would be a jump.
+            # away: an immediate knot would be a jump.
             path = rest.path.since(_FIRST_KNOT)
             request = path_request(box.arm, path, after=running.number, at=at)
             try:

@@ -50,7 +50,7 @@ class Pacer:
         """
         box, start, left = self._box, self.start, duration
         is_over = False
-        await asyncio.sleep(0)  # others have their turn, also if it is over already
+        await asyncio.sleep(0)  # others get a turn, even if the wait is over
         while not is_over:
             scale = box.state.speed_scaling if is_scaled else 1.0
             self._due = end = start + (left / scale if scale else math.inf)

@@ -154,7 +154,7 @@ class ClientInterface:
 
     def _send_realtime(self) -> None:
         peers = readers(self._peers(REALTIME))
-        if peers:  # those who only send programs read nothing
+        if peers:  # clients that only send programs do not read
             send_to_readers(peers, realtime_packet(self._box))
 
     def _tell(self, message: Message) -> None:

@@ -59,7 +59,7 @@ def _values(box: UrControlBox) -> Iterator[float]:
     yield from q.tool_accelerometer(box)
     yield from _unused(6)
     yield state.speed_scaling
-    yield from _unused(3)  # linear momentum; two values of UR's own
+    yield from _unused(3)  # linear momentum; two values for UR's internal use
     yield q.SUPPLY_VOLTAGE
     yield q.voltage(box)
     yield q.robot_current(box)
@@ -68,7 +68,7 @@ def _values(box: UrControlBox) -> Iterator[float]:
     yield float(box.programs.state)
     yield from q.elbow_position(box)
     yield from q.elbow_velocity(box)
-    yield float(state.safety_mode)  # as the safety status
+    yield float(state.safety_mode)  # same as the safety status
     yield from _unused(3)
     yield state.payload.mass
     yield from state.payload.center_of_gravity

@@ -56,7 +56,7 @@ class ModbusClient:
                 code = error.errno if isinstance(error, OSError) else None
                 raise ConnectionProblem(code or DISCONNECTED) from None
             except BaseException:
-                self.close()  # what comes would be taken for the next response
+                self.close()  # a late answer would be taken for the next response
                 raise
             if response is None:
                 self.close()

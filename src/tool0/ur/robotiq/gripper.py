@@ -31,8 +31,8 @@ POLL_PERIOD: Final = 0.02
 """Polling period of moving fingers [s], and pause before the first poll after a new
 goal, which the simulation's state includes by then."""
 MOVED: Final = 0.0005
-"""Change of the opening that restarts the polling of fingers at rest [m]: when an object
-is lost, they close further."""
+"""Change of the opening that restarts the polling of fingers at rest [m]: when an
+object is lost, they close further."""
 STILL: Final = 0.0001
 """Change of the opening between two polls, below which fingers near their goal have
 arrived [m]: a third of a count."""

@@ -118,7 +118,7 @@ class ModbusRtu:
     def open(self) -> None:
         """Open the terminal."""
         ours, theirs = self._ends = os.openpty()
-        # Ours stays open, too: without any client, reading would fail.
+        # Our end stays open, too: without any client, reading would fail.
         tty.setraw(theirs)
         os.set_blocking(ours, False)
         self.link.unlink(missing_ok=True)
@@ -140,7 +140,7 @@ class ModbusRtu:
     def _read(self, ours: int, theirs: int) -> None:
         if self._timer is not None:
             self._timer.cancel()
-        # A client may ask to be alone, and the terminal remembers that when it leaves.
+        # A client may request exclusive use, which the terminal keeps when it leaves.
         fcntl.ioctl(theirs, termios.TIOCNXCL)
         self._send(ours, self._receiver.take(os.read(ours, MAX_FRAME)))
         loop = asyncio.get_running_loop()
@@ -149,6 +149,6 @@ class ModbusRtu:
         )
 
     def _send(self, ours: int, answers: bytes) -> None:
-        # What a client does not read is lost, as on a serial line.
+        # Unread data is lost, like on a serial line.
         with contextlib.suppress(BlockingIOError):
             os.write(ours, answers)

@@ -47,7 +47,7 @@ class ModbusTcp:
             header = await peer.reader.readexactly(HEADER.size)
             transaction, protocol, length, unit = HEADER.unpack(header)
             if protocol != 0 or not 2 <= length <= MAX_LENGTH:
-                return  # not Modbus: nothing tells where the next frame begins
+                return  # not Modbus: the start of the next frame is unknown
             request = await peer.reader.readexactly(length - 1)
             if self._gripper.is_powered:
                 response = respond(self._gripper, request, is_tcp=True)
@@ -66,5 +66,5 @@ def _may_listen(host: str, port: int) -> bool:
         except PermissionError:
             return False
         except OSError:
-            pass  # for another reason, which the real attempt reports
+            pass  # another reason, which the real attempt reports
     return True

@@ -111,7 +111,7 @@ class Commands:
             52: compliance.start_freedrive,
             53: compliance.end_freedrive,
             54: lambda: exchange.answer_integer(0),  # not at a limit
-            55: lambda: None,  # the wrist's own sensor counts
+            55: lambda: None,  # the wrist's own sensor is used
             56: self._enable_wrench_input,
             57: self._enable_wrench_input,
             58: lambda: exchange.answer(box.forward(box.q, NO_OFFSET)),
@@ -123,8 +123,8 @@ class Commands:
             64: lambda: exchange.answer_integer(motions.contact_steps),
             65: self._set_payload,
             66: self._drive_torques,
-            # As in the program, what the client asks for is ignored: it gets the
-            # present posture.
+            # Like in the original program, the client's arguments are ignored; it gets
+            # the current posture.
             67: lambda: exchange.answer_matrix(box.dynamics.mass_matrix()),
             68: lambda: exchange.answer(box.dynamics.velocity_torques()),
             69: lambda: exchange.answer(box.target_qdd),
