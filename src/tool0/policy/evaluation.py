@@ -56,7 +56,7 @@ def evaluate(
         run: Options for executing the policy's actions.
         folder: New folder for observations, actions, videos and the report.
         videos: Episodes for which videos are written to the folder.
-        instruction: Description of the task; if left out, that of the task.
+        instruction: Instruction for the policy; if left out, that of the task.
         device: Device on which LeRobot's policies run, such as ``cuda``.
         keys: Maps the names that an openpi server expects to the observed values.
         when_ended: Called after each episode.

@@ -37,7 +37,7 @@ class TaskEnvironment:
         Args:
             task: Task as in ``tool0.collect.collect``.
             options: Keyword arguments of the environment.
-            instruction: Description of the task; if left out, that of the task.
+            instruction: Instruction for the policy; if left out, that of the task.
             draws: Whether to render images.
 
         Raises:

@@ -34,7 +34,7 @@ class Updates:
     """Passes states to control boxes."""
 
     def __init__(self, boxes: Sequence[UrControlBox]) -> None:
-        """Create the updates; further boxes may be added to the list later."""
+        """Keep a reference to the list, to which further boxes may be added."""
         self._boxes = boxes
         self._left, self._since = MOST_TIME, time.monotonic()
         """Time that may be spent [wall s], and the instant at which this was computed

@@ -7,7 +7,7 @@ ur_rtde's robotiq_gripper.cpp, and the URScript functions ``rq_…`` of Robotiq'
 * ``GET VAR`` with a newline is answered by ``VAR n`` and a newline;
 * ``GET VAR`` without a newline, as the URCap's own functions send it, is answered by
   the value alone, of a fixed width: ``3``, ``00``, ``255``;
-* everything else is answered by ``?``, also all while the gripper has no power.
+* everything else is answered by ``?``, as is everything without power.
 """
 
 from __future__ import annotations

@@ -235,7 +235,7 @@ class Commands:
         self._exchange.answer(pose_of(transform_of(first) @ transform_of(second)))
 
     def _forward(self) -> None:
-        """Answer the pose of the client's TCP; if it gave none, that of the box's."""
+        """Answer the pose of the client's TCP, or of the box's if none was given."""
         tcp = self._exchange.six(6) if self._exchange.has_number(6) else None
         self._exchange.answer(self._box.forward(self._exchange.six(0), tcp))
 

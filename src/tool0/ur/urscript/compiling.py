@@ -66,7 +66,7 @@ class Compiler:
         return code
 
     def extended(self) -> Compiler:
-        """Return a compiler that knows these definitions and keeps new ones separate."""
+        """Return a compiler that knows these definitions; new ones are kept apart."""
         return Compiler(INTERPRETER, dict(self._codes))
 
     def interpreted(self, text: str, scope: Scope) -> Interpreted:
