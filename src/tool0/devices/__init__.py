@@ -1,1 +1,1 @@
-"""Clients of the interfaces of robots and grippers, and the frames of both sides."""
+"""Clients for the interfaces of robots and grippers, and frames for both sides."""

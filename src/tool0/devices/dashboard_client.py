@@ -1,6 +1,6 @@
-"""A client of UR's dashboard server: one line, one line of answer.
+"""A client of UR's dashboard server: each command and answer is a line.
 
-Commands and answers are those of UR's documents, see ``ur/dashboard.py``.
+Commands and answers follow UR's documentation; see ``ur/dashboard.py``.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ _MOST_ANSWER: Final = 1 << 16
 
 @final
 class DashboardClient:
-    """Asks a robot's dashboard server; any thread may.  It connects when needed."""
+    """Sends commands to a dashboard server from any thread, connecting when needed."""
 
     def __init__(self, host: str, port: int = PORT, timeout: float = 5.0) -> None:
-        """``timeout`` is the longest wait for an answer [s]."""
+        """Prepare to connect; ``timeout`` is the longest wait for an answer [s]."""
         self._address, self._timeout = (host, port), timeout
         self._lock = threading.Lock()
         self._socket: socket.socket | None = None
@@ -32,7 +32,7 @@ class DashboardClient:
         """Send a command, and return the answer.
 
         Raises:
-            TransportError: If the server is not there, or does not answer in time.
+            TransportError: If the server cannot be reached, or does not answer in time.
         """
         with self._lock:
             try:
@@ -52,25 +52,25 @@ class DashboardClient:
                 ) from None
 
     def order(self, command: str, accepted: str) -> None:
-        """Send a command whose answer begins with ``accepted`` if it is carried out.
+        """Send a command, whose answer begins with ``accepted`` if the robot obeys.
 
         Raises:
-            ControlError: If the robot refuses, with its text.
-            TransportError: As ``ask``.
+            ControlError: If the robot refuses; the message contains its answer.
+            TransportError: See ``ask``.
         """
         answer = self.ask(command)
         if not answer.lower().startswith(accepted.lower()):
             raise ControlError(f"the robot refuses '{command}': {answer}")
 
     def find(self, command: str) -> str:
-        """Return an answer, or nothing if the server does not know the command."""
+        """Return the answer to a command; empty if the server does not know it."""
         answer = self.ask(command)
         unknown = ("could not understand", "error")
         return "" if answer.lower().startswith(unknown) else answer
 
     @property
     def is_in_remote_control(self) -> bool | None:
-        """Whether clients may command the robot; None if it has no such mode (CB3)."""
+        """Whether the robot is in remote control; None if it has no such mode (CB3)."""
         answer = self.find("is in remote control").lower()
         return answer == "true" if answer in {"true", "false"} else None
 

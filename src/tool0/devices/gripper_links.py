@@ -1,4 +1,4 @@
-"""Robotiq's two-finger grippers, by the URCap's socket, Modbus TCP and Modbus RTU."""
+"""Connections to Robotiq grippers: the URCap's socket, Modbus TCP and Modbus RTU."""
 
 from __future__ import annotations
 
@@ -26,35 +26,35 @@ URCAP_PORT: Final = 63352
 _COMMAND_REGISTER: Final = 1000
 _STATUS_REGISTER: Final = 2000
 _REGISTERS: Final = 3
-"""Number of registers of a command, and of a status; each has six bytes."""
+"""Number of registers of a command, and of a status (six bytes each)."""
 _UNIT: Final = 9
-"""The gripper's address as delivered."""
+"""The gripper's factory-set Modbus address."""
 _ANSWER: Final = re.compile(rb"([A-Z]{3}) (\d{1,3})\n")
 _BAUD: Final = termios.B115200
-"""Robotiq's instruction manual, "Modbus RTU communication"."""
+"""Baud rate (Robotiq's instruction manual, "Modbus RTU communication")."""
 
 
 class GripperReading(NamedTuple):
     """Status of a gripper."""
 
     position: int
-    """0 open … 255 closed."""
+    """Position count: 0 open … 255 closed."""
     object_status: ObjectStatus
     activation: Activation
     fault: int
-    """gFLT: 0 for none."""
+    """Fault code (gFLT); 0 if there is none."""
     current: int
     """Motor current [10 mA]."""
 
 
 class GripperLink(Protocol):
-    """A connection to a gripper.  Its methods raise TransportError if it is lost."""
+    """A connection to a gripper; all methods raise TransportError if it is lost."""
 
     def read(self) -> GripperReading | None:
-        """Return the gripper's status; None if it has no power."""
+        """Return the gripper's status; None if the gripper has no power."""
 
     def write(self, command: CommandRegisters) -> None:
-        """Send it a command."""
+        """Send a command to the gripper."""
 
     def close(self) -> None:
         """End the connection."""
@@ -62,13 +62,13 @@ class GripperLink(Protocol):
 
 @final
 class UrcapLink:
-    """The socket of Robotiq's URCap on the robot's controller."""
+    """A connection through the socket of Robotiq's URCap on the robot's controller."""
 
     def __init__(self, host: str, port: int = URCAP_PORT, timeout: float = 1.0) -> None:
         """Connect.
 
         Raises:
-            TransportError: If nothing listens there: the URCap is not installed.
+            TransportError: If the port is closed because the URCap is not installed.
         """
         self._peer = f"the gripper's URCap at {host}:{port}"
         try:
@@ -77,7 +77,7 @@ class UrcapLink:
             raise TransportError(f"{self._peer}: {error}") from None
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._slow: tuple[int, int] = (Activation.RESET, 0)
-        """Activation and fault, which are read every few times."""
+        """Activation and fault, which are read only every eighth time."""
         self._reads = 0
 
     def read(self) -> GripperReading | None:
@@ -130,19 +130,19 @@ class UrcapLink:
 
 
 class _Transport(Protocol):
-    """Carries requests to a unit of Modbus, and its responses."""
+    """Sends requests to a Modbus unit, and receives its responses."""
 
     peer: str
 
     def exchange(self, request: bytes, length: int) -> bytes:
-        """Return the response to function and data; ``length`` is that of success."""
+        """Return the response to a request; ``length`` is its length on success."""
 
     def close(self) -> None: ...
 
 
 @final
 class ModbusLink:
-    """The registers of a gripper, by Modbus."""
+    """A connection that reads and writes the gripper's registers over Modbus."""
 
     def __init__(self, transport: _Transport) -> None:
         self._transport = transport
@@ -182,7 +182,7 @@ class ModbusLink:
 
 @final
 class ModbusTcp:
-    """Modbus TCP, as gateways and some grippers have it."""
+    """Modbus TCP, as spoken by gateways and some grippers."""
 
     def __init__(self, host: str, port: int = 502, timeout: float = 1.0) -> None:
         """Connect, or raise TransportError."""
@@ -222,7 +222,7 @@ class ModbusTcp:
 
 @final
 class ModbusRtu:
-    """Modbus RTU at a serial port: 115200 baud, 8 bits, no parity."""
+    """Modbus RTU on a serial port: 115200 baud, 8 data bits, no parity."""
 
     def __init__(self, path: str, timeout: float = 0.5) -> None:
         """Open the port, or raise TransportError."""

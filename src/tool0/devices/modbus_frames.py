@@ -13,15 +13,16 @@ from functools import cache
 from typing import Final
 
 HEADER: Final = struct.Struct(">HHHB")
-"""Transaction, protocol (0), length of what follows, and unit, which counts."""
+"""Header of a frame: transaction, protocol (0), length of the rest including the unit,
+and unit."""
 MAX_LENGTH: Final = 254
-"""Largest size of the unit and a request or a response together [bytes]."""
+"""Largest size of the unit together with a request or a response [bytes]."""
 ERROR: Final = 0x80
-"""Number added to the function of a response that is an exception."""
+"""Value added to the function code in an exception response."""
 
 
 class ModbusFunction(IntEnum):
-    """The functions that are used."""
+    """Modbus function codes in use."""
 
     READ_COILS = 1
     READ_DISCRETE_INPUTS = 2
@@ -35,18 +36,18 @@ class ModbusFunction(IntEnum):
 
 
 class Refusal(IntEnum):
-    """Why a request is refused: Modbus's exception codes."""
+    """Reasons to refuse a request: Modbus's exception codes."""
 
     ILLEGAL_FUNCTION = 1
     ILLEGAL_ADDRESS = 2
     ILLEGAL_VALUE = 3
     NO_RESPONSE = 11
-    """The device behind a gateway does not answer."""
+    """The device behind a gateway did not respond."""
 
 
 @cache
 def _table() -> tuple[int, ...]:
-    """Return the checksum's change by each byte."""
+    """Return the table of the checksum: its change for each value of a byte."""
     table = []
     for byte in range(256):
         crc = byte
@@ -57,7 +58,7 @@ def _table() -> tuple[int, ...]:
 
 
 def checksum(data: bytes) -> bytes:
-    """Return the CRC-16 of Modbus, low byte first (specification, appendix B)."""
+    """Return the Modbus CRC-16, low byte first (specification, appendix B)."""
     table, crc = _table(), 0xFFFF
     for byte in data:
         crc = crc >> 8 ^ table[(crc ^ byte) & 0xFF]

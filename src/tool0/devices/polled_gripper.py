@@ -1,4 +1,4 @@
-"""A gripper that a thread polls, and to which it sends the newest command."""
+"""A gripper that a thread polls and sends the newest command to."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tool0.errors import TransportError
 logger = logging.getLogger(__name__)
 
 PERIOD: Final = 0.016
-"""Period of readings [s]: about what the URCap manages."""
+"""Period of readings [s]; the URCap is hardly faster."""
 RETRY: Final = 1.0
 """Pause between attempts to connect [s]."""
 _ACTIVE: Final = CommandRegisters(activate=True)
@@ -24,36 +24,35 @@ _ACTIVE: Final = CommandRegisters(activate=True)
 
 @final
 class PolledGripper:
-    """Reads a gripper and commands it, in its own thread.
+    """Reads and commands a gripper in a dedicated thread.
 
-    After a loss of the connection, of power or of the activation, no earlier command is
-    sent again.
+    After the connection, power or activation is lost, no earlier command is sent again.
     """
 
     def __init__(self, connect: Callable[[], GripperLink], name: str) -> None:
-        """Start; ``connect`` may raise TransportError, and is tried again then."""
+        """Start the thread, which retries if ``connect`` raises TransportError."""
         self._connect, self._name = connect, name
         self._wanted: CommandRegisters | None = None
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._is_closing = False
         self.reading: GripperReading | None = None
-        """The newest reading; None while there is none."""
+        """Newest reading; None if there is none."""
         self.read_at = 0.0
-        """Time at which that reading arrived, by the monotonic clock [s]."""
+        """Time at which that reading arrived, on the monotonic clock [s]."""
         self.problem = "it was not read yet"
-        """Why there is no reading; empty if there is one."""
+        """Reason why the gripper is not ready; empty if it is."""
         self._last = _ACTIVE
-        """The newest command."""
+        """Newest command that was sent to the gripper."""
         self.is_sent = True
-        """Whether the newest command has reached the gripper, and was read after it."""
+        """Whether the newest command has been sent and a reading has followed it."""
         self._thread = threading.Thread(
             target=self._run, name=f"tool0 {name}", daemon=True
         )
         self._thread.start()
 
     def move(self, position: int, speed: int, force: int) -> None:
-        """Send the fingers to a position count, from now on; the newest counts."""
+        """Move the fingers to a position count; a newer command replaces this one."""
         command = CommandRegisters(
             activate=True, go_to=True, position=position, speed=speed, force=force
         )
@@ -70,13 +69,13 @@ class PolledGripper:
         self._wake.set()
 
     def activate(self) -> None:
-        """Activate it: it opens and closes."""
+        """Activate the gripper, which opens and closes it."""
         with self._lock:
             self._wanted, self.is_sent = _ACTIVE, False
         self._wake.set()
 
     def close(self) -> None:
-        """End; the fingers go on with the last command."""
+        """Stop the thread; the fingers continue with the last command."""
         self._is_closing = True
         self._wake.set()
         self._thread.join()
@@ -119,7 +118,7 @@ class PolledGripper:
             self.is_sent = self._wanted is None
 
     def _note_loss(self, problem: str) -> None:
-        """Discard the command, so that nothing moves again without a new one."""
+        """Discard the command, so that nothing moves without a new command."""
         if problem != self.problem:
             logger.warning("%s: %s", self._name, problem)
         with self._lock:

@@ -1,4 +1,4 @@
-"""Between a gripper's opening, speed and force and the bytes of its registers."""
+"""Conversions between a gripper's quantities and the bytes of its registers."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from tool0.description.model import LinearOpening, ParallelGripper
 
 FULL: Final = 255
 TOP_CURRENT: Final = 1.0
-"""Current of the motor at the strongest grip [A]: the peak of the 2F-85's data
-sheet."""
+"""Motor current at the strongest grip [A]: the peak value in the 2F-85's data sheet."""
 
 
 @final
 class Counts:
-    """The counts of one gripper.
+    """Converts between the quantities and the register counts of a gripper.
 
-    The encoder is at the motor, so that the position count is linear in the position
-    of the driven joint.  Fully open and closed, grippers whose fingers swing read 3
-    and 230 (measured by Robotiq: device_profile.hpp of its SDK); a Hand-E, whose
-    fingers slide, has all counts.  Speed and force are linear in their counts.
+    The encoder is at the motor, so the position count is linear in the position of the
+    driven joint.  Grippers with swinging fingers read 3 when fully open and 230 when
+    fully closed (measured by Robotiq: device_profile.hpp of its SDK); a Hand-E, whose
+    fingers slide, uses the full range of counts.  Speed and force are linear in their
+    counts.
     """
 
     def __init__(self, geometry: ParallelGripper) -> None:
@@ -30,13 +30,13 @@ class Counts:
         self._closed_at = geometry.position(0.0)
 
     def count(self, position: float) -> int:
-        """Return the count at a position of the joint [rad | m], open … closed."""
+        """Return the count for a joint position between open and closed [rad | m]."""
         part = (position - self._open_at) / (self._closed_at - self._open_at)
         count = round(self.open + part * (self.closed - self.open))
         return min(max(count, self.open), self.closed)
 
     def opening(self, count: int) -> float:
-        """Return the opening for a count [m]; beyond the range, its end."""
+        """Return the opening for a count, clipped to the gripper's range [m]."""
         part = (count - self.open) / (self.closed - self.open)
         part = min(max(part, 0.0), 1.0)
         position = self._open_at + part * (self._closed_at - self._open_at)
@@ -44,17 +44,17 @@ class Counts:
         return min(max(opening, 0.0), self.geometry.max_opening)
 
     def speed(self, count: int) -> float:
-        """Return the speed of the pads [m/s]."""
+        """Return the speed of the pads for a count [m/s]."""
         return _between(self.geometry.speed, count)
 
     def force(self, count: int) -> float:
-        """Return the force at each pad [N]."""
+        """Return the force at each pad for a count [N]."""
         return _between(self.geometry.force, count)
 
     def current(self, position: float, effort: float) -> int:
-        """Return the current [10 mA] at an effort of the joint [N·m | N].
+        """Return the motor current [10 mA] for an effort of the joint [N·m | N].
 
-        It is taken to be proportional to the force at the pads.
+        The current is assumed to be proportional to the force at the pads.
         """
         force = abs(effort) / self.geometry.lever(position)
         return _byte(100.0 * TOP_CURRENT * force / self.geometry.force[1])

@@ -11,20 +11,20 @@ from enum import IntEnum
 from typing import Final, final
 
 BLOCK_BYTES: Final = 16
-"""Length of the command and of the status; the bytes from 6 on are reserved."""
+"""Length of the command block and of the status block; bytes from 6 on are reserved."""
 
 
 class Activation(IntEnum):
-    """gSTA: how far the activation is."""
+    """Progress of the activation (gSTA)."""
 
     RESET = 0
-    """The gripper is not activated, or in an automatic release."""
+    """The gripper is not activated, or performs an automatic release."""
     IN_PROGRESS = 1
     COMPLETE = 3
 
 
 class ObjectStatus(IntEnum):
-    """gOBJ: whether the fingers have met an object."""
+    """Object detection (gOBJ): whether the fingers have met an object."""
 
     MOVING = 0
     MET_OPENING = 1
@@ -34,20 +34,20 @@ class ObjectStatus(IntEnum):
 
 
 class Fault(IntEnum):
-    """gFLT; of those of a real gripper, the ones that occur."""
+    """Fault codes (gFLT) that occur; a real gripper has more."""
 
     NONE = 0x00
     ACTION_DELAYED = 0x05
-    """The activation must be completed before the action."""
+    """The gripper ignores motions until the activation is complete."""
     ACTIVATION_NEEDED = 0x07
-    """The activation bit must be set before the action."""
+    """The activation bit must be set before a motion is requested."""
     RELEASE_IN_PROGRESS = 0x0B
     ACTIVATION_FAILED = 0x0D
     RELEASE_COMPLETE = 0x0F
 
     @property
     def is_major(self) -> bool:
-        """Whether only a reset ends it."""
+        """Whether the fault can only be cleared by a reset."""
         return self >= Fault.RELEASE_IN_PROGRESS
 
 
@@ -57,26 +57,26 @@ _ACTIVATE, _GO_TO, _RELEASE, _RELEASE_OPENING = 0x01, 0x08, 0x10, 0x20
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CommandRegisters:
-    """The client's requests: the robot outputs."""
+    """The client's requests (Robotiq calls them robot outputs)."""
 
     activate: bool = False
-    """rACT"""
+    """Activation bit (rACT)."""
     go_to: bool = False
-    """rGTO"""
+    """Whether to move to the requested position (rGTO)."""
     release: bool = False
-    """rATR: automatic release, for emergencies."""
+    """Automatic release for emergencies (rATR)."""
     release_opening: bool = False
-    """rARD: whether an automatic release opens."""
+    """Whether an automatic release opens the fingers (rARD)."""
     position: int = 0
-    """rPR: 0 open … 255 closed."""
+    """Requested position (rPR): 0 open … 255 closed."""
     speed: int = 0
-    """rSP: 0 slowest … 255."""
+    """Speed (rSP): 0 slowest … 255 fastest."""
     force: int = 0
-    """rFR: 0 weakest … 255."""
+    """Force (rFR): 0 weakest … 255 strongest."""
 
     @classmethod
     def decode(cls, block: bytes) -> CommandRegisters:
-        """Return the command in a block of registers."""
+        """Return the command that a block of registers contains."""
         action, _, _, position, speed, force = block[:6]
         return cls(
             activate=bool(action & _ACTIVATE),
@@ -89,7 +89,7 @@ class CommandRegisters:
         )
 
     def encode(self) -> bytes:
-        """Return the block of registers."""
+        """Return the command as a block of registers."""
         action = (
             _ACTIVATE * self.activate
             | _GO_TO * self.go_to
@@ -103,27 +103,28 @@ class CommandRegisters:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StatusRegisters:
-    """The gripper's reports: the robot inputs."""
+    """The gripper's reports (Robotiq calls them robot inputs)."""
 
     is_activated: bool
-    """gACT: echo of rACT."""
+    """Echo of rACT (gACT)."""
     goes_to: bool
-    """gGTO: whether it obeys rPR; not during activation and automatic release."""
+    """Whether the gripper follows rPR (gGTO); False during activation and automatic
+    release."""
     activation: Activation
-    """gSTA"""
+    """Progress of the activation (gSTA)."""
     object_status: ObjectStatus
-    """gOBJ"""
+    """Object detection (gOBJ)."""
     fault: Fault
-    """gFLT"""
+    """Fault (gFLT)."""
     request: int
-    """gPR: echo of rPR."""
+    """Echo of rPR (gPR)."""
     position: int
-    """gPO: 0 open … 255 closed, measured."""
+    """Measured position (gPO): 0 open … 255 closed."""
     current: int
-    """gCU: current of the motor [10 mA]."""
+    """Motor current (gCU) [10 mA]."""
 
     def encode(self) -> bytes:
-        """Return the block of registers."""
+        """Return the status as a block of registers."""
         state = (
             _ACTIVATE * self.is_activated
             | _GO_TO * self.goes_to

@@ -29,11 +29,11 @@ _NOT_THERE: Final = ("NOT_FOUND", "IN_USE")
 _CHUNK: Final = 1 << 16
 
 Package = tuple[Any, ...]
-"""The values of one data package, vectors flattened, in the order of the recipe."""
+"""Values of a data package, with vectors flattened, in the recipe's order."""
 
 
 class ControllerVersion(NamedTuple):
-    """The version of PolyScope that a controller reports."""
+    """Version of PolyScope that a controller reports."""
 
     major: int
     minor: int
@@ -42,7 +42,7 @@ class ControllerVersion(NamedTuple):
 
     @property
     def is_e_series(self) -> bool:
-        """Whether it is an e-Series, whose controller runs at 500 Hz; a CB3 has 125."""
+        """Whether the controller is an e-Series (500 Hz) rather than a CB3 (125 Hz)."""
         return self.major >= 5
 
 
@@ -53,9 +53,9 @@ class _Input(NamedTuple):
 
 @final
 class RtdeClient:
-    """Reads outputs and writes inputs of a robot's controller.
+    """Reads the outputs and writes the inputs of a robot's controller.
 
-    ``receive`` belongs to one thread; any thread may ``send``.
+    Call ``receive`` from one thread only; any thread may call ``send``.
     """
 
     def __init__(
@@ -68,19 +68,19 @@ class RtdeClient:
         inputs: Mapping[str, Sequence[str]] | None = None,
         timeout: float = 2.0,
     ) -> None:
-        """Connect, and set up the fields that are read and written.
+        """Connect and set up the fields to read and to write.
 
         Args:
             host: Host name or address of the controller.
-            port: Port of RTDE.
-            outputs: Fields to read, at the controller's rate.
-            optional: Further ones, if the controller has them.
-            inputs: Recipes of fields to write, by a name.
+            port: RTDE port.
+            outputs: Fields to read at the controller's rate.
+            optional: Further fields to read, if the controller has them.
+            inputs: Recipes of fields to write, each with a name.
             timeout: Longest wait for an answer [s].
 
         Raises:
-            TransportError: If the controller is not there, speaks otherwise, or lacks a
-                field.
+            TransportError: If the controller cannot be reached, does not speak RTDE, or
+                lacks a field.
         """
         self.peer = f"RTDE of {host}:{port}"
         self._buffer = PacketBuffer()
@@ -96,7 +96,7 @@ class RtdeClient:
             self._negotiate()
             self.version = self._controller_version()
             self.rate = 500.0 if self.version.is_e_series else 125.0
-            """Rate of the controller and of its packages [Hz]."""
+            """Rate at which the controller runs and sends packages [Hz]."""
             self.columns, self._recipe, self._layout = self._set_up(outputs, optional)
             self._inputs = {
                 name: self._set_up_input(fields)
@@ -112,14 +112,15 @@ class RtdeClient:
         return str(self._socket.getsockname()[0])
 
     def start(self) -> None:
-        """Start the controller's packages."""
+        """Start the stream of packages from the controller."""
         if not self._ask(PacketType.START, b"")[:1] == b"\x01":
             raise TransportError(f"{self.peer} refuses to start")
 
     def receive(self, timeout: float) -> list[Package]:
         """Return the packages that have arrived, oldest first.
 
-        It waits for the first one, ``timeout`` [s] at most; none is an empty list.
+        The call waits up to ``timeout`` [s] for the first package; if none arrives, the
+        list is empty.
 
         Raises:
             TransportError: If the connection is lost.
@@ -174,7 +175,7 @@ class RtdeClient:
     def _set_up(
         self, outputs: Sequence[str], optional: Sequence[str]
     ) -> tuple[Mapping[str, slice], bytes, struct.Struct]:
-        """Set up the fields to read: places, the recipe's number, the layout."""
+        """Set up the fields to read; return their columns, recipe number and layout."""
         names = [*outputs, *optional]
         types, _ = self._recipe_of(names)
         lacking = [n for n, t in zip(names, types, strict=True) if t in _NOT_THERE]
@@ -193,7 +194,7 @@ class RtdeClient:
         return columns, recipe, data
 
     def _recipe_of(self, names: Sequence[str]) -> tuple[tuple[str, ...], bytes]:
-        """Return the types of outputs, and the number of their recipe."""
+        """Return the types of outputs, and the number of the recipe made of them."""
         payload = struct.pack(">d", self.rate) + ",".join(names).encode()
         answer = self._ask(PacketType.SETUP_OUTPUTS, payload)
         return self._types(answer, len(names)), answer[:1]
@@ -223,7 +224,7 @@ class RtdeClient:
     # ---- the connection -------------------------------------------------------------
 
     def _ask(self, kind: PacketType, payload: bytes) -> bytes:
-        """Send a packet, and return the answer of its kind."""
+        """Send a packet, and return the answer of the same type."""
         self._send(kind, payload)
         end = time.monotonic() + self._timeout
         while True:
@@ -242,7 +243,7 @@ class RtdeClient:
             self._read()
 
     def _wait(self, timeout: float) -> bool:
-        """Wait for data; return whether there are any."""
+        """Wait for data; return whether any arrived."""
         try:
             return bool(select.select([self._socket], [], [], max(timeout, 0.0))[0])
         except (OSError, ValueError) as error:
@@ -272,6 +273,6 @@ class RtdeClient:
 
 
 def _text(payload: bytes) -> str:
-    """Return a message of the controller, in the layout of version 2."""
+    """Return the text of a controller's message, in the layout of version 2."""
     length = payload[0] if payload else 0
     return payload[1 : 1 + length].decode(errors="replace")

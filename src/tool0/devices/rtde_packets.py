@@ -1,7 +1,7 @@
 """Packets of UR's real-time data exchange (RTDE).
 
-A packet is its size (uint16, with this header), a type (uint8) and a payload; numbers
-are big-endian.  Source, with the names and types of all fields:
+A packet consists of its size including the header (uint16), its type (uint8) and a
+payload; numbers are big-endian.  Source, with the names and types of all fields:
 https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/rtde-guide.html
 """
 
@@ -16,17 +16,17 @@ from tool0.errors import TransportError
 
 PORT: Final = 30004
 VERSIONS: Final = (1, 2)
-"""Versions of the protocol; a connection starts with 1."""
+"""Versions of the protocol; a connection starts with version 1."""
 MAX_PACKET: Final = 65535
-"""The longest packet that a client may send [B]."""
+"""Longest packet that a client may send [bytes]."""
 MAX_NAMES: Final = 1 << 15
-"""The longest list of field names [B]; those of all fields have 9 kB."""
+"""Longest list of field names [bytes]; a list of all fields takes 9 kB."""
 
 _HEADER: Final = Struct(">HB")
 
 
 class PacketType(IntEnum):
-    """The subject of a packet: a letter."""
+    """Type of a packet, a letter."""
 
     PROTOCOL_VERSION = ord("V")
     CONTROL_VERSION = ord("v")
@@ -72,7 +72,7 @@ def packet(kind: PacketType, payload: bytes = b"") -> bytes:
 
 
 def text_packet(text: str, level: Level, version: int) -> bytes:
-    """Return a message to a client in the layout of a version of the protocol."""
+    """Return a text message to a client, in the layout of a protocol version."""
     message = text.encode(errors="replace")[:255]
     if version == 1:
         return packet(PacketType.TEXT, bytes((level,)) + message)
@@ -88,10 +88,10 @@ def text_packet(text: str, level: Level, version: int) -> bytes:
 
 
 def field_names(payload: bytes) -> tuple[str, ...]:
-    """Return the names in a setup; a comma at the end means nothing.
+    """Return the field names in a setup packet; a trailing comma is ignored.
 
     Raises:
-        TransportError: If they are too long, or not ASCII.
+        TransportError: If the list is too long, or not ASCII.
     """
     if len(payload) > MAX_NAMES:
         message = f"{len(payload)} bytes of field names; at most {MAX_NAMES}"
@@ -108,9 +108,9 @@ def field_names(payload: bytes) -> tuple[str, ...]:
 
 
 def layout(types: Sequence[str], *, recipe_id: bool) -> Struct:
-    """Return how the values of fields follow each other in a data packet.
+    """Return the binary layout of a data packet with fields of these types.
 
-    ``recipe_id`` is whether one byte, the recipe's number, comes first.
+    If ``recipe_id`` is set, one byte with the recipe's number comes first.
     """
     return Struct(
         (">B" if recipe_id else ">") + "".join(FORMATS[name] for name in types)
@@ -119,16 +119,16 @@ def layout(types: Sequence[str], *, recipe_id: bool) -> Struct:
 
 @final
 class PacketBuffer:
-    """Cuts a client's data into packets."""
+    """Splits a client's data into packets."""
 
     def __init__(self) -> None:
         self._received = bytearray()
 
     def feed(self, data: bytes) -> Iterator[tuple[int, bytes]]:
-        """Yield the type and the payload of each packet that is complete.
+        """Yield the type and payload of each complete packet.
 
         Raises:
-            TransportError: If a header gives an impossible size.
+            TransportError: If a header contains an impossible size.
         """
         self._received += data
         while len(self._received) >= _HEADER.size:

@@ -1,4 +1,4 @@
-"""Sends URScript to a robot's controller, by its primary interface."""
+"""Sends URScript to a robot's controller over its primary interface."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ PORT: Final = 30001
 
 
 def send_script(host: str, text: str, port: int = PORT, timeout: float = 2.0) -> None:
-    """Send a program; the controller starts it in place of the one that runs.
+    """Send a program, which replaces the one that is running.
 
-    A ``sec`` program runs beside it.  Whether it started shows in RTDE.
+    A ``sec`` program runs alongside the current program.  RTDE shows whether the
+    program has started.
 
     Raises:
-        TransportError: If the controller is not there.
+        TransportError: If the controller cannot be reached.
     """
     try:
         with socket.create_connection((host, port), timeout) as connection:

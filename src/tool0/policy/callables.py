@@ -1,4 +1,4 @@
-"""Policies that are Python functions or classes, as ``tool0 collect`` takes them."""
+"""Policies that are Python functions or classes, as in ``tool0 collect``."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from tool0.policy.seen import Seen
 
 @final
 class CallablePolicy:
-    """Called with a seed, it returns a function from an observation to actions."""
+    """A callable that maps a seed to a function from observation to actions."""
 
     def __init__(self, policy: str | Policy) -> None:
-        """Take a function or class, or load it from its place.
+        """Take a function or class, or load the one with this name.
 
         Raises:
-            ConfigError: If there is none, or its file raises an error.
+            ConfigError: If there is no such policy, or its file raises an error.
         """
         self.digest: str | None = None
         self._name = name_of(policy)
@@ -33,16 +33,16 @@ class CallablePolicy:
         self._act = self._call(self._policy, seed)
 
     def infer(self, seen: Seen) -> Any:
-        """Return what the function returns.
+        """Return the actions that the policy's function computes.
 
         Raises:
-            PolicyError: If it raises an error.
+            PolicyError: If the function raises an error.
         """
         assert self._act is not None
         return self._call(self._act, seen.observation)
 
     def close(self) -> None:
-        """Forget the episode."""
+        """Forget the function of the current episode."""
         self._act = None
 
     def _call(self, function: Any, argument: Any) -> Any:
@@ -50,7 +50,7 @@ class CallablePolicy:
             return function(argument)
         except Tool0Error:
             raise
-        except Exception as error:  # of the person's own program
+        except Exception as error:  # raised by the user's own code
             place = _place(error)
             reason = f"{type(error).__name__}: {error}"
             raise PolicyError(f"policy '{self._name}': {place}{reason}") from error
@@ -64,7 +64,7 @@ def name_of(policy: str | Policy) -> str:
 
 
 def _place(error: Exception) -> str:
-    """Return file and line where an error was raised, with a colon."""
+    """Return the file and line where an error was raised, followed by a colon."""
     trace, place = error.__traceback__, ""
     while trace is not None:
         place = f"{trace.tb_frame.f_code.co_filename}:{trace.tb_lineno}: "

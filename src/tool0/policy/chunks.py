@@ -1,7 +1,8 @@
-"""Chunks of actions: when to ask for the next one, and which action is next.
+"""Chunks of actions: when to request the next chunk, and which action comes next.
 
-A policy answers an observation with the actions of the next steps.  Its answer may come
-some steps after the observation; the actions of these are late, and are skipped.
+For each observation, a policy returns the actions of the next steps.  If they arrive
+some steps after the observation, the actions for the steps that have passed are
+skipped.
 """
 
 from __future__ import annotations
@@ -21,22 +22,24 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChunkOptions:
-    """Options of executing chunks of actions."""
+    """Options for executing chunks of actions."""
 
     execute: int | None = None
-    """Actions of a chunk that are executed before the next chunk replaces it; all of
-    them if not given."""
+    """Number of actions of a chunk that are executed before the next chunk replaces it;
+    if left out, all of them."""
     ensemble: float | None = None
-    """Ask in each step, and execute the mean of all predictions for it: the weight of
-    the i-th oldest is exp(-ensemble · i), as ACT has it (Zhao et al. 2023)."""
+    """Decay rate of a temporal ensemble: the policy is asked in each step, and the mean
+    of all its predictions for the step is executed; the i-th oldest has the weight
+    exp(-ensemble · i), as in ACT (Zhao et al. 2023)."""
     compensate: bool = True
-    """Whether the actions of steps that are over when a chunk arrives are skipped."""
+    """Whether to skip the actions for steps that have passed when a chunk arrives."""
 
     def __post_init__(self) -> None:
         """Check the values.
 
         Raises:
-            ConfigError: If one is out of range, or both are given.
+            ConfigError: If a value is out of range, or both ``execute`` and
+                ``ensemble`` are given.
         """
         if self.execute is not None and self.execute < 1:
             raise ConfigError(f"execute must be 1 or more actions, got {self.execute}")
@@ -49,9 +52,9 @@ class ChunkOptions:
 
 class _Chunk(NamedTuple):
     first: int
-    """Step of its first action."""
+    """Step of the chunk's first action."""
     actions: Array
-    """Shape (h, m)."""
+    """Actions of the chunk, shape (h, m)."""
 
     @property
     def end(self) -> int:
@@ -60,7 +63,7 @@ class _Chunk(NamedTuple):
 
 @final
 class Chunks:
-    """The chunks of one episode, by the number of the step."""
+    """The chunks of one episode, indexed by step."""
 
     def __init__(self, options: ChunkOptions) -> None:
         self._options = options
@@ -69,20 +72,20 @@ class Chunks:
         self._next = 0
         """First step for which the next chunk is needed."""
         self._delay = 0
-        """Steps that the last answer took."""
+        """Number of steps that the last answer took."""
 
     def wants(self, step: int) -> bool:
-        """Return whether to ask for a chunk with the observation of this step."""
+        """Return whether to request a chunk for the observation of this step."""
         if self._asked is not None:
             return False
         return self._options.ensemble is not None or step + self._delay >= self._next
 
     def ask(self, step: int) -> None:
-        """Note that a chunk was asked for with the observation of this step."""
+        """Record that a chunk was requested for the observation of this step."""
         self._asked = step
 
     def add(self, actions: Array, step: int) -> None:
-        """Take a chunk, shape (h, m), that arrives in time for this step."""
+        """Add a chunk, shape (h, m), that has arrived by this step."""
         assert self._asked is not None
         self._delay = step - self._asked
         first = self._asked if self._options.compensate else step
@@ -96,7 +99,7 @@ class Chunks:
         self._next = first + min(self._options.execute or length, length)
 
     def action(self, step: int) -> Array | None:
-        """Return the action of this step, shape (m,); None if there is none."""
+        """Return the action for this step, shape (m,); None if no chunk covers it."""
         self._chunks = [chunk for chunk in self._chunks if chunk.end > step]
         found = [
             chunk.actions[step - chunk.first]

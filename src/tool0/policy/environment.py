@@ -14,13 +14,13 @@ Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
 TOLERANCE = 0.1
-"""Part of its range by which a number of an action may be beyond its limits and is only
-clipped: networks overshoot a little."""
+"""Amount by which a component of an action may exceed its limits and be clipped, as a
+fraction of its range: networks overshoot a little."""
 
 
 @final
 class ActionRefusedError(PolicyError):
-    """An action that is beyond the limits: nothing has moved by it."""
+    """An action beyond the limits, which was rejected before anything moved."""
 
 
 class Outcome(NamedTuple):
@@ -28,15 +28,15 @@ class Outcome(NamedTuple):
 
     reward: float = 0.0
     terminated: bool = False
-    """Whether the episode has ended by the task's own rules."""
+    """Whether the episode has ended according to the task's own rules."""
     truncated: bool = False
-    """Whether its time is over, or its physics failed."""
+    """Whether the time limit was reached, or the physics failed."""
     success: bool | None = None
-    """Whether the task is done; None if nothing says so."""
+    """Whether the task has succeeded; None if the environment cannot tell."""
 
 
 class Environment(Protocol):
-    """Observes, and takes one action per control period."""
+    """Returns observations, and executes one action per control period."""
 
     @property
     def rate(self) -> float:
@@ -44,41 +44,41 @@ class Environment(Protocol):
 
     @property
     def is_realtime(self) -> bool:
-        """Whether time passes while a policy computes."""
+        """Whether time continues while a policy computes."""
 
     @property
     def action_names(self) -> tuple[str, ...]:
-        """Meaning of each of the m numbers of an action."""
+        """Names of the m components of an action."""
 
     @property
     def limits(self) -> tuple[Array, Array]:
-        """Least and greatest actions, each of shape (m,)."""
+        """Lower and upper limits of actions, each of shape (m,)."""
 
     def begin(self, seed: int) -> None:
         """Begin an episode."""
 
     def see(self) -> Seen:
-        """Return what is observed now."""
+        """Return the current observation."""
 
     def hold(self) -> Array:
-        """Return the action that moves nothing, shape (m,)."""
+        """Return the action that keeps everything still, shape (m,)."""
 
     def act(self, action: Array) -> Outcome:
-        """Act for one control period.
+        """Execute an action for one control period.
 
         Raises:
-            ActionRefusedError: If it would move something too far.
-            ControlError: If the robot does not take it.
+            ActionRefusedError: If the action would move a joint too far.
+            ControlError: If the robot refuses the action.
         """
 
     def picture(self) -> Picture | None:
-        """Return a picture for videos, shape (height, width, 3), if there are any."""
+        """Return an image for videos, shape (height, width, 3), or None."""
 
     def end(self) -> None:
-        """End the episode; what moved stops."""
+        """End the episode and stop everything that moves."""
 
     def close(self) -> None:
-        """End it."""
+        """Close the environment."""
 
 
 def within_limits(
@@ -88,11 +88,11 @@ def within_limits(
 
     Args:
         action: Shape (m,).
-        environment: Environment that takes it.
-        clips: Whether one that is far beyond is clipped, too.
+        environment: Environment that executes the action.
+        clips: Whether to clip even actions that are far beyond the limits.
 
     Raises:
-        ActionRefusedError: If it is far beyond, or not finite.
+        ActionRefusedError: If the action is far beyond the limits, or not finite.
     """
     low, high = environment.limits
     names = environment.action_names

@@ -1,4 +1,4 @@
-"""Episodes of a task, or one on a robot: run, counted, and written to a folder."""
+"""Evaluation of policies in episodes of a task or on a robot."""
 
 from __future__ import annotations
 
@@ -44,27 +44,28 @@ def evaluate(
     when_ended: Callable[[EpisodeRun], None] = lambda run: None,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> Report:
-    """Execute a policy in episodes of a task, and return how often it succeeds.
+    """Execute a policy in episodes of a task, and return its success rate and timing.
 
     Args:
         policy: ``module:name``, ``file.py:name``, ``lerobot:FOLDER`` or
             ``ws://HOST:PORT`` (docs/how-to/policies.md); or a function or class itself.
-        task: Task as for ``tool0.collect.collect``: ``Lift``, or an environment's id.
-        seeds: One for each episode.
-        options: Keywords of the environment.
-        run: Execution of the policy's actions.
-        folder: A new folder for observations, actions, videos and the report.
-        videos: Selection of the episodes of which the folder has videos.
-        instruction: Description of the task; the task's own if left out.
-        device: Device that computes LeRobot's policies.
-        keys: Name that an openpi server expects → what it gets.
+        task: Task as in ``tool0.collect.collect``, such as ``Lift``, or the id of a
+            Gymnasium environment.
+        seeds: Seeds of the episodes, one for each.
+        options: Keyword arguments of the environment.
+        run: Options for executing the policy's actions.
+        folder: New folder for observations, actions, videos and the report.
+        videos: Episodes for which videos are written to the folder.
+        instruction: Instruction for the policy; if left out, that of the task.
+        device: Device on which LeRobot's policies run, such as ``cuda``.
+        keys: Maps the names that an openpi server expects to the observed values.
         when_ended: Called after each episode.
-        should_stop: Asked before each action; with True, the evaluation ends.
+        should_stop: Called before each action; if it returns True, the evaluation ends.
 
     Raises:
         ConfigError: If an argument is wrong, or the folder has files.
         PolicyError: If the policy fails.
-        TransportError: If its server does not answer.
+        TransportError: If the policy's server does not answer.
     """
     require_extra()
     if videos != "none" and folder is None:
@@ -116,28 +117,31 @@ def execute(
     seed: int = 0,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> EpisodeRun:
-    """Execute a policy on a robot, until its steps are over or it is stopped.
+    """Execute a policy on a robot until its last step or until it is stopped.
 
-    The robot's arms are taken from their controllers meanwhile.
+    Meanwhile, the policy controls the robot's arms in place of their controllers.
 
     Args:
-        policy: As for ``evaluate``.
+        policy: Policy; see ``evaluate``.
         robot: The result of ``tool0.bringup`` or ``tool0.connect``.
         rate: Actions per simulated second [Hz].
         cameras: Cameras whose images the policy sees.
-        run: Execution of the policy's actions; ``max_steps`` ends it.
-        folder: A new folder for a recording of everything, observations and actions.
+        run: Options for executing the policy's actions; ``max_steps`` limits their
+            number.
+        folder: New folder for a recording of the session, with observations and
+            actions.
         instruction: Description of the task.
-        device: Device that computes LeRobot's policies.
-        keys: Name that an openpi server expects → what it gets.
-        seed: Given to the policy.
-        should_stop: Asked before each action and while time passes.
+        device: Device on which LeRobot's policies run, such as ``cuda``.
+        keys: Maps the names that an openpi server expects to the observed values.
+        seed: Seed that is passed to the policy.
+        should_stop: Called before each action and while waiting; if it returns True,
+            execution ends.
 
     Raises:
         ConfigError: If an argument is wrong, or the folder has files.
-        ControlError: If the robot refuses an action; it holds then.
-        PolicyError: If the policy fails; the robot holds then.
-        TransportError: If a server does not answer; the robot holds then.
+        ControlError: If the robot refuses an action; the arms then hold their position.
+        PolicyError: If the policy fails; the arms then hold their position.
+        TransportError: If a server does not answer; the arms then hold their position.
     """
     place = None if folder is None else _Folder(Path(folder), "none")
     environment = RobotEnvironment(
@@ -184,14 +188,14 @@ def _plain(run: RunOptions) -> dict[str, Any]:
 
 @final
 class _Folder:
-    """A folder with one file per episode, a row about each, and the report."""
+    """A folder with a file for each episode, a table of episodes, and the report."""
 
     def __init__(self, path: Path, videos: Videos) -> None:
-        """Make it.
+        """Create the folder.
 
         Raises:
-            ConfigError: If it has files, or cannot be made, or something is not
-                installed.
+            ConfigError: If the folder contains files or cannot be created, or a package
+                that it needs is not installed.
         """
         require_extra()
         try:

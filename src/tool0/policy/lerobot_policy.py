@@ -1,6 +1,6 @@
-"""Pretrained policies of LeRobot, computed in this process by LeRobot's own code.
+"""Pretrained LeRobot policies, which run in this process with LeRobot's own code.
 
-As lerobot 0.6 loads and asks them (lerobot/async_inference/policy_server.py,
+Loading and inference follow lerobot 0.6 (lerobot/async_inference/policy_server.py,
 https://github.com/huggingface/lerobot).
 """
 
@@ -19,12 +19,12 @@ from tool0.policy.seen import Seen
 
 @final
 class LeRobotPolicy:
-    """A folder ``…/checkpoints/last/pretrained_model`` that ``lerobot-train`` wrote."""
+    """A policy of ``lerobot-train``: ``…/checkpoints/last/pretrained_model``."""
 
     digest = None
 
     def __init__(self, folder: str, device: str) -> None:
-        """Load it onto a device.
+        """Load the policy onto a device.
 
         Raises:
             ConfigError: If LeRobot is not installed, or there is no such folder.
@@ -69,7 +69,7 @@ class LeRobotPolicy:
         self._has_queues = getattr(config, "n_obs_steps", 1) > 1
 
     def begin(self, seed: int) -> None:
-        """Begin an episode; what the policy draws at random follows from the seed."""
+        """Begin an episode; the seed determines the policy's random numbers."""
         self._torch.manual_seed(seed)
         for each in (self._policy, self._before, self._after):
             each.reset()
@@ -78,7 +78,8 @@ class LeRobotPolicy:
         """Return a chunk of actions, shape (h, m).
 
         Raises:
-            PolicyError: If an input of the policy is not observed, or LeRobot fails.
+            PolicyError: If the observation lacks an input of the policy, or LeRobot
+                fails.
         """
         columns = seen.columns()
         missing = [name for name in self._wanted if name not in columns]
@@ -95,7 +96,7 @@ class LeRobotPolicy:
         try:
             with torch.inference_mode():
                 ready = self._before(inputs)
-                if self._has_queues:  # of the last observations, which it keeps itself
+                if self._has_queues:  # it stores the last observations itself
                     return self._after(self._policy.select_action(ready)).cpu().numpy()
                 chunk = self._policy.predict_action_chunk(ready)
                 return self._after(chunk[0]).cpu().numpy()
@@ -103,11 +104,11 @@ class LeRobotPolicy:
             raise _failed(self._folder, error) from error
 
     def close(self) -> None:
-        """Keep nothing."""
+        """Do nothing: the policy keeps no connections."""
 
 
 def _tensor(torch: Any, values: np.ndarray[Any, Any]) -> Any:
-    """Return numbers as they are, and colours as LeRobot has them: (3, h, w), 0 … 1."""
+    """Return numbers unchanged, and images as LeRobot expects: (3, h, w), 0 … 1."""
     if values.dtype == np.uint8:
         values = np.moveaxis(values, -1, 0).astype(np.float32) / np.float32(255.0)
     return torch.from_numpy(np.ascontiguousarray(values))

@@ -1,9 +1,10 @@
-"""Policies behind a websocket, as openpi's server offers them.
+"""Policies of openpi servers, over a websocket.
 
 The protocol is that of openpi_client 0.1.2 (websocket_client_policy.py and
 msgpack_numpy.py, https://github.com/Physical-Intelligence/openpi): the server sends its
-metadata once; it answers a dictionary of arrays and texts with one that has ``actions``
-of shape (h, m).  Messages are msgpack; a text is an error.
+metadata once; it answers each dictionary of arrays and strings with a dictionary that
+contains ``actions``, shape (h, m).  Messages are encoded with msgpack; a text message
+reports an error.
 """
 
 from __future__ import annotations
@@ -20,9 +21,10 @@ from tool0.errors import ConfigError, PolicyError, TransportError, did_you_mean
 from tool0.policy.seen import Seen
 
 _TIMEOUT: Final = 10.0
-"""Longest wait for the connection and the metadata [wall s]."""
+"""Longest wait for the connection and the server's metadata [wall s]."""
 _ANSWER_TIMEOUT: Final = 60.0
-"""Longest wait for actions [wall s]: a first answer compiles the network."""
+"""Longest wait for actions [wall s]; before its first answer, a server compiles the
+network."""
 _PROMPT: Final = "prompt"
 _VECTORS: Final = {
     "state": "observation.state",
@@ -33,18 +35,19 @@ _IMAGES: Final = "observation.images."
 
 @final
 class OpenpiServer:
-    """A connection to one server.  Arrays are sent as they are observed."""
+    """A connection to one openpi server; arrays are sent as they are observed."""
 
     digest = None
 
     def __init__(self, address: str, keys: Mapping[str, str]) -> None:
-        """Connect.
+        """Connect to a server.
 
         Args:
             address: ``ws://HOST:PORT``.
-            keys: Name that the server expects → ``state``, ``environment_state``,
-                ``prompt``, the name of an image, or names of numbers with commas
-                between them.  Those of openpi's LIBERO policies if empty.
+            keys: Maps each name that the server expects to ``state``,
+                ``environment_state``, ``prompt``, the name of an image, or a
+                comma-separated list of names of numbers.  If empty, the names that
+                openpi's LIBERO policies expect are used.
 
         Raises:
             TransportError: If no server answers there.
@@ -74,14 +77,15 @@ class OpenpiServer:
             ) from None
 
     def begin(self, seed: int) -> None:
-        """Begin an episode; servers of openpi have no memory."""
+        """Begin an episode; openpi servers keep no state between requests."""
 
     def infer(self, seen: Seen) -> Any:
         """Return the server's actions, shape (h, m).
 
         Raises:
-            PolicyError: If it reports an error, or answers with something else.
-            TransportError: If it does not answer.
+            PolicyError: If the server reports an error, or its answer contains no
+                actions.
+            TransportError: If the server does not answer.
         """
         from websockets.exceptions import WebSocketException
 
@@ -113,19 +117,19 @@ class OpenpiServer:
 
 
 def _default_keys(columns: Mapping[str, Any]) -> dict[str, str]:
-    """Return the names that openpi's LIBERO policies have for an observation."""
+    """Return the keys that openpi's LIBERO policies expect, for an observation."""
     images = [
         name.removeprefix(_IMAGES) for name in columns if name.startswith(_IMAGES)
     ]
     keys = {"observation/state": "state", _PROMPT: _PROMPT}
-    for name in reversed(images):  # of several, the first
+    for name in reversed(images):  # the first, if there are several
         is_wrist = "wrist" in name
         keys[f"observation/{'wrist_image' if is_wrist else 'image'}"] = name
     return keys
 
 
 def _value(key: str, what: str, seen: Seen, columns: Mapping[str, Any]) -> Any:
-    """Return what a server gets under a key."""
+    """Return the value that is sent to the server under a key."""
     if what == _PROMPT:
         return seen.instruction
     name = _VECTORS.get(what, f"{_IMAGES}{what}")
@@ -162,10 +166,10 @@ _ENCODER: Final = msgspec.msgpack.Encoder(enc_hook=_packed_array)
 
 
 def _unpacked(message: str | bytes) -> Any:
-    """Return a message, with arrays of numbers in place of their parts.
+    """Return a decoded message, with its arrays as NumPy arrays.
 
     Raises:
-        PolicyError: If it is no such message.
+        PolicyError: If the message is invalid.
     """
     if isinstance(message, str):
         raise PolicyError(f"the policy server says: {message.strip()[:200]}")
@@ -191,7 +195,7 @@ def _with_arrays(value: Any) -> Any:
 
 
 def _dtype(name: str | bytes) -> np.dtype[Any]:
-    """Return a type of numbers; no objects, which would be evaluated."""
+    """Return a numeric data type; object types are rejected, as they execute code."""
     found = np.dtype(name.decode() if isinstance(name, bytes) else name)
     if found.kind not in "biuf":
         raise ValueError(f"an array of {found}")

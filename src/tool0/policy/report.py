@@ -13,38 +13,40 @@ import numpy as np
 from tool0.policy.running import EpisodeRun
 
 _Z: Final = 1.959963984540054
-"""Quantile 0.975 of the normal distribution: intervals of 95 %."""
+"""Quantile 0.975 of the normal distribution, for 95 % confidence intervals."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Report:
-    """Results of episodes whose seeds differ."""
+    """Statistics of episodes with different seeds."""
 
     n_episodes: int
-    """Completed episodes: a person may interrupt the last one."""
+    """Number of completed episodes; an episode that the user interrupted does not
+    count."""
     n_succeeded: int
     n_stopped: int
-    """Episodes that an action beyond the limits ended; they count as failures."""
+    """Number of episodes that ended with an action beyond the limits; they count as
+    failures."""
     mean_steps: float
-    """Actions of an episode."""
+    """Mean number of actions per episode."""
     policy_time: tuple[float, float, float]
-    """Wall time of an answer of the policy: median, 95 % quantile, longest [s]."""
+    """Wall time of the policy's answers: median, 95 % quantile and maximum [s]."""
     n_held: int
-    """Steps in which no action had arrived yet, in all episodes."""
+    """Number of steps, over all episodes, in which no action had arrived yet."""
 
     @property
     def success_rate(self) -> float:
-        """Part of the episodes that succeeded; NaN without episodes."""
+        """Fraction of episodes that succeeded; NaN if there are none."""
         return self.n_succeeded / self.n_episodes if self.n_episodes else math.nan
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Range of the true success rate, with 95 % confidence: ``wilson``."""
+        """95 % confidence interval of the true success rate; see ``wilson``."""
         return wilson(self.n_succeeded, self.n_episodes)
 
     def as_json(self) -> dict[str, Any]:
-        """Return it as plain values."""
+        """Return the report as values that JSON can represent."""
         low, high = self.interval
         median, most, longest = self.policy_time
         return {
@@ -60,7 +62,7 @@ class Report:
 
 
 def report_of(runs: Sequence[EpisodeRun]) -> Report:
-    """Return the report of some episodes."""
+    """Return the statistics of some episodes."""
     ended = [run for run in runs if run.result != "interrupted"]
     results = Counter(run.result for run in ended)
     latencies = [latency for run in runs for latency in run.latencies] or [0.0]

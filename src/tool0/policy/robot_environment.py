@@ -1,8 +1,8 @@
-"""A robot that has been brought up: simulated, in Gazebo, or real.
+"""A robot that has been brought up (simulated, in Gazebo, or real) as an environment.
 
-Observations and actions are those of ``tool0 export --format lerobot``, so a policy
-that was trained on demonstrations of a robot drives it.  An action is the position of
-each driven joint at the end of a control period.
+Observations and actions have the form of ``tool0 export --format lerobot``, so policies
+that were trained on demonstrations of a robot can drive it.  An action is the position
+of each driven joint at the end of a control period.
 """
 
 from __future__ import annotations
@@ -31,23 +31,25 @@ if TYPE_CHECKING:
     from tool0.api.robot import Robot
 
 BY: Final = "policy"
-"""Name of the program that has taken the arms, shown to users."""
+"""Name under which the policy takes the arms, shown to users."""
 FASTEST: Final = 0.9
-"""Largest speed of an arm's joint, part of its largest velocity."""
+"""Largest speed of an arm's joint, as a fraction of its velocity limit."""
 _LOOKAHEAD: Final = 1.5
-"""Lookahead of the servo motion, in control periods: less follows the targets' steps,
-more lags behind them; the lag is one period."""
+"""Lookahead of the servo motion, in control periods: a smaller one reproduces the steps
+between targets, a larger one lags further behind; at this value, the lag is one
+period."""
 _LOOKAHEADS: Final = (0.03, 0.2)
-"""Range of it [s]."""
+"""Range of the lookahead [s]."""
 _DEADBAND: Final = 0.02
-"""Change of a gripper's target that moves it, part of the range of its joint."""
+"""Smallest change of a gripper's target that moves the gripper, as a fraction of its
+joint's range."""
 _SILENCE: Final = 0.3
-"""Pause after which a stream counts as ended [wall s]: the arm itself ends it after 0.5
-s."""
+"""Pause after which the next target starts a new stream [wall s]; the arm itself ends a
+stream after 0.5 s."""
 _LONGEST_STOP: Final = 2.0
-"""Longest wait for an arm to stop, as for ``GoalHandle.wait`` [s]."""
+"""Longest wait for an arm to stop; see ``GoalHandle.wait`` [s]."""
 _POLL: Final = 0.1
-"""Longest time between looks at a stop while time does not pass [wall s]."""
+"""Longest time between checks for a stop while simulated time stands still [wall s]."""
 
 
 @final
@@ -63,18 +65,18 @@ class RobotEnvironment:
         instruction: str = "",
         should_stop: Callable[[], bool] = lambda: False,
     ) -> None:
-        """Look at the robot; nothing moves yet.
+        """Prepare the environment; nothing moves yet.
 
         Args:
-            robot: It stays open when the environment is closed.
+            robot: Robot, which stays open when the environment is closed.
             rate: Actions per simulated second [Hz].
             cameras: Cameras whose images are observed, by name.
             instruction: Description of the task.
-            should_stop: Asked while time passes; with True, the wait ends.
+            should_stop: Called while waiting; if it returns True, the wait ends.
 
         Raises:
-            ConfigError: If a driven joint is of no arm and no gripper, or the rate is
-                out of range.
+            ConfigError: If a driven joint belongs neither to an arm nor to a gripper,
+                or the rate is out of range.
             RenderError: If there is no such camera.
         """
         if not 1.0 <= rate <= 125.0:
@@ -109,21 +111,21 @@ class RobotEnvironment:
         speed = np.array([item.velocity for item in limits])
         self._lookahead = float(np.clip(_LOOKAHEAD / rate, *_LOOKAHEADS))
         self._largest_step = FASTEST * speed / rate
-        """Largest step of each joint of an arm in a control period [rad], shape (m,);
-        grippers move at their own speed."""
+        """Largest step of each arm joint in a control period [rad], shape (m,);
+        infinite for grippers, which move at their own speed."""
         self._largest_step[list(self._grippers)] = np.inf
         movable = [item.name for item in snapshot.scene if item.mass is not None]
         self._objects = movable
         self.names = number_names(self._joints, movable)
-        """Names of the numbers of observations and of the action."""
+        """Names of the components of the observations and of the action."""
         self.surroundings = surroundings_of(self.names)
-        """Names of the numbers that the robot does not measure on itself."""
+        """Names of the numbers that the robot cannot measure by itself."""
         self.action_names = self.names["action"]
         self._target = np.zeros(len(self._joints))
         self._grip = dict.fromkeys(self._grippers, 0.0)
         self._start, self._step = 0.0, 0
         self._sent = 0.0
-        """Time at which targets were sent last [wall s]."""
+        """Time at which targets were last sent [wall s]."""
 
     @property
     def is_realtime(self) -> bool:
@@ -131,24 +133,25 @@ class RobotEnvironment:
         return self._robot.is_realtime
 
     def begin(self, seed: int) -> None:
-        """Take the arms; the present positions are the first targets.
+        """Take control of the arms; their current positions are the first targets.
 
         Raises:
-            ControlError: If an arm is switched off, stopped, or taken by others.
+            ControlError: If an arm is switched off, stopped, or controlled by another
+                program.
         """
         for name in self._arms:
             self._robot.arms[name].motion.take(BY)
         snapshot = self._robot.snapshot
         position = np.array(snapshot.position)[self._columns]
-        self._target = position.clip(*self.limits)  # a measured one may be beyond them
+        self._target = position.clip(*self.limits)  # measured positions may exceed them
         self._grip = {k: float(self._target[k]) for k in self._grippers}
         self._start, self._step = snapshot.time, 0
 
     def see(self) -> Seen:
-        """Return what is observed now.
+        """Return the current observation.
 
         Raises:
-            RenderError: If a camera cannot take a picture.
+            RenderError: If a camera cannot render an image.
         """
         snapshot = self._robot.snapshot
         position = np.array(snapshot.position)[self._columns]
@@ -164,14 +167,14 @@ class RobotEnvironment:
         return Seen(
             observation={**values, **images},
             values={**values, **images},
-            kept=values,  # the recording has what images are rendered from
+            kept=values,  # images can be rendered from the recording
             names=self.names,
             surroundings=self.surroundings,
             instruction=self.instruction,
         )
 
     def hold(self) -> Array:
-        """Return the present targets [rad | m], shape (m,)."""
+        """Return the current targets [rad | m], shape (m,)."""
         return self._target.copy()
 
     def act(self, action: Array) -> Outcome:
@@ -179,7 +182,8 @@ class RobotEnvironment:
 
         Raises:
             ActionRefusedError: If a joint of an arm would have to move too fast.
-            ControlError: If the robot refuses, or the arm is no longer taken.
+            ControlError: If the robot refuses, or the policy no longer controls the
+                arm.
         """
         near = self.nearest(action)
         if (near != action).any():
@@ -197,19 +201,21 @@ class RobotEnvironment:
     def nearest(self, action: Array) -> Array:
         """Return the allowed targets that are nearest to an action, shape (m,).
 
-        They are within the limits of the joints, and not too far from the targets now.
+        They are within the joint limits, and not too far from the current targets.
         """
         step = np.clip(action - self._target, -self._largest_step, self._largest_step)
         near = np.where(np.abs(step) < self._largest_step, action, self._target + step)
         return np.asarray(np.clip(near, *self.limits))
 
     def send(self, action: Array) -> None:
-        """Send targets [rad | m], shape (m,), at once.
+        """Send targets [rad | m], shape (m,), without waiting.
 
-        After a pause the arms begin a new stream, from where they have come to rest.
+        After a pause, the arms begin a new stream from the positions at which they came
+        to rest.
 
         Raises:
-            ControlError: If the robot refuses, or the arm is no longer taken.
+            ControlError: If the robot refuses, or the policy no longer controls the
+                arm.
         """
         now = time.monotonic()
         was_silent, self._sent = now - self._sent > _SILENCE, now
@@ -228,7 +234,7 @@ class RobotEnvironment:
         self._target = action.copy()
 
     def _wait_until(self, end: float) -> None:
-        """Return when simulated time is ``end`` [s], or at a stop."""
+        """Wait until simulated time reaches ``end`` [s], or a stop is requested."""
         robot = self._robot
         if not robot.is_realtime:
             robot.run(max(0.0, end - robot.time))
@@ -238,18 +244,18 @@ class RobotEnvironment:
                 return
 
     def picture(self) -> None:
-        """Return none: the recording has everything."""
+        """Return None: images can be rendered from the recording later."""
 
     def end(self) -> None:
-        """Stop the arms, and let their controllers hold them."""
+        """Stop the arms and return them to their controllers, which hold them."""
         for name in self._arms:
             motion = self._robot.arms[name].motion
-            with contextlib.suppress(Tool0Error):  # it is not taken, or stopped
+            with contextlib.suppress(Tool0Error):  # the arm is not taken, or is stopped
                 motion.release()
                 self._robot.channel.wait_until(partial(_is_free, motion), _LONGEST_STOP)
 
     def close(self) -> None:
-        """Leave the robot as it is."""
+        """Leave the robot open."""
 
 
 def _is_free(motion: ArmMotion) -> bool:

@@ -1,4 +1,4 @@
-"""One episode of a policy: ask it, execute its actions, note what happens."""
+"""One episode of a policy: asks for actions, executes them and records the results."""
 
 from __future__ import annotations
 
@@ -25,30 +25,31 @@ from tool0.policy.seen import Seen
 from tool0.policy.source import Source, checked_chunk
 
 Result = Literal["success", "failure", "ended", "stopped", "interrupted"]
-"""``ended`` is the end of an episode of which nothing says whether it succeeded."""
+"""Result of an episode; ``ended`` means that it is unknown whether the episode
+succeeded."""
 Latency = float | Literal["measured"]
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunOptions:
-    """Options of executing a policy."""
+    """Options for executing a policy."""
 
     chunks: ChunkOptions = ChunkOptions()
-    """Execution of its chunks of actions."""
+    """Options for executing chunks of actions."""
     latency: Latency = 0.0
-    """Simulated time from an observation to its actions, where time waits for the
-    policy [s]; ``measured`` for the wall time that it takes."""
+    """Simulated time between an observation and its actions, if time stands still while
+    the policy computes [s]; ``measured`` for the wall time of each answer."""
     clips: bool = False
-    """Whether actions beyond the limits are clipped; otherwise they end the episode."""
+    """Whether to clip actions beyond the limits; otherwise, they end the episode."""
     max_steps: int | None = None
-    """Actions after which the episode ends."""
+    """Number of actions after which the episode ends; None for no limit."""
 
     def __post_init__(self) -> None:
         """Check the values.
 
         Raises:
-            ConfigError: If one is out of range.
+            ConfigError: If a value is out of range.
         """
         if self.latency != "measured" and not 0.0 <= self.latency <= 10.0:
             raise ConfigError(f"latency must be 0 … 10 s, got {self.latency}")
@@ -64,18 +65,18 @@ class EpisodeRun:
     seed: int
     result: Result
     reason: str = ""
-    """Why it was stopped."""
+    """Reason why the episode was stopped; empty if it was not."""
     n_steps: int
-    """Actions."""
+    """Number of executed actions."""
     total_reward: float
     latencies: tuple[float, ...]
-    """Wall time of each answer of the policy [s]."""
+    """Wall time of each of the policy's answers [s]."""
     n_held: int
-    """Steps in which there was no action yet, and everything stayed where it was."""
+    """Number of steps without an action, in which everything stayed where it was."""
     episode: Episode | None = field(repr=False, default=None)
-    """Observations and actions; None if it ended before the first action."""
+    """Observations and actions; None if the episode ended before the first action."""
     pictures: tuple[Picture, ...] = field(repr=False, default=())
-    """One before each action."""
+    """Images for a video, one before each action."""
 
 
 def run_episode(
@@ -86,11 +87,11 @@ def run_episode(
     *,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> EpisodeRun:
-    """Execute a policy until the episode ends; then everything that moved stops.
+    """Execute a policy until the episode ends, and stop everything that moves.
 
     Raises:
         PolicyError: If the policy fails, or its answer has a wrong shape.
-        TransportError: If its server does not answer.
+        TransportError: If the policy's server does not answer.
         ControlError: If the robot refuses an action.
     """
     policy.begin(seed)
@@ -170,7 +171,7 @@ class _Run:
         return outcome
 
     def _take(self, step: int) -> None:
-        """Take the chunk that has arrived by this step, if there is one."""
+        """Add the chunk that has arrived by this step, if there is one."""
         chunk = self._answers.arrived(step)
         if chunk is not None:
             self._chunks.add(chunk, step)
@@ -196,7 +197,7 @@ class _Run:
 
 @final
 class _OutOfTime:
-    """Asks while time stands still; an answer arrives after the latency."""
+    """Asks while time stands still; the answer arrives after the latency."""
 
     def __init__(
         self, policy: Source, environment: Environment, options: RunOptions
@@ -206,7 +207,7 @@ class _OutOfTime:
         self._latency = options.latency
         self.latencies: list[float] = []
         self._answer: tuple[int, Array] | None = None
-        """Step at which it arrives, and the chunk."""
+        """Step at which the chunk arrives, and the chunk."""
 
     def ask(self, seen: Seen, step: int) -> None:
         start = time.perf_counter()
@@ -225,7 +226,7 @@ class _OutOfTime:
 
 @final
 class _InTime:
-    """Asks in a thread, while time passes."""
+    """Asks in a separate thread while time continues."""
 
     def __init__(
         self, policy: Source, environment: Environment, options: RunOptions
@@ -234,7 +235,7 @@ class _InTime:
         self._width = len(environment.action_names)
         self.latencies: list[float] = []
         self._pending: Future[tuple[Any, float]] | None = None
-        """The answer, and the wall time that it took [s]."""
+        """Answer that is being computed, with the wall time that it took [s]."""
 
     def ask(self, seen: Seen, step: int) -> None:
         pending: Future[tuple[Any, float]] = Future()
@@ -243,13 +244,13 @@ class _InTime:
             start = time.perf_counter()
             try:
                 answer = self._policy.infer(seen)
-            except BaseException as error:  # for the thread that waits
+            except BaseException as error:  # raised in the waiting thread
                 pending.set_exception(error)
             else:
                 pending.set_result((answer, time.perf_counter() - start))
 
         self._pending = pending
-        # a daemon: a policy that hangs does not keep the process
+        # a daemon: a hanging policy does not keep the process alive
         threading.Thread(target=infer, name="policy", daemon=True).start()
 
     def arrived(self, step: int) -> Array | None:

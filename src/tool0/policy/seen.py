@@ -1,4 +1,4 @@
-"""The observation of one step, in the forms in which policies want it."""
+"""The observation of one step, in the forms that policies need."""
 
 from __future__ import annotations
 
@@ -17,29 +17,31 @@ Array = NDArray[Any]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Seen:
-    """Observation before one action."""
+    """The observation before an action."""
 
     observation: Any
-    """Observation as the environment gives it: an array, or a dictionary."""
+    """Observation in the environment's own form: an array, or a dictionary."""
     values: Mapping[str, Array]
-    """The same by name; ``""`` if it is one array."""
+    """Arrays of the observation by name; ``""`` if the observation is a single
+    array."""
     kept: Mapping[str, Array]
-    """Parts of these that are kept after the action."""
+    """Arrays of the observation that are recorded with the action."""
     names: Mapping[str, Sequence[str]]
-    """Name of an observation → names of its numbers."""
+    """Names of the numbers in each array, by the array's name."""
     surroundings: frozenset[str]
-    """Names of the numbers that the robot does not measure on itself."""
+    """Names of the numbers that the robot cannot measure by itself."""
     instruction: str
     """Description of the task."""
 
     def columns(self) -> dict[str, Array]:
-        """Return the observation as LeRobot's data sets name it.
+        """Return the observation under the column names of LeRobot's data sets.
 
-        ``observation.state`` and ``observation.environment_state``, shape (m,),
-        float32; ``observation.images.NAME``, shape (height, width, 3), uint8.
+        The columns are ``observation.state`` and ``observation.environment_state``,
+        shape (m,), float32; and ``observation.images.NAME``, shape (height, width, 3),
+        uint8.
 
         Raises:
-            CollectError: If the format has no column for something.
+            CollectError: If the format has no column for a part of the observation.
         """
         return self._columns()[0]
 

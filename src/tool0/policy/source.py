@@ -1,4 +1,4 @@
-"""Location of a policy: a Python callable, a LeRobot policy, or a server."""
+"""Sources of policies: a Python callable, a LeRobot policy, or a server."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ _SERVERS: Final = ("ws://", "wss://")
 
 
 class Source(Protocol):
-    """Answers observations with chunks of actions.  It has one user at a time."""
+    """Answers observations with chunks of actions, for one user at a time."""
 
     @property
     def digest(self) -> str | None:
-        """SHA-256 of the file that it is in, or None."""
+        """SHA-256 of the file that defines the policy; None if there is no file."""
 
     def begin(self, seed: int) -> None:
         """Begin an episode."""
@@ -35,22 +35,22 @@ class Source(Protocol):
         """
 
     def close(self) -> None:
-        """End it."""
+        """Close the policy and its connections."""
 
 
 def opened(name: str | Policy, *, device: str = "cpu", keys: dict[str, str]) -> Source:
-    """Return the policy of this name, ready to answer.
+    """Return the policy with this name, ready to answer.
 
     Args:
-        name: ``module:name`` or ``file.py:name``, as ``tool0 collect`` takes it;
-            ``lerobot:FOLDER`` of a pretrained LeRobot policy; ``ws://HOST:PORT`` of a
-            server that speaks openpi's protocol; or a function or class itself.
-        device: Device that computes LeRobot's policies, such as ``cpu`` or ``cuda``.
-        keys: Name that openpi's server expects → what it gets there.
+        name: ``module:name`` or ``file.py:name``, as in ``tool0 collect``;
+            ``lerobot:FOLDER`` for a pretrained LeRobot policy; ``ws://HOST:PORT`` for a
+            server with openpi's protocol; or the function or class itself.
+        device: Device on which LeRobot's policies run, such as ``cpu`` or ``cuda``.
+        keys: Maps the names that an openpi server expects to the observed values.
 
     Raises:
         ConfigError: If there is no such policy.
-        PolicyError: If it cannot be loaded.
+        PolicyError: If the policy cannot be loaded.
         TransportError: If no server answers.
     """
     if not isinstance(name, str):
@@ -73,10 +73,10 @@ def opened(name: str | Policy, *, device: str = "cpu", keys: dict[str, str]) -> 
 
 
 def checked_chunk(actions: Any, width: int) -> Array:
-    """Return the actions of a policy as numbers, shape (h, width).
+    """Return a policy's actions as an array, shape (h, width).
 
     Raises:
-        PolicyError: If they have another shape, or are no numbers.
+        PolicyError: If the actions have another shape, or are not numbers.
     """
     try:
         found: Array = np.asarray(actions, np.float64)

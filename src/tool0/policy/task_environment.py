@@ -1,4 +1,4 @@
-"""Episodes of a task: one simulated environment of Gymnasium."""
+"""Episodes of a task in a simulated Gymnasium environment."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from tool0.policy.environment import Array, Outcome, Picture
 from tool0.policy.seen import Seen
 
 VIDEO_SIZE: Final = (320, 240)
-"""Size of the pictures of a video, if observations have none [pixels]."""
+"""Size of a video's images if the observations contain none [pixels]."""
 
 
 @final
 class TaskEnvironment:
-    """One environment; the policy may take its time, because time waits for it."""
+    """A Gymnasium environment, in which time stands still while the policy computes."""
 
     is_realtime = False
 
@@ -32,13 +32,13 @@ class TaskEnvironment:
         instruction: str | None = None,
         draws: bool = False,
     ) -> None:
-        """Make the environment.
+        """Create the environment.
 
         Args:
-            task: As ``tool0.collect.collect`` takes it.
-            options: Keywords of the environment.
-            instruction: Description of the task; the task's own if left out.
-            draws: Whether pictures are wanted.
+            task: Task as in ``tool0.collect.collect``.
+            options: Keyword arguments of the environment.
+            instruction: Instruction for the policy; if left out, that of the task.
+            draws: Whether to render images.
 
         Raises:
             ConfigError: If there is no such task.
@@ -89,22 +89,22 @@ class TaskEnvironment:
 
     @property
     def names(self) -> Mapping[str, tuple[str, ...]]:
-        """Names of the numbers of observations and of the action."""
+        """Names of the components of the observations and of the action."""
         return {**self._names, "action": self.action_names}
 
     @property
     def surroundings(self) -> frozenset[str]:
-        """Names of the numbers that the robot does not measure on itself."""
+        """Names of the numbers that the robot cannot measure by itself."""
         return self._surroundings
 
     def begin(self, seed: int) -> None:
-        """Begin the episode of a seed."""
+        """Begin the episode with a seed."""
         self._observation, _ = self._env.reset(seed=seed)
         self._last = np.zeros_like(self._last)
-        self._last[self._grippers] = 1.0  # they are open
+        self._last[self._grippers] = 1.0  # grippers are open
 
     def see(self) -> Seen:
-        """Return what is observed now."""
+        """Return the current observation."""
         values = dict(flat(self._observation))
         return Seen(
             observation=self._observation,
@@ -116,16 +116,16 @@ class TaskEnvironment:
         )
 
     def hold(self) -> Array:
-        """Return the action with which the tools rest and the grippers stay.
+        """Return the action that stops the tools and keeps the grippers as they are.
 
-        That of an environment that is not of tool0 is zero, or the nearest to it.
+        In environments from other packages, it is the allowed action closest to zero.
         """
         action = np.zeros_like(self._last)
         action[self._grippers] = self._last[self._grippers]
         return np.asarray(action.clip(*self.limits))
 
     def act(self, action: Array) -> Outcome:
-        """Act for one control period."""
+        """Execute an action for one control period."""
         self._last = action
         given: NDArray[Any] = action.reshape(self._space.shape)
         self._observation, reward, terminated, truncated, info = self._env.step(
@@ -135,12 +135,12 @@ class TaskEnvironment:
         return Outcome(float(reward), bool(terminated), bool(truncated), success)
 
     def picture(self) -> Picture | None:
-        """Return what the camera sees, if pictures are wanted."""
+        """Return the camera's image, if images are to be rendered."""
         return self._env.render() if self._draws else None
 
     def end(self) -> None:
-        """Leave it as it is: time stands still."""
+        """Do nothing: simulated time stands still between actions."""
 
     def close(self) -> None:
-        """End the simulation."""
+        """Close the simulation."""
         self._env.close()

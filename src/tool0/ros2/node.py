@@ -1,4 +1,4 @@
-"""The process of the ROS 2 node: it starts with a robot, and ends with it.
+"""The process of the ROS 2 node, which starts and ends with a robot.
 
 The node itself is the ROS package ``tool0_ros2`` in ``ros_packages``.
 """
@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 
 @final
 class Ros2Node(Companion):
-    """Presents one robot in ROS 2 as ros2_control does.  A context manager.
+    """Presents a robot in ROS 2 like ros2_control does; a context manager.
 
-    The node runs in a process of its own, under the Python of a ROS 2.
+    The node runs in a separate process, with the Python interpreter of a ROS 2
+    installation.
     """
 
     title, kind, unavailable = "ROS 2", "node", RosUnavailableError
@@ -29,15 +30,15 @@ class Ros2Node(Companion):
     def __init__(
         self, robot: Connected | str, options: Ros2Options | None = None
     ) -> None:
-        """Start the node; ``wait`` waits until it is up.
+        """Start the node; call ``wait`` to wait until it is up.
 
         Args:
-            robot: A robot of this process or another one, which the caller closes
-                after this; or the name of a bring-up, which may start later.
-            options: The namespace, the domain and rates.
+            robot: A robot of this or another process, which the caller must close after
+                the node; or the name of a bring-up, which may start later.
+            options: Namespace, domain and rates.
 
         Raises:
-            RosUnavailableError: If there is no ROS 2.
+            RosUnavailableError: If ROS 2 is not installed.
         """
         self.options = options = options or Ros2Options()
         ros2 = find_ros2()
@@ -55,15 +56,15 @@ class Ros2Node(Companion):
 
     @property
     def domain(self) -> int:
-        """The ROS_DOMAIN_ID that it is in."""
+        """The node's ROS_DOMAIN_ID."""
         return int(self._environment.get("ROS_DOMAIN_ID") or 0)
 
     def wait(self, timeout: float = START_TIMEOUT) -> str:
         """Wait until the node is up, and return its full name.
 
         Raises:
-            RosUnavailableError: If it could not start, or not within ``timeout``
-                [wall s].
+            RosUnavailableError: If the node could not start within ``timeout`` [wall
+                s].
         """
         node: str = self._wait_for_report(timeout)["node"]
         return node

@@ -9,7 +9,7 @@ from typing import Final, final
 from tool0.errors import ConfigError
 
 MAX_DOMAIN: Final = 232
-"""Largest ROS_DOMAIN_ID; above 101, its ports may collide with those of programs."""
+"""Largest ROS_DOMAIN_ID; above 101, its ports may collide with other programs'."""
 _NAMESPACE = re.compile(r"(/?[A-Za-z]\w*)(/[A-Za-z]\w*)*/?|/?")
 
 

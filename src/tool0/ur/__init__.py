@@ -1,1 +1,1 @@
-"""The interfaces of a UR's control box, in a process of their own: RTDE and others."""
+"""The interfaces of a UR control box, such as RTDE, served by a separate process."""

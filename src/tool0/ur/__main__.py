@@ -1,4 +1,4 @@
-"""``python -m tool0.ur``: the UR interface beside a running bring-up."""
+"""``python -m tool0.ur``: the UR interface for a running bring-up."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from tool0.ur.options import UrArm, UrOptions
 from tool0.ur.service import connected, serve
 
 _FORMAT = "[%(levelname)s] [%(created).3f] [%(name)s]: %(message)s"
-"""Format of the log, as ROS prints it; the bring-up reads it."""
+"""Format of the log, the same as ROS's; the bring-up parses it."""
 SWITCH_INTERVAL: Final = 0.0005
-"""Longest delay of the event loop by a thread that plans or compiles [s]: a fourth of
-RTDE's period."""
+"""Longest time for which a thread that plans or compiles delays the event loop [s]: a
+quarter of RTDE's period."""
 
 
 def main() -> int:
@@ -68,7 +68,7 @@ async def _run(name: str, options: UrOptions) -> None:
 
 
 def _report(arms: Mapping[str, UrArm]) -> None:
-    """Tell the program that started this one that the ports are open."""
+    """Tell the parent program that the ports are open."""
     gc.collect()
     garbage.started()
     rows = {name: asdict(arm) for name, arm in arms.items()}

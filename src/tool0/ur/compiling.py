@@ -1,4 +1,4 @@
-"""Compiles the text of a program to one that can run."""
+"""Compiles program texts to programs that can run."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 KEPT: Final = 8
-"""Programs that need not be read again."""
+"""Number of compiled programs that are cached."""
 
 
 async def compiled(text: str, name: str) -> RunnableProgram[UrControlBox]:
-    """Return a program; its text is read in another thread, as that takes a while.
+    """Return a program; another thread compiles the text, since this takes a while.
 
     The program that ur_rtde uploads is recognised and executed natively.
 
     Raises:
-        Tool0Error: If it is not valid, with line and column.
+        Tool0Error: If the program is not valid; the message contains line and column.
     """
     return await asyncio.to_thread(_compile, text, name)
 
@@ -37,14 +37,14 @@ def _compile(text: str, name: str) -> RunnableProgram[UrControlBox]:
 
 @lru_cache(maxsize=KEPT)
 def _compiled(text: str, name: str) -> RunnableProgram[UrControlBox]:
-    """Return a program, which can run again and again: clients send it each time."""
+    """Return a program from the cache; clients often send the same program again."""
     from tool0.ur.urscript.program import compile_program
 
     return compile_program(text, name)
 
 
 def prepare() -> None:
-    """Import and build what the first program would wait for: some 0.3 s."""
+    """Import and build in advance what the first program needs (about 0.3 s)."""
     from tool0.ur.urscript.program import compile_program
 
     compile_program("sleep(0.0)", "nothing")

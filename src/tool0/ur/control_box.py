@@ -1,4 +1,4 @@
-"""A control box as its ports see it: the arm, registers, messages and the program.
+"""The control box that all ports share: the arm, registers, messages and program.
 
 Everything here belongs to the event loop of the UR process.
 """
@@ -51,10 +51,10 @@ logger = logging.getLogger(__name__)
 R = TypeVar("R")
 
 CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
-"""The arms whose control box is a CB3; all later ones have an e-Series one."""
+"""Arms with a CB3 control box; all later ones have an e-Series box."""
 E_SERIES_VERSION: Final = (5, 25, 1)
-"""The first PolyScope whose ``direct_torque`` has scales of friction: UR's driver uses
-torque control from there on."""
+"""Reported version of PolyScope: the first whose ``direct_torque`` has friction scales,
+from which on UR's driver uses torque control."""
 CB3_VERSION: Final = (3, 15, 8)
 _FIELDS: Final[tuple[StateField, ...]] = (
     *("joint_names", "position", "velocity", "effort", "control_boxes", "arms"),
@@ -62,7 +62,7 @@ _FIELDS: Final[tuple[StateField, ...]] = (
 
 
 def box_states(arms: Collection[str]) -> Subscribe:
-    """Return the request for the states that the boxes of these arms show."""
+    """Return the request that subscribes to the states the arms' control boxes need."""
     return Subscribe(
         rate=MAX_SNAPSHOT_RATE, fields=_FIELDS, arms=tuple(arms), newest_only=True
     )
@@ -70,7 +70,7 @@ def box_states(arms: Collection[str]) -> Subscribe:
 
 @final
 class UrControlBox:
-    """One arm and what its control box knows about it."""
+    """An arm and the state of its control box."""
 
     def __init__(
         self,
@@ -81,13 +81,13 @@ class UrControlBox:
         limits: Mapping[str, JointLimits] | None = None,
         allow_sockets: bool = False,
     ) -> None:
-        """Show an arm of the bring-up.
+        """Represent the control box of one of the bring-up's arms.
 
         Args:
             channel: The connection to the bring-up.
             arm: Name of the arm in ``list_arms``.
             first: The first state of ``box_states``.
-            limits: Limits of each driven joint; those of the URDF, if left out.
+            limits: Limits of each driven joint; if left out, those of the URDF.
             allow_sockets: Whether programs may connect to other machines.
         """
         self.allow_sockets = allow_sockets
@@ -105,36 +105,37 @@ class UrControlBox:
             if has_base
             else np.eye(4)
         )
-        """UR's base frame in the link that carries the arm, shape (4, 4)."""
+        """UR's base frame relative to the link that carries the arm, shape (4, 4)."""
         self.model_name = next(
             (r.arm.name for r in channel.description.robots if r.prefix == prefix), ""
         )
-        """Model of the arm in the catalogue, such as ``ur5e``; empty for your own
-        robot."""
+        """Catalogue model of the arm, such as ``ur5e``; empty if the robot is not from
+        the catalogue."""
         self.is_e_series = self.model_name not in CB3_ARMS
         self.version = E_SERIES_VERSION if self.is_e_series else CB3_VERSION
-        """Version of the software that the box appears to run."""
+        """Software version that the box reports."""
         self.rate = 500.0 if self.is_e_series else 125.0
         """Rate of RTDE and the real-time interface [Hz]."""
         self.registers = Registers()
         self.flags = [False] * N_FLAGS
-        """Flags of programs, which share them one after another."""
+        """Flags of programs, which keep their values between programs."""
         self.messages = Messages()
         self.programs = ProgramSlot(self)
         self.rtde_sensor = RtdeSensor()
-        """Sensor of forces, which a client of RTDE measures."""
+        """Force sensor whose readings come from a client of RTDE."""
         self.encoders: dict[int, tuple[range, float]] = {}
-        """Encoders of conveyors, which programs set, by number: the range, and the
-        ticks."""
+        """Conveyor encoders that programs have set, by number; each has a range and a
+        tick count."""
         self.interpreter: LineInterpreter | None = None
-        """Interpreter of the program that runs, if it has one."""
+        """Interpreter of the running program, if it has one."""
         self.modbus = Signals(lambda: self.programs.is_running)
         """Signals of Modbus units that programs read and write."""
         self.when_updated: set[Callable[[], None]] = set()
-        """Called for each update; of several that come together, for the newest."""
+        """Callbacks for updates; if several updates arrive together, only the newest
+        triggers them."""
         self.when_shown: set[Callable[[], None]] = set()
-        """Called for each one that is shown, in order, also of several that come
-        together: to send it."""
+        """Callbacks that send data; they are called for every update in order, even if
+        several updates arrive together."""
         index = {name: k for k, name in enumerate(first.joint_names)}
         self._indices = [index[name] for name in self.chain.joint_names]
         self._waiting: list[asyncio.Future[None]] = []
@@ -142,20 +143,20 @@ class UrControlBox:
             self.chain, np.asarray(np.linalg.inv(self.T_chain_base))
         )
         self._postures: dict[bool, ScalarPosture] = {}
-        """Postures of this update: measured, and the setpoint's."""
+        """Postures at this update: measured (False), and at the setpoint (True)."""
         self._T_tip_tcp: tuple[tuple[float, ...], Transform] = ((), Transform())
-        """The TCP in the flange: as UR's pose, and as a transform."""
+        """Pose of the TCP in the flange, as UR's pose and as a transform."""
         self._known: dict[tuple[str, bool], Six] = {}
-        """Quantities computed from this update."""
+        """Quantities that have been computed for this update."""
         self.snapshot = first
-        """The newest state."""
+        """Newest state of the bring-up."""
         self._show(first)
         self.dynamics = BoxDynamics(self, model, first.joint_names)
-        """Masses, Jacobians and the like, for programs."""
+        """Mass matrix, Jacobians and other dynamics, for programs."""
         self.gripper: RobotiqGripper | None = None
-        """The gripper that the arm carries, if it speaks Robotiq's protocol."""
+        """Gripper on the arm, if it uses Robotiq's protocol."""
         self.has_foreign_gripper = False
-        """Whether the arm carries a gripper that speaks no protocol of tool0's."""
+        """Whether the arm carries a gripper without a protocol that tool0 supports."""
         name = gripper_of(model, arm)
         if name is not None:
             geometry = find_grippers(model)[name]
@@ -166,21 +167,21 @@ class UrControlBox:
 
     @property
     def bringup(self) -> str:
-        """The name of the bring-up."""
+        """Name of the bring-up."""
         return self._channel.name
 
     # ---- updates --------------------------------------------------------------------
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show the robot after an update that another one follows at once.
+        """Apply an update that is followed immediately by another one.
 
-        Nobody acts on it: what programs answer comes after the last one.
+        Data is sent for it, but programs react only to the last update.
         """
         self._show(snapshot)
         _call(self.when_shown)
 
     def take(self, snapshot: Snapshot) -> None:
-        """Show the robot after another update, and tell everyone."""
+        """Apply the newest update, and notify everyone who waits for updates."""
         self._show(snapshot)
         _call(self.when_updated)
         _call(self.when_shown)
@@ -207,14 +208,14 @@ class UrControlBox:
         await future
 
     async def until(self, condition: Callable[[], bool]) -> None:
-        """Wait for the first update at which a condition holds; now, if it does."""
+        """Wait until a condition holds, which is checked now and at each update."""
         while not condition():
             await self.next_update()
 
     # ---- requests -------------------------------------------------------------------
 
     async def call(self, request: Request[R]) -> R:
-        """Return the response of a request to the bring-up, or raise its error."""
+        """Return the bring-up's response to a request, or raise its error."""
         future: asyncio.Future[R] = self._event_loop.create_future()
 
         def finish(outcome: Callable[[], R]) -> None:
@@ -232,14 +233,14 @@ class UrControlBox:
         return await future
 
     def send(self, request: Request[Any]) -> None:
-        """Send a request of which no answer is needed; failures are reported."""
+        """Send a request without waiting for the response; failures are reported."""
         try:
             self._channel.post(request)
         except Tool0Error as error:
             self.report(error)
 
     def report(self, error: Tool0Error) -> None:
-        """Tell clients and the log about an error."""
+        """Report an error to clients and in the log."""
         logger.warning("%s: %s", self.arm, error)
         if isinstance(error, URScriptError):
             self.messages.exception(error)
@@ -250,7 +251,7 @@ class UrControlBox:
 
     @property
     def why_no_gripper(self) -> str:
-        """Why the arm has no ``gripper`` that programs and clients could use."""
+        """Reason why the arm has no ``gripper`` that programs and clients can use."""
         if not self.has_foreign_gripper:
             return "the arm carries no gripper"
         return (
@@ -260,7 +261,7 @@ class UrControlBox:
 
     @property
     def stopped(self) -> str:
-        """Why no program moves the arm any more; empty if one may."""
+        """Reason why programs cannot move the arm; empty if they can."""
         state = self.state
         if state.protective_stop:
             return f"protective stop: {state.protective_stop}"
@@ -274,17 +275,17 @@ class UrControlBox:
 
     @property
     def q(self) -> Six:
-        """Measured positions [rad], as for all: from base to flange."""
+        """Measured joint positions [rad], in the order from base to flange."""
         return self._of_joints(self.snapshot.position)
 
     @property
     def qd(self) -> Six:
-        """Measured velocities [rad/s]."""
+        """Measured joint velocities [rad/s]."""
         return self._of_joints(self.snapshot.velocity)
 
     @property
     def qdd(self) -> Six:
-        """Accelerations [rad/s²]: changes of the velocities since the last update."""
+        """Joint accelerations [rad/s²], as velocity changes since the last update."""
         if not self._elapsed > 0.0:
             return (0.0,) * 6
         pairs = zip(self.qd, self._of_joints(self._last_velocity), strict=True)
@@ -292,37 +293,37 @@ class UrControlBox:
 
     @property
     def effort(self) -> Six:
-        """Efforts of the drives [N·m]."""
+        """Efforts of the joints' drives [N·m]."""
         return self._of_joints(self.snapshot.effort)
 
     @property
     def target_q(self) -> Six:
-        """The setpoint of what moves the arm; measured, if nothing does [rad]."""
+        """Setpoint of the joints [rad]; measured positions if nothing moves the arm."""
         return _six(self._setpoint.positions)
 
     @property
     def target_qd(self) -> Six:
-        """Its velocities [rad/s]."""
+        """Setpoint of the joint velocities [rad/s]."""
         return _six(self._setpoint.velocities)
 
     @property
     def target_qdd(self) -> Six:
-        """Its accelerations [rad/s²]."""
+        """Setpoint of the joint accelerations [rad/s²]."""
         return _six(self._setpoint.accelerations)
 
     @property
     def _setpoint(self) -> ArmSetpoint:
         setpoint = self.arm_sample.setpoint
-        assert setpoint is not None  # what was sent has one
+        assert setpoint is not None  # sampled states have one
         return setpoint
 
     @property
     def tcp(self) -> Six:
-        """The pose of the tool centre point in the flange."""
+        """Pose of the tool centre point in the flange."""
         return self.state.tcp
 
     def tcp_pose(self, *, target: bool = False) -> Six:
-        """Return the measured pose of the TCP in the base frame, or the setpoint's."""
+        """Return the pose of the TCP in the base frame, measured or at the setpoint."""
         return self._once("pose", target, self._compute_pose)
 
     def tcp_speed(self, *, target: bool = False) -> Six:
@@ -330,19 +331,19 @@ class UrControlBox:
         return self._once("speed", target, self._compute_speed)
 
     def tcp_frame(self, *, target: bool = False) -> Transform:
-        """Return the TCP in the base frame."""
+        """Return the frame of the TCP in the base frame."""
         if self.tcp != self._T_tip_tcp[0]:
             self._T_tip_tcp = self.tcp, transform_of(self.tcp)
         return self.posture(target=target).flange @ self._T_tip_tcp[1]
 
     def flange_wrench(self) -> tuple[Vector3, Vector3]:
-        """Return the external force and torque at the flange, in the base's axes."""
+        """Return external force [N] and torque [N·m] at the flange, in base axes."""
         flange, (fx, fy, fz, tx, ty, tz) = self.posture().flange, self.sensed_wrench
         return flange.rotate((fx, fy, fz)), flange.rotate((tx, ty, tz))
 
     @property
     def sensed_wrench(self) -> Six:
-        """The external wrench at the flange in its axes, of the sensor that is used."""
+        """External wrench at the flange, in its axes, from the sensor in use."""
         if self.rtde_sensor.is_used:
             return self.rtde_sensor.wrench
         return self.arm_sample.wrench
@@ -357,7 +358,7 @@ class UrControlBox:
         return pose_of(self._postures_of.forward(q).flange @ T_tip_tcp)
 
     def posture_at(self, q: Sequence[float]) -> ScalarPosture:
-        """Return the posture in the base frame at joint positions ``q`` [rad]."""
+        """Return the arm's posture in the base frame at joint positions ``q`` [rad]."""
         return self._postures_of.forward(q)
 
     def velocity_at(self, q: Sequence[float], qd: Sequence[float]) -> Six:
@@ -381,11 +382,11 @@ class UrControlBox:
 
         Args:
             pose: Pose of the TCP in the base frame.
-            near: The setpoint, if left out [rad].
-            tcp: TCP in the flange; that of the box, if left out.
+            near: Joint positions [rad]; if left out, those of the setpoint.
+            tcp: TCP in the flange; if left out, that of the box.
 
         Raises:
-            UnreachableError: If there are none, with the reason.
+            UnreachableError: If there is no solution; the message contains the reason.
         """
         T_tip_tcp = matrix_of(self.tcp if tcp is None else tcp)
         T = self.T_chain_base @ matrix_of(pose) @ np.linalg.inv(T_tip_tcp)
@@ -399,7 +400,7 @@ class UrControlBox:
         near: Sequence[float] | None = None,
         tcp: Sequence[float] | None = None,
     ) -> bool:
-        """Return whether ``inverse`` finds joint positions."""
+        """Return whether ``inverse`` finds a solution."""
         try:
             self.inverse(pose, near, tcp)
         except UnreachableError:
@@ -410,14 +411,14 @@ class UrControlBox:
         return _six([values[k] for k in self._indices])
 
     def posture(self, *, target: bool = False) -> ScalarPosture:
-        """Return the measured posture in the base frame, or that of the setpoint."""
+        """Return the posture in the base frame, measured or at the setpoint."""
         if target not in self._postures:
             q = self.target_q if target else self.q
             self._postures[target] = self._postures_of.forward(q)
         return self._postures[target]
 
     def _once(self, what: str, target: bool, compute: Callable[[bool], Six]) -> Six:
-        """Return a quantity of this update, computed by whoever needs it first."""
+        """Return a quantity of this update, which is computed only once."""
         key = (what, target)
         if key not in self._known:
             self._known[key] = compute(target)
@@ -443,7 +444,7 @@ def _call(callbacks: Collection[Callable[[], None]]) -> None:
     for callback in tuple(callbacks):
         try:
             callback()
-        except Exception:  # one must not stop the others
+        except Exception:  # one callback must not stop the others
             logger.exception("an update could not be shown")
 
 

@@ -1,6 +1,6 @@
-"""The dashboard server, port 29999: one command a line, one line of answer.
+"""The dashboard server, port 29999: each command and answer is a line.
 
-Commands and answers are those of UR's documents for the e-Series and CB3:
+Commands and answers follow UR's documentation for the e-Series and CB3:
 https://www.universal-robots.com/articles/ur/dashboard-server/dashboard-server-e-series-port-29999/
 https://www.universal-robots.com/articles/ur/dashboard-server/dashboard-server-cb-series-port-29999/
 """
@@ -52,7 +52,7 @@ BOTH: Final = frozenset({CB3, E_SERIES})
 SETTLE_TIMEOUT: Final = 1.0
 """Longest wait for a program to pause or resume [wall s]."""
 MAX_WORDS: Final = 4
-"""Largest number of words of a command."""
+"""Largest number of words in a command."""
 
 Answer = Callable[[str], Awaitable[str]]
 
@@ -60,13 +60,13 @@ Answer = Callable[[str], Awaitable[str]]
 @final
 @dataclass(frozen=True, slots=True)
 class DashboardCommand:
-    """A command, and what answers it."""
+    """A command and the function that answers it."""
 
     words: str
     answer: Answer
-    """Gets what follows the command, and returns the answer."""
+    """Function from the text after the command to the answer."""
     boxes: frozenset[str] = BOTH
-    """Kinds of boxes that have the command."""
+    """Kinds of control boxes that have the command."""
 
 
 @final
@@ -101,7 +101,7 @@ class Dashboard:
         return len(self._port.peers)
 
     async def answer(self, line: str) -> str:
-        """Execute one command; return the answer."""
+        """Execute a command and return the answer."""
         text = line.strip()
         words = text.split()
         for count in range(min(len(words), MAX_WORDS), 0, -1):
@@ -290,7 +290,7 @@ class Dashboard:
     def _requesting(
         self, words: str, request: Request[None], done: str
     ) -> DashboardCommand:
-        """Return a command that makes a request to the bring-up."""
+        """Return a command that sends a request to the bring-up."""
 
         async def answer(_: str) -> str:
             try:
@@ -360,7 +360,7 @@ class Dashboard:
 
 
 def serial_number(arm: str) -> str:
-    """Return the serial number of an arm: always the same, another for each name."""
+    """Return a serial number, which is always the same for the same arm name."""
     return f"2024{zlib.crc32(arm.encode()) % 10**7:07d}"
 
 

@@ -1,7 +1,7 @@
-"""Dynamics of an arm, as its control box computes them for programs.
+"""Dynamics of an arm that its control box computes for programs.
 
-They are those of the description with the declared payload in place of the tool: what
-the drives reckon with.  Numbers are in the order from base to flange, and matrices are
+The model is that of the drives: the robot's description, with the declared payload in
+place of the tool.  Joints are ordered from base to flange, and matrices are tuples of
 rows.
 """
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from tool0.protocol.state import Six, Snapshot
 
 Rows: TypeAlias = tuple["Six", ...]
-"""A matrix of six rows."""
+"""A matrix with rows of six numbers."""
 
 
 class MeasuredArm(Protocol):
-    """State of an arm, as its control box has it now."""
+    """Current state of an arm in its control box."""
 
     chain: ArmChain
     snapshot: Snapshot
@@ -46,16 +46,16 @@ class MeasuredArm(Protocol):
 
 @final
 class BoxDynamics:
-    """Masses and Jacobians of the arm of a control box.
+    """Mass matrix, Jacobians and velocity torques of a control box's arm.
 
-    Joint positions [rad] and velocities [rad/s] that are left out are the measured
-    ones, and the TCP is that of the box.
+    If joint positions [rad] or velocities [rad/s] are left out, the measured ones are
+    used; if the TCP is left out, that of the box is used.
     """
 
     def __init__(
         self, box: MeasuredArm, model: RobotModel, joint_names: Sequence[str]
     ) -> None:
-        """Take the arm of ``box``; states have the joints in this order."""
+        """Use the arm of ``box``; its states are ordered like ``joint_names``."""
         self._box, self._model = box, model
         self._own = modelled_payload(model, box.chain.tip)
         in_states = {name: k for k, name in enumerate(joint_names)}
@@ -68,14 +68,14 @@ class BoxDynamics:
             for drive in [model.transmission_by_joint.get(name)]
         ]
         self._known = self._own, JointDynamics(model)
-        """The last payload, and the robot with it."""
+        """Last payload, and the dynamics of the robot with it."""
 
     def mass_matrix(
         self, q: Sequence[float] | None = None, *, with_rotors: bool = False
     ) -> Rows:
         """Return the mass matrix of the joints [kg·m²].
 
-        ``with_rotors`` adds the inertia of rotors and gears.
+        With ``with_rotors``, it includes the inertia of rotors and gears.
         """
         matrix = self._loaded().mass_matrix(self._position(q))
         matrix = matrix[self._joints][:, self._joints]
@@ -98,7 +98,7 @@ class BoxDynamics:
     def jacobian(
         self, q: Sequence[float] | None = None, tcp: Sequence[float] | None = None
     ) -> Rows:
-        """Return the twist of the TCP in the base's axes per joint velocity."""
+        """Return the Jacobian of the TCP in the base's axes, with linear rows first."""
         posture, point = self._placed(q, tcp)
         return jacobian(posture, point)
 
@@ -108,12 +108,12 @@ class BoxDynamics:
         qd: Sequence[float] | None = None,
         tcp: Sequence[float] | None = None,
     ) -> Rows:
-        """Return the change of ``jacobian`` per second."""
+        """Return the time derivative of ``jacobian``."""
         posture, point = self._placed(q, tcp)
         return jacobian_derivative(posture, point, self._box.qd if qd is None else qd)
 
     def _loaded(self) -> JointDynamics:
-        """Return the dynamics of the robot with the payload."""
+        """Return the dynamics of the robot with the current payload."""
         payload = self._box.state.payload
         if self._known[0] != payload:
             declared = {} if payload == self._own else {self._box.chain.tip: payload}
@@ -133,7 +133,7 @@ class BoxDynamics:
     def _placed(
         self, q: Sequence[float] | None, tcp: Sequence[float] | None
     ) -> tuple[ScalarPosture, Vector3]:
-        """Return a posture, and where the TCP is in the base [m]."""
+        """Return a posture, and the position of the TCP in the base frame [m]."""
         box = self._box
         posture = box.posture() if q is None else box.posture_at(q)
         x, y, z, *_ = box.tcp if tcp is None else tcp
@@ -141,9 +141,9 @@ class BoxDynamics:
 
 
 def jacobian(posture: ScalarPosture, point: Vector3) -> Rows:
-    """Return the twist of a point of the flange per joint velocity.
+    """Return the Jacobian of a point that is fixed to the flange.
 
-    Linear above angular, in the axes of the posture's frame; ``point`` is in it [m].
+    The linear rows come first; axes and ``point`` [m] are in the posture's frame.
     """
     columns = []
     for axis, origin in zip(posture.axes, posture.points, strict=True):
@@ -154,7 +154,7 @@ def jacobian(posture: ScalarPosture, point: Vector3) -> Rows:
 def jacobian_derivative(
     posture: ScalarPosture, point: Vector3, qd: Sequence[float]
 ) -> Rows:
-    """Return the change of ``jacobian`` per second at joint velocities [rad/s]."""
+    """Return the time derivative of ``jacobian`` at joint velocities [rad/s]."""
     point_velocity, _ = posture.velocity(point, qd)
     columns = []
     for k, (axis, origin) in enumerate(zip(posture.axes, posture.points, strict=True)):

@@ -1,8 +1,9 @@
-"""The URCap External Control: a program that UR's driver sends when it is played.
+"""The URCap External Control, which requests its program from UR's driver when played.
 
 The driver waits at a port for ``request_program``, and sends the body of its program.
-It leaves the connection open: the program is complete when nothing more arrives.
-Source: https://github.com/UniversalRobots/Universal_Robots_ExternalControl_URCap
+The driver leaves the connection open; the program is complete when no more data
+arrives. Source:
+https://github.com/UniversalRobots/Universal_Robots_ExternalControl_URCap
 """
 
 from __future__ import annotations
@@ -16,26 +17,26 @@ from tool0.ur.client_interface.scripts import MAX_PROGRAM
 from tool0.ur.waiting import within
 
 NAME: Final = "external_control"
-"""The program of PolyScope that has the URCap's node and nothing else."""
+"""Name of the PolyScope program that contains only the URCap's node."""
 PORT: Final = 50002
-"""Default port at which a driver offers its program."""
+"""Default port on which a driver offers its program."""
 REQUEST: Final = b"request_program\n"
 TIMEOUT: Final = 2.0
 """Longest wait for the driver [wall s]."""
 SILENCE: Final = 0.2
-"""Time without data after which a program is complete [wall s]."""
+"""Time without data after which the program is complete [wall s]."""
 
 
 def is_external(name: str) -> bool:
-    """Return whether a program, as a client names it, is the URCap's."""
+    """Return whether a client's program name means the URCap's program."""
     return PurePosixPath(name).name in {NAME, f"{NAME}.urp"}
 
 
 async def request_program(host: str) -> str:
-    """Return the program that a driver on a host offers now.
+    """Return the program that the driver on a host currently offers.
 
     Raises:
-        ControlError: If there is none.
+        ControlError: If the driver does not answer with a program.
     """
     about = f"External Control: {host}:{PORT}"
     try:

@@ -1,4 +1,4 @@
-"""The port of the interpreter mode: a line is a command or some statements."""
+"""The port of the interpreter mode; each line is a command or contains statements."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 
 PORT: Final = 30020
 _COST: Final = 1e-3
-"""Processor time of compiling a line [s]."""
+"""Processor time for compiling a line [s]."""
 
 
 @final
 class InterpreterPort:
-    """Passes lines on to the program that runs."""
+    """Passes lines to the interpreter of the running program."""
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box

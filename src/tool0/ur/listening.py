@@ -1,4 +1,4 @@
-"""TCP servers with limits: how many clients, and how much a slow one may owe."""
+"""TCP servers that limit the number of clients and the unread data of slow ones."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from tool0.server.budget import Budget
 logger = logging.getLogger(__name__)
 
 MAX_CLIENTS: Final = 16
-"""Largest number of clients of one port; further ones are refused."""
+"""Largest number of clients of a port; further ones are refused."""
 REQUEST_COST: Final = 0.1e-3
-"""Processor time of answering a line or a frame [s]."""
+"""Processor time for answering a line or a frame [s]."""
 MAX_OWED: Final = 1 << 20
-"""Most data that a client may leave unread before it is dropped [bytes]."""
+"""Amount of unread data above which a client is dropped [bytes]."""
 
 
 @final
 class Peer:
-    """One client of a port."""
+    """A client of a port."""
 
     def __init__(
         self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
@@ -34,12 +34,12 @@ class Peer:
         self.reader = reader
         self._writer = writer
         self.account = _budget().account()
-        """Account of what it sends: it is read no faster than all clients together may
-        be."""
+        """Account of the client's share of processor time; the client's data is read
+        only as fast as the budget that all clients share allows."""
         self.address = str(writer.get_extra_info("peername"))
 
     def send(self, data: bytes) -> None:
-        """Send without waiting; a client that does not read is dropped."""
+        """Send data without waiting; a client that does not read is dropped."""
         transport = self._writer.transport
         if transport.is_closing():
             return
@@ -51,7 +51,7 @@ class Peer:
 
     @property
     def owed(self) -> int:
-        """Data that the client has not read so far [bytes]."""
+        """Amount of data that the client has not read yet [bytes]."""
         return self._writer.transport.get_write_buffer_size()
 
     def drop(self) -> None:
@@ -59,7 +59,7 @@ class Peer:
         self._writer.transport.abort()
 
     async def close(self) -> None:
-        """Close the connection after what was sent."""
+        """Close the connection after everything has been sent."""
         self._writer.close()
         with contextlib.suppress(OSError):
             await self._writer.wait_closed()
@@ -71,8 +71,8 @@ _budgets: WeakKeyDictionary[asyncio.AbstractEventLoop, Budget] = WeakKeyDictiona
 def _budget() -> Budget:
     """Return the budget that the clients of all ports share.
 
-    It is strict: what a client sends ends in requests to the bring-up, which reads
-    those of this process no faster.
+    It is strict, because clients' data leads to requests to the bring-up, which limits
+    the rate at which it reads those of this process.
     """
     loop = asyncio.get_running_loop()
     if loop not in _budgets:
@@ -82,24 +82,25 @@ def _budget() -> Budget:
 
 Serve = Callable[[Peer], Awaitable[None]]
 _open_ports: set[Port] = set()
-"""Ports of this process that are listened on."""
+"""Ports on which this process listens."""
 
 
 def count_clients(host: str) -> int:
-    """Return how many clients the ports at an address have together."""
+    """Return the total number of clients of the ports at an address."""
     return sum(len(port.peers) for port in _open_ports if port.host == host)
 
 
 @final
 class Port:
-    """A port that is listened on.  Its clients are served until they leave."""
+    """A port on which the process listens, and which serves its clients."""
 
     def __init__(self, name: str, serve: Serve, *, limit: int = 1 << 16) -> None:
-        """Listen to nothing yet.
+        """Prepare a port, without listening yet.
 
         Args:
-            name: Name for messages, such as ``RTDE``.
-            serve: Serves one client, and returns when it has left.
+            name: Name of the port for messages, such as ``RTDE``.
+            serve: Function that serves one client, and returns when the client has
+                left.
             limit: Longest line that a client may send [bytes].
         """
         self.name = name
@@ -109,13 +110,13 @@ class Port:
         self._server: asyncio.Server | None = None
         self._tasks: set[asyncio.Task[None]] = set()
         self.host, self.number = "", 0
-        """Address and number of the port, once it listens."""
+        """Address and number of the port, once it is open."""
 
     async def listen(self, host: str, port: int) -> None:
         """Accept clients at an address.
 
         Raises:
-            TransportError: If it cannot be listened on.
+            TransportError: If the port cannot be opened.
         """
         try:
             self._server = await asyncio.start_server(
@@ -158,8 +159,8 @@ class Port:
         try:
             await self._serve_peer(peer)
         except (OSError, asyncio.IncompleteReadError, asyncio.LimitOverrunError):
-            pass  # it has left, or sent too much
-        except ValueError as error:  # what readline raises for a long line
+            pass  # the client has left, or sent too much
+        except ValueError as error:  # raised by readline for a long line
             logger.warning("%s: %s", self.name, error)
         except asyncio.CancelledError:
             pass

@@ -11,48 +11,48 @@ from typing import Final, NamedTuple, final
 from tool0.ur.urscript_errors import URScriptError
 
 MAX_LOG: Final = 10_000
-"""Messages in the log; older ones are forgotten."""
+"""Largest number of messages in the log; older ones are discarded."""
 
 
 class MessageKind(Enum):
-    """The messages of UR's primary interface that occur."""
+    """Kinds of messages of UR's primary interface that occur."""
 
     TEXT = "text"
     """Text of ``textmsg``."""
     POPUP = "popup"
     ERROR = "error"
-    """Error of the robot, or of a program as a whole."""
+    """Error of the robot, or of a program without a location."""
     EXCEPTION = "exception"
-    """Exception of a program, at a place in its text."""
+    """Exception of a program, with its location in the text."""
     PROGRAM = "program"
-    """The name of the program that runs now; empty when it has ended."""
+    """Name of the program that is running now; empty when it has ended."""
 
 
 class Message(NamedTuple):
-    """A message to every client."""
+    """A message to all clients."""
 
     kind: MessageKind
     text: str
     title: str = ""
-    """Title of a popup."""
+    """Title of the popup."""
     code: int = 0
-    """Number of an error, as UR numbers them; 0 for those that it does not have."""
+    """UR's number for the error; 0 for errors without one."""
     is_warning: bool = False
-    """Whether an error is one that the arm can go on after."""
+    """Whether the error is a warning, after which the arm can continue."""
     place: tuple[int, int] = (1, 1)
-    """Line and column of an exception."""
+    """Line and column of the exception."""
 
 
 @final
 class Messages:
-    """Passes messages on to listeners, in the event loop."""
+    """Passes messages to listeners, in the event loop."""
 
     def __init__(self) -> None:
         self.listeners: set[Callable[[Message], None]] = set()
         self.popup: Message | None = None
-        """The popup that is shown."""
+        """Popup that is being shown."""
         self.log: deque[str] = deque(maxlen=MAX_LOG)
-        """The messages as lines: wall time, kind and text."""
+        """Messages as lines of the log: wall time, kind and text."""
 
     def text(self, text: str) -> None:
         """Send a line of ``textmsg``."""
@@ -63,7 +63,7 @@ class Messages:
         self._send(Message(MessageKind.ERROR, text, code=code, is_warning=is_warning))
 
     def exception(self, error: URScriptError) -> None:
-        """Send an error of a program; clients know some by UR's words for them."""
+        """Send an error of a program, in UR's wording if clients rely on it."""
         if error.key:
             self.text(error.message)
         text = error.key or error.message
@@ -71,11 +71,11 @@ class Messages:
         self._send(Message(MessageKind.EXCEPTION, text, place=place))
 
     def program(self, name: str) -> None:
-        """Tell which program runs now."""
+        """Send the name of the program that is running now."""
         self._send(Message(MessageKind.PROGRAM, name))
 
     def show_popup(self, text: str, title: str) -> None:
-        """Show a popup, in place of the one that is shown."""
+        """Show a popup, which replaces the previous one."""
         self.popup = Message(MessageKind.POPUP, text, title)
         self._send(self.popup)
 
@@ -84,7 +84,7 @@ class Messages:
         self.popup = None
 
     def note(self, text: str, kind: str = "note") -> None:
-        """Add a line to the log, without a message."""
+        """Add a line to the log, without sending a message."""
         now = datetime.now(timezone.utc).isoformat(timespec="milliseconds")
         self.log.append(f"{now} {kind}: {' '.join(text.split())}")
 

@@ -1,8 +1,9 @@
-"""Moves of one arm, as URScript's functions and ur_rtde's commands ask for them.
+"""Moves of an arm, for URScript's functions and ur_rtde's commands.
 
-Moves are planned here and sent as paths.  A move with a blend radius returns a little
-before the tool comes within it: the next move then replaces the rest of its path from
-there on.  If none comes in time, the arm comes to rest at the target.
+Moves are planned here and sent as paths.  A move with a blend radius returns shortly
+before the tool comes within this radius of the target: the next move then replaces the
+rest of the path from there on.  If none comes in time, the arm comes to rest at the
+target.
 """
 
 from __future__ import annotations
@@ -36,22 +37,23 @@ logger = logging.getLogger(__name__)
 T = TypeVar("T")
 
 LEAD: Final = (0.012, 0.03, 0.1)
-"""Time before a blend at which a move returns [s], so that there is time to plan and
-send the next one: at least, at first, and at most.  It follows the time that this
-takes."""
+"""Time between the return of a move and its blend, which is left for planning and
+sending the next move: minimum, initial and maximum [s].  It adapts to the time that
+this takes."""
 _MARGIN: Final = 0.01
-"""Time after the last update at which a path is replaced [s]; more where that
-failed."""
+"""Time between the last update and the instant at which a path is replaced [s]; it
+grows after failures."""
 _FIRST_KNOT: Final = 0.002
-"""The earliest knot of a path that replaces another one [s]."""
+"""Time of the first knot of a path that replaces another one [s]."""
 _LEAD_FACTOR: Final = 1.5
 _LEAD_DECAY: Final = 0.8
 _ATTEMPTS: Final = 4
 _SHOWN_WARNINGS: Final = 5
 _ROUNDING: Final = 1e-9
 OWN_STREAM: Final = 1e6
-"""Timeout of the streams of a program of the box itself [wall s]: it may pause between
-two commands, and nobody else sends them, who could fall silent."""
+"""Timeout of streams of the box's own programs [wall s], practically infinite: a
+program may pause between two commands, and there is no external client that could stop
+sending."""
 MAX_ACCELERATION: Final = 1000.0
 """Largest acceleration that requests accept [rad/s², m/s²]."""
 STOP: Final = 4.0
@@ -59,13 +61,13 @@ STOP: Final = 4.0
 
 
 class _Running(NamedTuple):
-    """A path that was sent."""
+    """A path that was sent to the bring-up."""
 
     plan: MovePlan
     number: int
-    """The bring-up's; 0 if there was nothing to do."""
+    """Number of the path in the bring-up; 0 if there was nothing to do."""
     sent: float
-    """Simulated time [s]."""
+    """Simulated time at which the path was sent [s]."""
 
 
 @final
@@ -78,23 +80,26 @@ class Moves:
         self._lead = LEAD[1]
         self._pacer = Pacer(box)
         self._owed = (0.0, 0.0)
-        """Change of velocity that the steps until a time [s] have not executed."""
+        """Change of velocity that steps have left to the next one, and the time at
+        which they ended [s]."""
 
     # ---- moves ----------------------------------------------------------------------
 
     async def move(self, moves: Sequence[Move], *, wait: bool = True) -> None:
-        """Execute moves one after another, with their blends.
+        """Execute moves one after another, with blends.
 
-        After a move with a blend radius, they are blended with it; any other motion
-        ends first.  If this is cancelled while it waits, the arm slows down to rest.
+        The first move is blended with the previous one if that has a blend radius; any
+        other motion ends first.  If this call is cancelled while it waits, the arm
+        decelerates to rest.
 
         Args:
-            moves: At least one; nothing moves if one of them is impossible.
-            wait: Whether to return when the last move has ended, or is about to be
-                blended; otherwise as soon as the motion is accepted.
+            moves: Moves, at least one; if one of them is impossible, nothing moves.
+            wait: Whether to return when the last move has ended or is about to be
+                blended; otherwise, return as soon as the motion is accepted.
 
         Raises:
-            UnreachableError: If a move cannot be done, with its number and the reason.
+            UnreachableError: If a move is impossible; the message contains its number
+                and the reason.
             ControlError: If the arm may not move now.
         """
         self._running = running = await self._start(tuple(moves))
@@ -115,7 +120,7 @@ class Moves:
 
     @property
     def progress(self) -> int:
-        """The index of the move that is executed, of the last ones; -1 without."""
+        """Index of the current one of the last moves; -1 if none is executed."""
         running = self._running
         if running is None or self._has_ended(running):
             return -1
@@ -124,19 +129,19 @@ class Moves:
     async def movej(
         self, q: Sequence[float], a: float, v: float, t: float = 0.0, r: float = 0.0
     ) -> None:
-        """Turn all joints in proportion, to positions [rad]."""
+        """Move all joints synchronously to positions [rad]."""
         await self.move([Move(kind="joint", q=q, a=a, v=v, t=t, r=r)])
 
     async def movel(
         self, pose: Sequence[float], a: float, v: float, t: float = 0.0, r: float = 0.0
     ) -> None:
-        """Move the TCP on a line."""
+        """Move the TCP along a straight line."""
         await self.move([Move(kind="linear", pose=pose, a=a, v=v, t=t, r=r)])
 
     async def movep(
         self, pose: Sequence[float], a: float, v: float, r: float = 0.0
     ) -> None:
-        """Move the TCP on a line, with arcs at constant speed as blends."""
+        """Move the TCP along a straight line at constant speed, with arcs as blends."""
         await self.move([Move(kind="process", pose=pose, a=a, v=v, r=r)])
 
     async def movec(  # noqa: PLR0917 (URScript's)
@@ -148,7 +153,7 @@ class Moves:
         r: float = 0.0,
         mode: int = 0,
     ) -> None:
-        """Move the TCP on an arc."""
+        """Move the TCP along a circular arc."""
         await self.move(
             [
                 Move(
@@ -166,7 +171,7 @@ class Moves:
     async def servoc(
         self, pose: Sequence[float], a: float, v: float, r: float = 0.0
     ) -> None:
-        """Move the TCP as ``movep`` does."""
+        """Move the TCP like ``movep``, as a servo motion."""
         await self.move([Move(kind="servo_circular", pose=pose, a=a, v=v, r=r)])
 
     # ---- streams and stops ----------------------------------------------------------
@@ -196,8 +201,8 @@ class Moves:
     async def speedj(self, qd: Six, a: float, t: float | None = None) -> None:
         """Ramp to joint velocities [rad/s]; return after ``t``, or at full speed.
 
-        Velocities beyond the limits of the joints are scaled, all in proportion.  The
-        speed scaling slows down all of it.
+        Velocities beyond the joint limits are scaled down proportionally.  The speed
+        scaling slows down the whole motion.
         """
         box, a = self._box, _above_0(a)
         limits = [joint.limits.velocity for joint in box.chain.joints]
@@ -216,7 +221,7 @@ class Moves:
     async def speedl(
         self, xd: Six, a: float, t: float | None = None, a_rot: float | None = None
     ) -> None:
-        """Ramp to a velocity of the TCP [m/s, rad/s]; return as ``speedj`` does."""
+        """Ramp to a velocity of the TCP [m/s, rad/s]; return like ``speedj``."""
         box, a = self._box, _above_0(a)
         if t is None:
             change = np.subtract(xd, box.tcp_speed(target=True))
@@ -233,8 +238,8 @@ class Moves:
     def _hastened(self, a: float, t: float) -> float:
         """Return the acceleration for a step of velocities that may begin late.
 
-        A step that begins late has less time for its ramp.  One that would have ended
-        already is replaced by the next step, which executes both ramps.
+        A step that begins late has less time for its ramp.  If the step should already
+        have ended, the next step executes both ramps.
         """
         scale = self._box.state.speed_scaling
         if not scale or t > CATCH_UP:
@@ -251,18 +256,18 @@ class Moves:
         return min(change / left, MAX_ACCELERATION)
 
     async def stopj(self, a: float = 2.0) -> None:
-        """Ramp down to rest from any motion; ``a`` is the leading joint's [rad/s²]."""
+        """Decelerate to rest from any motion; ``a`` is the leading joint's [rad/s²]."""
         box, request = self._box, StopArm(arm=self._box.arm, deceleration=_above_0(a))
         if box.arm_sample.is_done and not any(box.target_qd):
-            box.send(request)  # what was sent before it, and is not shown yet, stops
+            box.send(request)  # also stops a motion that updates do not show yet
             self._running = None
             return
         await box.call(request)
-        self._running = None  # also a path that was to begin later
+        self._running = None  # also ends a path that was to begin later
         await self._rest()
 
     async def stopl(self, a: float = 20.0, a_rot: float | None = None) -> None:
-        """Ramp down to rest in the time that the TCP needs with ``a`` [m/s²]."""
+        """Decelerate to rest in the time that the TCP needs with ``a`` [m/s²]."""
         fastest = float(np.abs(self._box.target_qd).max())
         duration = _duration(
             np.array(self._box.tcp_speed(target=True)), _above_0(a), a_rot
@@ -293,12 +298,12 @@ class Moves:
                 await box.next_update()
                 if box.arm_sample.is_done and box.target_q == start:
                     raise
-                # The last update did not show yet that the arm moved.
+                # The last update did not show the arm's motion yet.
 
     async def _blend(
         self, running: _Running, moves: tuple[Move, ...]
     ) -> _Running | None:
-        """Replace the end of a path; None if it is too late, or has no radius."""
+        """Replace the end of a path; return None if it is too late or not blended."""
         box, plan, planner = self._box, running.plan, self._planner()
         margin, start = _MARGIN, self._box.time
         for _ in range(_ATTEMPTS):
@@ -310,7 +315,7 @@ class Moves:
             if rest is None:
                 return None
             # The path begins with the motion of the old one, which may be 0.02 mm
-            # away: a knot at once would be a jump.
+            # away: an immediate knot would be a jump.
             path = rest.path.since(_FIRST_KNOT)
             request = path_request(box.arm, path, after=running.number, at=at)
             try:
@@ -339,7 +344,7 @@ class Moves:
     # ---- waiting --------------------------------------------------------------------
 
     async def _until(self, running: _Running, time: float) -> None:
-        """Wait until a path is at a time, or has arrived; or until it was left.
+        """Wait until a path reaches a time or its end, or is abandoned.
 
         Raises:
             ControlError: If the arm has stopped.
@@ -361,12 +366,12 @@ class Moves:
             raise ControlError(box.stopped)
 
     def _path_time(self, running: _Running) -> float:
-        """Return where a path is, 0 before it [s]."""
+        """Return the time along a path; 0 if it has not begun [s]."""
         update = self._box.arm_sample
         return update.path_time if update.path == running.number else 0.0
 
     def _has_ended(self, running: _Running) -> bool:
-        """Return whether a path was followed to its end, or left."""
+        """Return whether a path was followed to its end, or abandoned."""
         update = self._box.arm_sample
         if update.path == running.number:
             return update.is_done or update.mode != "path"
@@ -379,20 +384,20 @@ class Moves:
 
 
 async def _planned(plan: Callable[[], T], moves: Sequence[Move]) -> T:
-    """Plan here if it is quick, otherwise in another thread."""
+    """Plan here if this is quick, otherwise in another thread."""
     if len(moves) == 1 and moves[0].kind == "joint":
         return plan()
     return await asyncio.to_thread(plan)
 
 
 def _above_0(acceleration: float) -> float:
-    """Return an acceleration within what requests accept; ControlError unless > 0."""
+    """Return an acceleration, capped for requests; raise ControlError unless > 0."""
     if not acceleration > 0.0:
         raise ControlError(f"an acceleration must be above 0, got {acceleration}")
     return min(acceleration, MAX_ACCELERATION)
 
 
 def _duration(change: Array, a: float, a_rot: float | None) -> float:
-    """Return how long a change of the tool's velocity takes [s]."""
+    """Return the time that a change of the tool's velocity takes [s]."""
     linear = float(np.linalg.norm(change[:3])) / a
     return max(linear, float(np.linalg.norm(change[3:])) / (a_rot or a))

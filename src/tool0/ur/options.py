@@ -10,7 +10,7 @@ from typing import Final, final
 from tool0.errors import ConfigError
 
 MAX_PORT_BASE: Final = 65535 - 63352
-"""Largest port base: the largest port, the gripper's, must exist."""
+"""Largest port base, for which the largest port (the gripper's) is still valid."""
 LOOPBACK: Final = ipaddress.ip_network("127.0.0.0/8")
 
 
@@ -55,7 +55,7 @@ class UrOptions:
     def host_of(self, number: int) -> str:
         """Return the address of arm ``number``, from 0.
 
-        All interfaces, 0.0.0.0, are one address: there, only one arm is possible.
+        0.0.0.0 stands for all interfaces, so only one arm is possible with it.
         """
         if number and self.host == "0.0.0.0":
             raise ConfigError(

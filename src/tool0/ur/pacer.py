@@ -10,9 +10,10 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 CATCH_UP: Final = 0.1
-"""Longest delay with which a step begins and still counts from when it was due [s]."""
+"""Longest delay of a step for which its interval still counts from the time it was due
+[s]."""
 AT_ONCE: Final = 0.02
-"""Time within which a program continues after a step, if it waits for nothing else
+"""Longest time between two steps of a program that does not wait for anything else
 [s]."""
 _ROUNDING: Final = 1e-9
 
@@ -21,33 +22,35 @@ _ROUNDING: Final = 1e-9
 class Pacer:
     """Waits for intervals that follow each other without gaps.
 
-    Programs count their time in steps of the control period, as those with splines do.
-    On a robot, each step takes exactly as long.  Here, the program is another process
-    than the simulation, and may see an update late: its next steps are shorter then.
+    Some programs, such as those that follow splines, measure time in control periods.
+    On a robot, each step takes exactly one period.  Here, the program and the
+    simulation are separate processes, and the program may see an update late; its next
+    steps are then shorter.
     """
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._due = -math.inf
-        """Time at which the last interval ended [s]."""
+        """Time at which the last interval should have ended [s]."""
         self._went_on = -math.inf
-        """Time at which the program saw that, and continued [s]."""
+        """Time at which the program noticed the end of the interval and continued
+        [s]."""
 
     @property
     def start(self) -> float:
-        """Time at which the interval that is waited for now begins [s]."""
+        """Time at which an interval that is requested now begins [s]."""
         now = self._box.time
         follows = 0.0 <= now - self._went_on <= AT_ONCE
         return self._due if follows and 0.0 <= now - self._due <= CATCH_UP else now
 
     async def wait(self, duration: float, *, is_scaled: bool = False) -> None:
-        """Wait for simulated time to pass [s]; a reset of the time ends it.
+        """Wait for a duration in simulated time [s]; a reset of the time ends the wait.
 
-        The speed scaling slows it down if it ``is_scaled``.
+        If ``is_scaled`` is set, the speed scaling extends the wait.
         """
         box, start, left = self._box, self.start, duration
         is_over = False
-        await asyncio.sleep(0)  # others have their turn, also if it is over already
+        await asyncio.sleep(0)  # others get a turn, even if the wait is over
         while not is_over:
             scale = box.state.speed_scaling if is_scaled else 1.0
             self._due = end = start + (left / scale if scale else math.inf)

@@ -9,10 +9,10 @@ from tool0.protocol.state import Six
 
 
 def transform_of(pose: Sequence[float]) -> Transform:
-    """Return a pose as a transform."""
+    """Convert a UR pose to a transform."""
     return from_rotation_vector(pose[:3], pose[3:])
 
 
 def pose_of(T: Transform) -> Six:
-    """Return a transform as a pose."""
+    """Convert a transform to a UR pose."""
     return (*T.position, *T.rotation_vector)

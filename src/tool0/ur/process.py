@@ -1,4 +1,4 @@
-"""The process of the UR interface: it starts with a robot, and ends with it."""
+"""The process of the UR interface, which starts and ends with a robot."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ MODULE: Final = "tool0.ur"
 
 @final
 class UrController(Companion):
-    """Presents a robot as Universal Robots' control boxes do.  A context manager.
+    """Presents a robot like Universal Robots' control boxes do; a context manager.
 
     Each arm has an address with the ports of a real robot: RTDE, dashboard server,
-    primary, secondary and real-time interface, and those of its gripper.  They are
-    served by a process of their own.
+    primary, secondary and real-time interface, and those of its gripper.  A separate
+    process serves them.
     """
 
     title, kind, unavailable = "UR", "interface", TransportError
@@ -30,22 +30,21 @@ class UrController(Companion):
     def __init__(
         self, robot: Connected | str, options: UrOptions | None = None
     ) -> None:
-        """Start the process; ``wait`` waits until its ports are open.
+        """Start the process; call ``wait`` to wait until its ports are open.
 
         Args:
-            robot: A robot of this process or another one, which the caller closes
-                after this; or the name of a bring-up, which may start later.
+            robot: A robot of this or another process, which the caller must close after
+                the controller; or the name of a bring-up, which may start later.
             options: Addresses and ports.
         """
         self.options = options = options or UrOptions()
         super().__init__(robot, lambda name: _command(name, options), os.environ)
 
     def wait(self, timeout: float = START_TIMEOUT) -> dict[str, UrArm]:
-        """Wait until the ports are open; return where each arm is served.
+        """Wait until the ports are open; return the address of each arm.
 
         Raises:
-            TransportError: If a port cannot be listened on, or not within ``timeout``
-                [wall s].
+            TransportError: If a port cannot be opened within ``timeout`` [wall s].
         """
         arms = self._wait_for_report(timeout)["arms"]
         return {name: UrArm(**row) for name, row in arms.items()}

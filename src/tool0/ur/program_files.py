@@ -1,4 +1,4 @@
-"""The files of the dashboard server, in one folder: programs, and the saved log."""
+"""The dashboard server's files, in one folder: programs, and the saved log."""
 
 from __future__ import annotations
 
@@ -14,33 +14,35 @@ LOG: Final = "log_history.txt"
 SUFFIX: Final = ".script"
 """Suffix of URScript programs; PolyScope's ``.urp`` files are not read."""
 ROOTS: Final = ("/programs", "/ursim/programs")
-"""Folders of programs on a UR and on its simulator: here, both are the folder."""
+"""Program folders of a UR and of UR's simulator; here, both stand for the one
+folder."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ProgramFile:
-    """A program that was loaded."""
+    """A program that the dashboard server has loaded."""
 
     name: str
-    """Name as the client gave it, without folders."""
+    """Name as given by the client, without folders."""
     text: str | None
-    """None if UR's driver has it: it is the program of External Control."""
+    """Text of the program; None for External Control, whose text comes from UR's
+    driver."""
 
 
 @final
 class ProgramFiles:
-    """Reads programs from one folder, and nothing outside it; saves the log there."""
+    """Reads programs and saves the log in one folder, with no access outside it."""
 
     def __init__(self, folder: Path | None) -> None:
-        """Read from ``folder``; None has no programs."""
+        """Use ``folder``; with None, there are no programs."""
         self._folder = None if folder is None else folder.resolve()
 
     def read(self, name: str) -> ProgramFile | None:
-        """Return a program, or None if there is none of that name.
+        """Return a program, or None if there is none with that name.
 
-        ``pick.urp`` is the file ``pick.script``: programs of PolyScope keep their name
-        when they are exported.  ``external_control.urp`` needs no file.
+        ``pick.urp`` stands for the file ``pick.script``, since programs keep their
+        names when PolyScope exports them.  ``external_control.urp`` needs no file.
         """
         path = self._find(name)
         if path is None and is_external(name):
@@ -57,10 +59,10 @@ class ProgramFiles:
         return ProgramFile(PurePosixPath(name).name, text)
 
     def save_log(self, lines: Iterable[str]) -> None:
-        """Write the log, in place of the last one.
+        """Write the log, replacing the previous one.
 
         Raises:
-            OSError: If that is not possible.
+            OSError: If the log cannot be written.
         """
         if self._folder is None:
             raise FileNotFoundError("there is no folder for it")

@@ -16,29 +16,30 @@ PATH_DEVIATION: Final = 153
 
 @final
 class ProgramWatch:
-    """Pauses the program with its arm, and ends it when it has lost the arm.
+    """Pauses the program when its arm is paused, and ends it when it loses the arm.
 
-    It reports to the clients why the arm stopped, also when no program runs.
+    It also tells the clients why the arm stopped, even if no program is running.
 
-    A program of a real UR is paused by a protective stop, and may continue after it.
-    Here, it ends: it has to be started anew, from the beginning.
+    On a real UR, a protective stop pauses the program, which may continue afterwards.
+    Here, a protective stop ends the program, which must be restarted from the
+    beginning.
     """
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._task: asyncio.Task[None] | None = None
         self._seen = ""
-        """The reason of the stop at the last update."""
+        """Reason of the stop at the last update."""
         self._told = ""
-        """The reason that was reported last."""
+        """Reason that was last reported."""
 
     async def start(self, host: str, port_base: int) -> None:
-        """Watch from now on; there is no port."""
+        """Start to watch; there is no port."""
         del host, port_base
         self._box.when_updated.add(self._look)
 
     async def close(self) -> None:
-        """Watch no longer."""
+        """Stop watching."""
         self._box.when_updated.discard(self._look)
         if self._task is not None:
             await asyncio.wait([self._task])
@@ -56,13 +57,14 @@ class ProgramWatch:
 
     @property
     def _reason(self) -> str:
-        """Why the arm has stopped on its own; empty if it has not."""
+        """Reason why the arm stopped by itself; empty if it did not."""
         return self._box.state.protective_stop or self._box.state.motion_failure
 
     def _tell(self) -> None:
         """Report once why the arm has stopped.
 
-        It waits for a second update, so that clients receive the safety mode first.
+        The report waits for a second update, so that clients receive the safety mode
+        first.
         """
         box, reason = self._box, self._reason
         if reason == self._seen and reason != self._told:

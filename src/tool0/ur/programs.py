@@ -1,4 +1,4 @@
-"""The program of a control box: one at a time has the arm."""
+"""The program of a control box; only one program at a time controls the arm."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ logger = logging.getLogger(__name__)
 
 
 class RuntimeState(IntEnum):
-    """The state of the program, by the numbers of RTDE."""
+    """State of the program, with RTDE's numbers."""
 
     STOPPING = 0
     STOPPED = 1
@@ -30,19 +30,19 @@ class RuntimeState(IntEnum):
 
 
 class Holder(Protocol):
-    """The part of a control box that the slot uses."""
+    """The part of a control box that ``ProgramSlot`` uses."""
 
     arm: str
     messages: Messages
 
     async def call(self, request: Request[Any]) -> Any:
-        """Return the response, or raise the error."""
+        """Return the response to a request, or raise its error."""
 
     def send(self, request: Request[Any]) -> None:
-        """Send a request of which no answer is needed."""
+        """Send a request without waiting for the response."""
 
     def report(self, error: Tool0Error) -> None:
-        """Tell clients and the log about an error."""
+        """Report an error to clients and in the log."""
 
 
 BoxT = TypeVar("BoxT", bound=Holder)
@@ -56,18 +56,18 @@ class RunnableProgram(Protocol[Box_contra]):
     def name(self) -> str: ...
 
     async def run(self, box: Box_contra) -> None:
-        """Run to the end; it is cancelled to be stopped.
+        """Run to the end; to stop the program, cancel the call.
 
         Raises:
-            Tool0Error: If the program fails, with the reason.
+            Tool0Error: If the program fails; the message contains the reason.
         """
 
 
 class LineInterpreter(Protocol):
-    """The part of a running program that takes lines of clients."""
+    """The part of a running program that executes lines from clients."""
 
     def submit(self, text: str, reply: Callable[[str], None]) -> None:
-        """Take a line, and reply to it now or later."""
+        """Accept a line, and reply to it now or later."""
 
 
 @final
@@ -81,23 +81,24 @@ class ProgramSlot(Generic[BoxT]):
         self._gate = asyncio.Event()
         self._gate.set()
         self._has_arm = False
-        """Whether updates have shown that the program has the arm."""
+        """Whether an update has shown that the program controls the arm."""
         self.state = RuntimeState.STOPPED
         self.name = ""
-        """Name of the program that runs, or ran last."""
+        """Name of the current or last program."""
         self.n_stops = 0
-        """A program that was sent before the last stop is not started after it."""
+        """Number of stops so far; programs that were sent before the last stop do not
+        start."""
         self._n_stops_before = 0
-        """Stops before the program that runs was sent."""
+        """Number of stops before the current program was sent."""
 
     @property
     def is_running(self) -> bool:
-        """Whether there is a program, running or paused."""
+        """Whether there is a program, even if it is paused."""
         return self._task is not None
 
     @property
     def is_paused(self) -> bool:
-        """Whether a program waits to be resumed."""
+        """Whether the program is paused."""
         return self.state in {RuntimeState.PAUSING, RuntimeState.PAUSED}
 
     def require_no_stop(self, name: str, n_stops: int) -> None:
@@ -108,14 +109,14 @@ class ProgramSlot(Generic[BoxT]):
             )
 
     async def start(self, program: RunnableProgram[BoxT], n_stops: int) -> None:
-        """Start a program; it replaces the one that runs, whose motion stops.
+        """Start a program, which replaces the current one and stops its motion.
 
         Args:
             program: The program.
-            n_stops: The stops so far when it was sent.
+            n_stops: Number of stops when the program was sent.
 
         Raises:
-            ControlError: If the arm may not move now, or was stopped meanwhile.
+            ControlError: If the arm cannot move now, or was stopped in the meantime.
         """
         arm = self._box.arm
         async with self._changing:
@@ -137,9 +138,10 @@ class ProgramSlot(Generic[BoxT]):
             self._task = asyncio.create_task(self._run(program))
 
     def stop(self) -> Coroutine[Any, Any, None]:
-        """Stop the program and the arm, when awaited, and start none sent before.
+        """Stop the program and the arm when awaited; discard programs sent before.
 
-        What is sent after this call is started, also if this is not awaited yet.
+        Programs sent after this call start normally, even if it has not been awaited
+        yet.
         """
         self.n_stops += 1
         return self._stop(self.n_stops)
@@ -151,10 +153,10 @@ class ProgramSlot(Generic[BoxT]):
                 self._box.messages.program("")
 
     def pause(self) -> None:
-        """Hold the program at its next statement, and its motion.
+        """Pause the program at its next statement, and its motion.
 
         Raises:
-            ControlError: If none is running.
+            ControlError: If no program is running.
         """
         if self.state is not RuntimeState.PLAYING:
             raise ControlError("no program is running")
@@ -166,7 +168,7 @@ class ProgramSlot(Generic[BoxT]):
         """Continue a paused program.
 
         Raises:
-            ControlError: If none is paused.
+            ControlError: If no program is paused.
         """
         if not self.is_paused:
             raise ControlError("no program is paused")
@@ -174,9 +176,9 @@ class ProgramSlot(Generic[BoxT]):
         self._box.send(PlayProgram(arm=self._box.arm))
 
     def follow(self, state: ControlBoxState) -> bool:
-        """Follow what others did with the control box: pause and resume.
+        """Follow changes that others made to the control box, such as a pause.
 
-        Return whether the program has lost the arm, and must end.
+        Return whether the program has lost the arm and must end.
         """
         if not self.is_running:
             self._has_arm = False
@@ -195,7 +197,7 @@ class ProgramSlot(Generic[BoxT]):
         return False
 
     async def gate(self) -> None:
-        """Return at once while the program runs, and later while it is paused."""
+        """Wait while the program is paused; return at once if it is not."""
         await self._gate.wait()
 
     async def _run(self, program: RunnableProgram[BoxT]) -> None:
@@ -212,7 +214,7 @@ class ProgramSlot(Generic[BoxT]):
             self._box.messages.program("")
 
     async def _cancel(self) -> bool:
-        """End the program that runs; return whether there was one."""
+        """End the current program; return whether there was one."""
         task = self._task
         if task is None or task is asyncio.current_task():
             return False
@@ -223,7 +225,7 @@ class ProgramSlot(Generic[BoxT]):
         return True
 
     async def _release(self) -> None:
-        """Give the arm back."""
+        """Return the arm to its controllers."""
         try:
             await self._box.call(ReturnArm(arm=self._box.arm))
         except Tool0Error as error:

@@ -1,4 +1,4 @@
-"""The registers that RTDE clients and programs exchange values through."""
+"""The registers through which RTDE clients and programs exchange values."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from typing import Final, final
 
 N_BITS: Final = 128
-"""Boolean registers of each direction; 64 and up are for RTDE clients."""
+"""Number of boolean registers in each direction; 64 and up are for RTDE clients."""
 N_NUMBERS: Final = 48
-"""Integer and double registers of each direction; 24 and up are for RTDE clients."""
+"""Number of integer and of double registers in each direction; 24 and up are for RTDE
+clients."""
 
 N_FLAGS: Final = 32
 """Number of flags of programs."""
@@ -22,7 +23,7 @@ class RegisterBank:
 
     bits: list[bool] = field(default_factory=lambda: [False] * N_BITS)
     integers: list[int] = field(default_factory=lambda: [0] * N_NUMBERS)
-    """32 bits, signed."""
+    """Integer registers: 32 bits, signed."""
     doubles: list[float] = field(default_factory=lambda: [0.0] * N_NUMBERS)
 
 
@@ -32,13 +33,13 @@ class Registers:
     """All registers of a control box."""
 
     inputs: RegisterBank = field(default_factory=RegisterBank)
-    """Written by clients, read by programs."""
+    """Registers that clients write and programs read."""
     outputs: RegisterBank = field(default_factory=RegisterBank)
-    """Written by programs, read by clients."""
+    """Registers that programs write and clients read."""
     when_written: set[Callable[[Collection[str]], None]] = field(default_factory=set)
-    """Called after a client has written inputs, with their names in RTDE."""
+    """Callbacks that get the RTDE names of the inputs which a client has written."""
 
     def written(self, names: Collection[str]) -> None:
-        """Tell everyone which inputs a client has written."""
+        """Notify everyone that a client has written these inputs."""
         for callback in tuple(self.when_written):
             callback(names)

@@ -1,4 +1,4 @@
-"""Shows in the panel what a control box's ports do, and guards its arm."""
+"""Shows the activity of a control box's ports in the panel, and guards its arm."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from tool0.ur.registers import RegisterBank
 
 PERIOD: Final = 0.1
-"""Period of looking for a change [wall s]."""
+"""Period of checks for changes [wall s]."""
 
 
 @final
 class Reporter:
-    """Enables the safety limits of the arm, as a UR has them, and sends reports."""
+    """Enables safety limits like those of a UR for the arm, and sends reports."""
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
@@ -34,14 +34,14 @@ class Reporter:
         self._task: asyncio.Task[None] | None = None
 
     async def start(self, host: str, port_base: int) -> None:
-        """Report from now on; there is no port."""
+        """Start to report; there is no port."""
         del port_base
         self._host = host
         await self._box.call(SetSafetyLimits(arm=self._box.arm, enabled=True))
         self._task = asyncio.create_task(self._run())
 
     async def close(self) -> None:
-        """Report no longer."""
+        """Stop reporting."""
         if self._task is not None:
             self._task.cancel()
             with contextlib.suppress(asyncio.CancelledError):
@@ -80,7 +80,7 @@ class Reporter:
 
 
 def _set_registers(bank: RegisterBank) -> Iterator[tuple[str, bool | int | float]]:
-    """Yield the registers that are not zero, nor infinite."""
+    """Yield the registers whose values are neither zero nor infinite."""
     kinds = (("bit", bank.bits), ("int", bank.integers), ("double", bank.doubles))
     for kind, values in kinds:
         for number, value in enumerate(values):

@@ -1,4 +1,4 @@
-"""A force-torque sensor of a client, which sends its readings through RTDE."""
+"""A client's force-torque sensor, whose readings arrive through RTDE."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _NONE: Final = (0.0,) * 6
 
 @final
 class RtdeSensor:
-    """The newest reading of ``external_force_torque``, while programs use it."""
+    """Newest reading of ``external_force_torque``, while programs use this sensor."""
 
     def __init__(self) -> None:
         self._offset: Vector3 | None = None
@@ -21,25 +21,25 @@ class RtdeSensor:
 
     @property
     def is_used(self) -> bool:
-        """Whether it replaces the wrist's own sensor."""
+        """Whether this sensor replaces the wrist's own one."""
         return self._offset is not None
 
     def set_offset(self, offset: Vector3 | None) -> None:
-        """Use it, measuring at a point in the flange [m]; None: use it no more."""
+        """Use the sensor, at a point in the flange [m]; None disables it."""
         self._offset = offset
         self._tare = _NONE
 
     def read(self, wrench: Six) -> None:
-        """Take a reading, in the axes of the flange [N, N·m]."""
+        """Store a reading, in the flange's axes [N, N·m]."""
         self._reading = wrench
 
     def tare(self) -> None:
-        """Take the newest reading as none."""
+        """Tare the sensor: the newest reading becomes zero."""
         self._tare = self._reading
 
     @property
     def wrench(self) -> Six:
-        """The wrench at the flange in its axes [N, N·m]."""
+        """Wrench at the flange, in its axes [N, N·m]."""
         x, y, z = self._offset or (0.0, 0.0, 0.0)
         pairs = zip(self._reading, self._tare, strict=True)
         fx, fy, fz, tx, ty, tz = (value - tare for value, tare in pairs)

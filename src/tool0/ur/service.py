@@ -1,4 +1,4 @@
-"""The UR interface as a whole: a box and its ports for each arm."""
+"""The UR interface as a whole, with a box and its ports for each arm."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ logger = logging.getLogger(__name__)
 CONNECT_TIMEOUT: Final = 60.0
 """Longest wait for the bring-up [wall s]."""
 _RETRY: Final = 0.02
-"""Pause between two attempts to connect [wall s]."""
+"""Pause between attempts to connect [wall s]."""
 
 
 class BoxInterface(Protocol):
-    """One interface of a box, such as RTDE: it has one port or several."""
+    """An interface of a box, such as RTDE, with one port or several."""
 
     async def start(self, host: str, port_base: int) -> None:
-        """Listen; TransportError if a port is in use."""
+        """Open the ports; raise TransportError if one is in use."""
 
     async def close(self) -> None:
-        """End connections and ports."""
+        """Close connections and ports."""
 
 
 def interfaces_of(box: UrControlBox, options: UrOptions) -> list[BoxInterface]:
-    """Return what a control box presents."""
+    """Return the interfaces of a control box."""
     from tool0.ur.client_interface.interface import ClientInterface
     from tool0.ur.dashboard import Dashboard
     from tool0.ur.interpreter_port import InterpreterPort
@@ -66,7 +66,7 @@ def interfaces_of(box: UrControlBox, options: UrOptions) -> list[BoxInterface]:
 
 
 async def connected(name: str) -> SocketChannel:
-    """Return a connection to a bring-up that may still be starting."""
+    """Return a connection to a bring-up, which may still be starting."""
     deadline = time.monotonic() + CONNECT_TIMEOUT
     while True:
         try:
@@ -82,7 +82,7 @@ async def serve(
     options: UrOptions,
     ready: Callable[[Mapping[str, UrArm]], None],
 ) -> None:
-    """Serve the arms of a bring-up until it ends; ``ready`` gets where.
+    """Serve a bring-up's arms until it ends; ``ready`` receives their addresses.
 
     Raises:
         TransportError: If there is no arm, or a port is in use.
@@ -141,7 +141,7 @@ async def serve(
 
 
 def _served(host: str, interfaces: list[BoxInterface]) -> UrArm:
-    """Return where an arm's interfaces, which have started, are."""
+    """Return the addresses of an arm's interfaces, which must have started."""
     from tool0.ur.robotiq.interface import RobotiqInterface
 
     for interface in interfaces:

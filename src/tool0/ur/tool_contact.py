@@ -1,7 +1,7 @@
-"""Contacts of the tool, as URScript's ``tool_contact`` finds them, and where it was.
+"""Detection of tool contacts for URScript's ``tool_contact``, with past positions.
 
-UR does not publish its rule.  Here, a contact is an external force at the tool of
-``CONTACT_FORCE``; it began where the force had risen above ``START_FORCE``.
+UR does not publish its criterion.  Here, a contact is an external force at the tool of
+at least ``CONTACT_FORCE``; it began when the force exceeded ``START_FORCE``.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 CONTACT_FORCE: Final = 5.0
-"""Least force of a contact, against the direction that is watched [N]."""
+"""Smallest force of a contact, against the watched direction [N]."""
 START_FORCE: Final = 1.0
-"""Force above which a contact has begun [N]."""
+"""Force above which a contact counts as begun [N]."""
 MAX_STEPS: Final = 500
-"""Number of updates for which positions are kept."""
+"""Number of updates for which positions are stored."""
 STEADY_TIME: Final = 0.5
-"""Time after which an arm at rest is steady [s]."""
+"""Time at rest after which an arm is steady [s]."""
 STEADY_SPEED: Final = 1e-3
-"""Largest speed of every joint of a steady arm [rad/s]."""
+"""Largest speed of any joint of a steady arm [rad/s]."""
 
 
 class _Moment(NamedTuple):
@@ -33,13 +33,13 @@ class _Moment(NamedTuple):
     q: Six
     qd: Six
     force: tuple[float, float, float]
-    """External, in the flange's axes [N]."""
+    """External force in the flange's axes [N]."""
     is_resting: bool
 
 
 @final
 class ToolHistory:
-    """The last moments of an arm, recorded while this is entered: a context manager."""
+    """A context manager that records the last moments of an arm."""
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
@@ -54,12 +54,12 @@ class ToolHistory:
         self._box.when_updated.discard(self._record)
 
     def positions(self, steps: int) -> Six:
-        """Return the joint positions some updates ago, or the oldest known [rad]."""
+        """Return the joint positions some updates ago, or the oldest ones [rad]."""
         index = min(max(steps, 0), len(self._moments) - 1)
         return self._moments[-1 - index].q
 
     def accelerations(self) -> Six:
-        """Return the change of velocities between the last two updates [rad/s²]."""
+        """Return the joint accelerations between the last two updates [rad/s²]."""
         if len(self._moments) < 2:
             return (0.0,) * 6
         before, now = self._moments[-2], self._moments[-1]
@@ -70,11 +70,11 @@ class ToolHistory:
         return (a, b, c, d, e, f)
 
     def contact(self, direction: Sequence[float]) -> int:
-        """Return how many updates ago the tool came into contact; 0 without one.
+        """Return the number of updates since a contact began; 0 if there is no contact.
 
         Args:
-            direction: Direction in which the tool meets things, in the base frame's
-                axes; of any length; zero stands for all directions.
+            direction: Direction in which the tool approaches objects, in the base
+                frame's axes; a vector of any length, or zero for all directions.
         """
         first = self._force_along(self._moments[-1], direction)
         if first < CONTACT_FORCE:
@@ -105,10 +105,10 @@ class ToolHistory:
         self._moments.append(_Moment(box.time, box.q, box.qd, (fx, fy, fz), is_resting))
 
     def _force_along(self, moment: _Moment, direction: Sequence[float]) -> float:
-        """Return the force that stops motion in a direction [N].
+        """Return the force that opposes motion in a direction [N].
 
-        The flange's attitude is that of now: contacts are looked for while it hardly
-        turns.
+        The current orientation of the flange is used, as it hardly changes while the
+        arm approaches a contact.
         """
         if not any(direction[:3]):
             return math.hypot(*moment.force)

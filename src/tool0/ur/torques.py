@@ -1,9 +1,9 @@
-"""Torques of a program: as on a robot, they last for one control period.
+"""Torques of a program, which last for one control period, like on a robot.
 
-A program gives torques in every control period; without them, the arm returns to
-position control and ramps to rest.  Programs of another process see updates late, so
-that a period may pass before they could react: the second one without torques ends
-them, and if the program hangs, the simulation does.
+A program sets torques in every control period; otherwise, the arm returns to position
+control and ramps to rest.  Since programs run in another process, they see updates late
+and may miss a period.  Torque control therefore ends after the second period without
+torques; if the program hangs, the simulation ends it.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 MISSED: Final = 2
-"""Updates without torques after which they end."""
+"""Number of updates without torques after which torque control ends."""
 HANGING: Final = 0.04
-"""Simulated time after which they end if the program sees no updates [s]."""
+"""Simulated time after which torque control ends if the program sees no updates [s]."""
 
 
 @final
 class Torques:
-    """Drives the arm of a control box with torques, for one program."""
+    """Controls a control box's arm with torques, for one program."""
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
@@ -45,10 +45,10 @@ class Torques:
         viscous_scale: Six = VISCOUS_SCALE,
         coulomb_scale: Six = COULOMB_SCALE,
     ) -> None:
-        """Drive the joints with torques [N·m]; return after a control period.
+        """Apply torques to the joints [N·m]; return after a control period.
 
         Raises:
-            ControlError: If the arm cannot be driven so.
+            ControlError: If the arm cannot be controlled with torques.
         """
         await self.set(torques, viscous_scale, coulomb_scale)
         await self._pacer.wait(1.0 / self._box.rate)
@@ -59,10 +59,10 @@ class Torques:
         viscous_scale: Six = VISCOUS_SCALE,
         coulomb_scale: Six = COULOMB_SCALE,
     ) -> None:
-        """Drive the joints with torques [N·m] from now on.
+        """Apply torques to the joints [N·m] from now on.
 
         Raises:
-            ControlError: If the arm cannot be driven so.
+            ControlError: If the arm cannot be controlled with torques.
         """
         box = self._box
         if not box.is_e_series:
@@ -85,7 +85,7 @@ class Torques:
         box.when_updated.add(self._look)
 
     def _look(self) -> None:
-        """Count an update; end the torques if the program has given none since."""
+        """Count an update; end torque control if the program has set no torques."""
         self._missed += 1
         if self._missed > MISSED:
             self._is_driving = False

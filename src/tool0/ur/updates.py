@@ -1,9 +1,9 @@
-"""Shows the states of a robot to its control boxes, all of them and in order.
+"""Passes all states of a robot to its control boxes, in order.
 
-A process that was late gets several states together.  Programs act on the newest one
-only, but what is sent at every update (RTDE, the real-time interface) is sent for each,
-before anything that a program answers.  That takes time, so it is limited: a process
-that is late for good leaves states out, as its programs would come later and later.
+If the process is late, it gets several states together.  Programs react only to the
+newest one, but RTDE and the real-time interface send packets for each state, before any
+reaction of a program.  The time for this is limited: a process that is permanently late
+skips states, because its programs would fall further and further behind.
 """
 
 from __future__ import annotations
@@ -19,30 +19,32 @@ from tool0.ur.control_box import UrControlBox
 logger = logging.getLogger(__name__)
 
 MOST_TIME: Final = 0.05
-"""Time that may be spent at once on the states before the newest [wall s]: a quarter of
-a second of them, at 500 Hz for clients that read everything.  Who sends targets by the
-robot's time aims that much too early, so that it must not be longer."""
+"""Time that may be spent at once on the states before the newest [wall s]; it suffices
+for a quarter of a second of states, at 500 Hz for clients that read everything.  It
+must not be longer, because clients that compute targets from the robot's time see that
+time this much too late."""
 SHARE: Final = 0.1
-"""Part of the time that may be spent on them for long."""
+"""Fraction of the time that may be spent on these states permanently."""
 _REPORT_PERIOD: Final = 10.0
-"""Pause between two warnings [wall s]."""
+"""Shortest time between two warnings [wall s]."""
 
 
 @final
 class Updates:
-    """Shows states to control boxes."""
+    """Passes states to control boxes."""
 
     def __init__(self, boxes: Sequence[UrControlBox]) -> None:
-        """Show nothing yet; further boxes may be added to the list."""
+        """Keep a reference to the list, to which further boxes may be added."""
         self._boxes = boxes
         self._left, self._since = MOST_TIME, time.monotonic()
-        """Time that may be spent [wall s], as it was at an instant [wall s]."""
+        """Time that may be spent [wall s], and the instant at which this was computed
+        [wall s]."""
         self._n_left_out = 0
-        """States since the last warning."""
+        """Number of skipped states since the last warning."""
         self._warned = -_REPORT_PERIOD
 
     def show(self, arrived: Sequence[Snapshot]) -> None:
-        """Show the states that have arrived, oldest first; at least the newest."""
+        """Pass on the states that have arrived, oldest first; at least the newest."""
         *passed, newest = arrived
         if passed:
             self._show_passed(passed)

@@ -1,4 +1,4 @@
-"""Errors in a URScript program, with their places."""
+"""Errors in a URScript program, with their locations."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Place(NamedTuple):
 
 @final
 class URScriptError(Tool0Error):
-    """A program that cannot be executed, or that failed while it was executed."""
+    """A program that cannot be executed, or that failed during execution."""
 
     def __init__(
         self, message: str, place: Place, program: str = "program", key: str = ""
@@ -25,9 +25,9 @@ class URScriptError(Tool0Error):
 
         Args:
             message: Description of the problem.
-            place: Where.
-            program: The name of its source.
-            key: Name of this error on UR's controller; empty if that is not known.
+            place: Location of the problem.
+            program: Name of the program's source.
+            key: Name of the error on UR's controller; empty if unknown.
         """
         super().__init__(f"{program}:{place.line}:{place.column}: {message}")
         self.message = message
@@ -38,4 +38,4 @@ class URScriptError(Tool0Error):
 
 @final
 class ValueProblem(Exception):  # noqa: N818 - becomes a URScriptError with its place
-    """A value that an operator or a function does not accept; the place is added."""
+    """A value that an operator or function rejects; its location is added later."""

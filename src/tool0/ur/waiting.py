@@ -1,4 +1,4 @@
-"""Waits of programs for other programs, with a limit of wall time."""
+"""Waits of programs for other programs, with a wall-time limit."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ T = TypeVar("T")
 
 
 async def within(action: Coroutine[Any, Any, T], timeout: float | None) -> T | None:
-    """Return the result of an action; None if it is not done in time [wall s].
+    """Return the result of an action; None if it takes longer than a limit [wall s].
 
-    Whoever waits here can be cancelled at any moment.  Before Python 3.12,
-    asyncio.wait_for drops a cancellation that comes together with the result.
+    The wait can be cancelled at any moment, whereas before Python 3.12,
+    asyncio.wait_for loses a cancellation that coincides with the result.
     """
     task = asyncio.ensure_future(action)
     task.add_done_callback(seen)
@@ -26,6 +26,6 @@ async def within(action: Coroutine[Any, Any, T], timeout: float | None) -> T | N
 
 
 def seen(task: asyncio.Future[Any]) -> None:
-    """Take the error of an action that nobody waits for any more."""
+    """Retrieve the error of an action that nobody awaits any more."""
     if not task.cancelled():
         task.exception()

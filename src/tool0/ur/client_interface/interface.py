@@ -1,4 +1,4 @@
-"""The ports of the client interfaces: packets to all clients, programs from them."""
+"""The ports of the client interfaces, which send packets and accept programs."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ if TYPE_CHECKING:
 
 PRIMARY, SECONDARY, REALTIME = 30001, 30002, 30003
 READ_ONLY: Final = 10
-"""Number added to these for ports that take no programs."""
+"""Offset from these ports to those that accept no programs."""
 STATE_PERIOD: Final = 0.1
-"""Period of the robot's state on the primary and secondary interfaces, and, while time
-does not pass, on all [s]."""
+"""Period of the robot's state on the primary and secondary interfaces, and on all
+interfaces while time stands still [s]."""
 MAX_BEHIND: Final = 1 << 16
-"""A client that has not read so much gets nothing further until it reads [bytes]: many
-only send programs, and never read."""
+"""Amount of unread data above which a client gets no more until it reads [bytes]: many
+clients only send programs, and never read."""
 BUILD_DATE: Final = "01-01-2024, 00:00:00"
 _SCRIPT_COST: Final = 5e-3
-"""Processor time of compiling and starting a program [s]."""
+"""Processor time for compiling and starting a program [s]."""
 _CHUNK: Final = 1 << 16
 
 
 @final
 class ClientInterface:
-    """The primary, secondary and real-time interface of a control box."""
+    """The primary, secondary and real-time interfaces of a control box."""
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
@@ -56,7 +56,7 @@ class ClientInterface:
         self._heart: asyncio.Task[None] | None = None
 
     async def start(self, host: str, port_base: int) -> None:
-        """Listen, and send from now on.
+        """Start to listen and to send.
 
         Raises:
             TransportError: If a port is in use.
@@ -68,7 +68,7 @@ class ClientInterface:
         self._heart = asyncio.create_task(self._beat())
 
     async def close(self) -> None:
-        """Close the ports, and end secondary programs."""
+        """Close the ports and end the secondary programs."""
         self._box.when_shown.discard(self._show)
         self._box.messages.listeners.discard(self._tell)
         if self._heart is not None:
@@ -122,7 +122,7 @@ class ClientInterface:
         ]
 
     def _show(self) -> None:
-        """Send what is due at an update."""
+        """Send the packets that are due at an update."""
         box = self._box
         if box.state.safety_mode is not self._safety_mode:
             self._safety_mode = box.state.safety_mode
@@ -139,7 +139,7 @@ class ClientInterface:
         self._is_quiet = False
 
     async def _beat(self) -> None:
-        """Send the state also while time does not pass."""
+        """Keep sending the state while simulated time stands still."""
         while True:
             await asyncio.sleep(STATE_PERIOD)
             if self._is_quiet:
@@ -154,7 +154,7 @@ class ClientInterface:
 
     def _send_realtime(self) -> None:
         peers = readers(self._peers(REALTIME))
-        if peers:  # those who only send programs read nothing
+        if peers:  # clients that only send programs do not read
             send_to_readers(peers, realtime_packet(self._box))
 
     def _tell(self, message: Message) -> None:
@@ -189,16 +189,16 @@ class ClientInterface:
 
 
 def _periods(time: float, period: float) -> int:
-    """Return how many periods have passed since the time was 0."""
+    """Return the number of periods that have passed since time 0."""
     return int(time / period + 1e-6)
 
 
 def readers(peers: Iterable[Peer]) -> list[Peer]:
-    """Return the peers that have read what was sent before."""
+    """Return the peers that have read everything that was sent before."""
     return [peer for peer in peers if peer.owed < MAX_BEHIND]
 
 
 def send_to_readers(peers: Iterable[Peer], packet: bytes) -> None:
-    """Send to the peers that have read what was sent before."""
+    """Send to the peers that have read everything that was sent before."""
     for peer in readers(peers):
         peer.send(packet)

@@ -1,8 +1,8 @@
 """The packet of the real-time interface, port 30003.
 
-Its layout is that of software 5.10, in the same order as since 3.0: later versions only
-append, and the first number is the size, so that clients of older versions read what
-they know.  Source:
+Its layout is that of software 5.10.  The order of the values has been the same since
+3.0: later versions only append values, and the first number is the size, so older
+clients can read the part that they know.  Source:
 https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/realtime-guide.html
 """
 
@@ -24,12 +24,12 @@ _PACKET: Final = Struct(f">i{N_VALUES}d")
 
 
 def realtime_packet(box: UrControlBox) -> bytes:
-    """Return the packet that shows a control box now."""
+    """Return a packet with the current state of a control box."""
     return _PACKET.pack(SIZE, *_values(box))
 
 
 def _values(box: UrControlBox) -> Iterator[float]:
-    """Return what follows the size, in the guide's order."""
+    """Yield the values after the size, in the order of UR's guide."""
     state = box.state
     yield box.time
     for six in (
@@ -59,7 +59,7 @@ def _values(box: UrControlBox) -> Iterator[float]:
     yield from q.tool_accelerometer(box)
     yield from _unused(6)
     yield state.speed_scaling
-    yield from _unused(3)  # linear momentum; two values of UR's own
+    yield from _unused(3)  # linear momentum; two values for UR's internal use
     yield q.SUPPLY_VOLTAGE
     yield q.voltage(box)
     yield q.robot_current(box)
@@ -68,7 +68,7 @@ def _values(box: UrControlBox) -> Iterator[float]:
     yield float(box.programs.state)
     yield from q.elbow_position(box)
     yield from q.elbow_velocity(box)
-    yield float(state.safety_mode)  # as the safety status
+    yield float(state.safety_mode)  # same as the safety status
     yield from _unused(3)
     yield state.payload.mass
     yield from state.payload.center_of_gravity

@@ -1,4 +1,4 @@
-"""Messages of the primary interface: versions, texts, popups, errors, programs.
+"""Messages of the primary interface: versions, texts, popups, errors and programs.
 
 Source of the layouts:
 https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/primary-secondary-guide.html
@@ -13,21 +13,21 @@ from typing import Final
 
 ROBOT_MESSAGE: Final = 20
 MAX_TEXT: Final = 8192
-"""Longer texts are cut [bytes]: clients have buffers of limited size."""
+"""Length at which texts are cut [bytes], since clients have buffers of limited size."""
 MAX_TITLE: Final = 255
 _HEADER: Final = Struct(">iBQbB")
-"""Size of the packet, its type, when, who sends it, and the kind of the message."""
+"""Header of a packet: its size, type, timestamp, source and kind of message."""
 
 
 class Source(IntEnum):
-    """Sender of a message."""
+    """Source of a message."""
 
     ROBOT_INTERFACE = -2
     REAL_TIME_MACHINE = -3
 
 
 class Kind(IntEnum):
-    """The subject of a message."""
+    """Kind of a message."""
 
     TEXT = 0
     POPUP = 2
@@ -48,11 +48,11 @@ class ReportLevel(IntEnum):
 PROGRAM_STARTED: Final = "PROGRAM_XXX_STARTED"
 PROGRAM_STOPPED: Final = "PROGRAM_XXX_STOPPED"
 _UNSIGNED_DATA: Final = 1
-"""The kind of the number that comes with a message."""
+"""Type of the number that comes with a message."""
 
 
 def version_message(version: Sequence[int], build_date: str) -> bytes:
-    """Return the first packet of a connection, with the version's three numbers."""
+    """Return the first packet of a connection, with the three version numbers."""
     name = b"URControl"
     major, minor, bugfix = version
     numbers = Struct(f">b{len(name)}sBBii").pack(
@@ -62,28 +62,28 @@ def version_message(version: Sequence[int], build_date: str) -> bytes:
 
 
 def text_message(time: float, text: str) -> bytes:
-    """Return a line of ``textmsg``; ``time`` in [s] as for all messages."""
+    """Return a line of ``textmsg``; ``time`` is in [s], as in all messages."""
     return _message(time, Kind.TEXT, _cut(text))
 
 
 def popup_message(
     time: float, title: str, text: str, *, is_warning: bool, is_error: bool
 ) -> bytes:
-    """Return a popup, which nobody has to answer."""
+    """Return a popup, which does not have to be answered."""
     heading = _cut(title, MAX_TITLE)
     head = Struct(">IB???B").pack(0, 0, is_warning, is_error, False, len(heading))
     return _message(time, Kind.POPUP, head + heading + _cut(text))
 
 
 def key_message(time: float, title: str, text: str) -> bytes:
-    """Return what tells that a program has started or stopped."""
+    """Return the message that a program has started or stopped."""
     heading = _cut(title, MAX_TITLE)
     head = Struct(">iiB").pack(0, 0, len(heading))
     return _message(time, Kind.KEY, head + heading + _cut(text))
 
 
 def exception_message(time: float, place: tuple[int, int], text: str) -> bytes:
-    """Return an error of a program; line and column count from 1."""
+    """Return an error in a program; line and column count from 1."""
     head = Struct(">ii").pack(*place)
     return _message(
         time, Kind.RUNTIME_EXCEPTION, head + _cut(text), Source.REAL_TIME_MACHINE
@@ -91,14 +91,14 @@ def exception_message(time: float, place: tuple[int, int], text: str) -> bytes:
 
 
 def error_message(time: float, text: str, code: int, *, is_warning: bool) -> bytes:
-    """Return an error of the robot; ``code`` is UR's number, 0 without one."""
+    """Return an error of the robot; ``code`` is UR's number, or 0 if there is none."""
     level = ReportLevel.WARNING if is_warning else ReportLevel.VIOLATION
     head = Struct(">iiiII").pack(code, 0, level, _UNSIGNED_DATA, 0)
     return _message(time, Kind.ERROR_CODE, head + _cut(text), Source.REAL_TIME_MACHINE)
 
 
 def safety_message(time: float, mode: int) -> bytes:
-    """Return the safety mode, which has changed."""
+    """Return the message that the safety mode has changed."""
     body = Struct(">iiBII").pack(0, 0, mode, _UNSIGNED_DATA, 0)
     return _message(time, Kind.SAFETY_MODE, body, Source.REAL_TIME_MACHINE)
 
@@ -112,5 +112,5 @@ def _message(
 
 
 def _cut(text: str, limit: int = MAX_TEXT) -> bytes:
-    """Return a text in UTF-8, at most so long, with whole characters [bytes]."""
+    """Return a text in UTF-8, cut to a limit [bytes] without splitting characters."""
     return text.encode(errors="replace")[:limit].decode(errors="ignore").encode()

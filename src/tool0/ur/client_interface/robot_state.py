@@ -35,7 +35,7 @@ _TOOL_CONNECTION: Final = Struct(">?iiiff")
 
 
 class Package(IntEnum):
-    """The sub-packages that occur; 9 and 10 are of UR's own use."""
+    """Sub-packages that occur; 9 and 10 are for UR's internal use."""
 
     ROBOT_MODE = 0
     JOINTS = 1
@@ -59,16 +59,16 @@ class ControlMode(IntEnum):
 
 
 UNCALIBRATED: Final = 0xFFFFFFFF
-"""The checksum of a joint's calibration, if there is none."""
+"""Checksum of a joint's calibration if there is no calibration."""
 VOLTAGE_RANGE: Final = 1
-"""Number of the range of an analogue input of the box: 0 … 10 V."""
+"""Number of the 0 … 10 V range of the box's analogue inputs."""
 MAX_ACCELERATION: Final = 40.0
-"""Largest acceleration of a joint, in the configuration of a UR [rad/s²]."""
+"""Largest acceleration of a joint in a UR's configuration [rad/s²]."""
 DEFAULTS: Final = (math.radians(60.0), math.radians(80.0), 0.25, 1.2)
 """Speed and acceleration of joints [rad/s, rad/s²] and of the tool [m/s, m/s²] in
-programs that name none."""
+programs that specify none."""
 EQUIVALENT_RADIUS: Final = 0.25
-"""Equivalent radius, in the configuration of a UR [m]."""
+"""Equivalent radius in a UR's configuration [m]."""
 ROBOT_TYPES: Final = {
     "UR5": 1,
     "UR10": 2,
@@ -78,17 +78,17 @@ ROBOT_TYPES: Final = {
     "UR30": 8,
     "UR15": 9,
 }
-"""UR's numbers of its arms."""
+"""UR's numbers for the types of arms."""
 MASTERBOARD_VERSION, BOX_TYPE, SUB_TYPE = 6, 4, 3
-"""Types of the master board and the box, as UR's own simulator reports them for an
+"""Types of the master board and the box, as reported by UR's own simulator of an
 e-Series."""
 
 
 def robot_state(box: UrControlBox, *, is_first: bool = False) -> bytes:
-    """Return the packet that shows a control box now.
+    """Return a packet with the current state of a control box.
 
-    The first packet of a connection also has what does not change: the kinematics and
-    the configuration.
+    The first packet of a connection also contains the kinematics and the configuration,
+    which do not change.
     """
     packages = [_robot_mode(box), _joints(box), _cartesian(box)]
     if is_first:
@@ -110,7 +110,7 @@ def robot_state(box: UrControlBox, *, is_first: bool = False) -> bytes:
 
 
 def robot_model(box: UrControlBox) -> str:
-    """Return UR's name of the arm: ``UR5`` also for an e-Series one."""
+    """Return UR's name of the arm, such as ``UR5`` for a UR5 and for a UR5e."""
     return box.model_name.upper().removesuffix("E") or "UR"
 
 
@@ -144,7 +144,7 @@ def _robot_mode(box: UrControlBox) -> bytes:
 
 
 def control_mode(box: UrControlBox) -> ControlMode:
-    """Return how the arm is controlled."""
+    """Return the arm's control mode."""
     if box.arm_sample.mode == "freedrive":
         return ControlMode.TEACH
     return ControlMode.FORCE if box.arm_sample.force_mode else ControlMode.POSITION
@@ -256,8 +256,9 @@ Six = tuple[float, float, float, float, float, float]
 def dh_parameters(box: UrControlBox) -> tuple[Six, Six, Six, Six]:
     """Return an arm's nominal Denavit-Hartenberg parameters: theta, a, d, alpha.
 
-    Lengths [m] and angles [rad] of an arm built like a UR, from its axes with all
-    joints at zero: https://www.universal-robots.com/articles/ur/application-installation/dh-parameters-for-calculations-of-kinematics-and-dynamics/
+    The lengths [m] and angles [rad] are computed from the axes with all joints at zero,
+    for an arm built like a UR:
+    https://www.universal-robots.com/articles/ur/application-installation/dh-parameters-for-calculations-of-kinematics-and-dynamics/
     """
     posture = box.chain.forward(np.zeros((1, 6)))
     axes, points = posture.axes[0], posture.points[0]
@@ -267,7 +268,7 @@ def dh_parameters(box: UrControlBox) -> tuple[Six, Six, Six, Six]:
         return abs(float(axes[axis] @ (end - start)))
 
     def between(first: int) -> float:
-        """Return the distance of two parallel axes."""
+        """Return the distance between two parallel axes."""
         way = points[first + 1] - points[first]
         return float(np.linalg.norm(way - axes[first] * (axes[first] @ way)))
 

@@ -1,8 +1,8 @@
-"""Programs in the text that clients send: complete blocks, or single lines.
+"""Programs in the text that clients send, as complete blocks or single lines.
 
-A block is ``def`` or ``sec`` … ``end``, with everything that is nested in it; any other
-line is a program of its own.  A line that only calls the block before it is left out:
-the block is the program, and runs already.  Text may arrive in pieces of any size.
+A block is ``def`` or ``sec`` … ``end``, with everything nested in it; any other line is
+a separate program.  A line that only calls the preceding block is ignored, because the
+block itself is the program and already runs.  Text may arrive in pieces of any size.
 """
 
 from __future__ import annotations
@@ -14,25 +14,26 @@ from typing import Final, NamedTuple, final
 from tool0.errors import TransportError
 
 MAX_PROGRAM: Final = 1 << 19
-"""The longest program [bytes]; the control program of ur_rtde has 42 kB."""
+"""Longest program [bytes]; ur_rtde's control program has 42 kB."""
 MAX_LINE: Final = 1 << 16
-"""The longest line [bytes]."""
+"""Longest line [bytes]."""
 UNNAMED: Final = "unnamed"
-"""A program without ``def``."""
+"""Name of a program without ``def``."""
 _CODE: Final = re.compile(r"\"[^\"]*\"?|'[^']*'?|#.*|[^\W\d]\w*")
-"""Strings, comments and words of a line."""
+"""Pattern of the strings, comments and words in a line."""
 _OPENING: Final = frozenset({"def", "sec", "thread", "if", "while", "for", "switch"})
 _CALL: Final = re.compile(r"\s*(\w+)\(\s*\)\s*(?:#.*)?")
 _HEAD: Final = re.compile(r"\s*(def|sec)\s+(\w+)")
 
 
 class Script(NamedTuple):
-    """A program as a client sent it."""
+    """A program that a client sent."""
 
     text: str
     name: str
     is_secondary: bool = False
-    """Whether it runs beside the program that moves the arm."""
+    """Whether the program is secondary: it runs alongside the one that moves the
+    arm."""
 
 
 @final
@@ -43,15 +44,15 @@ class ScriptReader:
         self._rest = bytearray()
         self._block: _Block | None = None
         self._last = ""
-        """The name of the block that ended last."""
+        """Name of the last complete block."""
 
     @property
     def unfinished(self) -> str:
-        """The name of the block whose ``end`` has not arrived; empty without."""
+        """Name of the block whose ``end`` has not arrived yet; empty if none."""
         return "" if self._block is None else self._block.name
 
     def read(self, data: bytes) -> Iterator[Script]:
-        """Return the programs that are complete with ``data``.
+        """Yield the programs that ``data`` completes.
 
         Raises:
             TransportError: If a line or a program is too long.
@@ -70,7 +71,7 @@ class ScriptReader:
             raise TransportError(f"a line has more than {MAX_LINE} bytes")
 
     def _take(self, line: str) -> Script | None:
-        """Return the program that ends with a line, if one does."""
+        """Return the program that a line completes, if there is one."""
         if self._block is None:
             if not line.strip() or line.lstrip().startswith("#"):
                 return None
@@ -90,7 +91,7 @@ class ScriptReader:
 
 @final
 class _Block:
-    """The lines of ``def`` or ``sec`` so far."""
+    """The lines of a ``def`` or ``sec`` so far."""
 
     def __init__(self, name: str, *, is_secondary: bool) -> None:
         self.name, self._is_secondary = name, is_secondary
@@ -98,7 +99,7 @@ class _Block:
         self._size = self._depth = 0
 
     def take(self, line: str) -> Script | None:
-        """Add a line; return the program if it ends with this one."""
+        """Add a line; return the program if the line completes it."""
         self._lines.append(line)
         self._size += len(line) + 1
         if self._size > MAX_PROGRAM:

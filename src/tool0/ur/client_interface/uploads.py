@@ -1,4 +1,4 @@
-"""Executes the programs that clients send, one after the other."""
+"""Executes the programs that clients send, one after another."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 MAX_WAITING: Final = 32
-"""Programs that wait for their turn.  A further one replaces the oldest of them, as it
-would replace it anyway when both had started."""
+"""Largest number of waiting programs.  A further one replaces the oldest, which it
+would replace anyway once both had started."""
 MAX_SECONDARY: Final = 16
-"""Secondary programs at a time."""
+"""Largest number of secondary programs at a time."""
 
 
 @final
 class Uploads:
-    """Executes scripts: a program replaces the one that runs, a secondary does not."""
+    """Executes scripts; a program replaces the current one, unless it is secondary."""
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._waiting: deque[tuple[Script, int]] = deque()
-        """Scripts that wait, with the number of stops before each."""
+        """Waiting scripts, each with the number of stops before it arrived."""
         self._arrived = asyncio.Event()
         self._is_flooded = False
         self._secondary: set[asyncio.Task[None]] = set()
@@ -52,15 +52,15 @@ class Uploads:
                 UnlockProtectiveStop(arm=arm, at_once=True)
             ),
         }
-        """Lines that are no URScript; UR's own client library sends these."""
+        """Lines that are not URScript, but are sent by UR's own client library."""
         self._stops: dict[str, Callable[[], Awaitable[object]]] = {
             "power off": self._power_off,
             "stop program": box.programs.stop,
         }
-        """Commands that wait for nothing."""
+        """Commands that are executed immediately, before waiting scripts."""
 
     def put(self, script: Script) -> None:
-        """Execute a script after those that wait; a stop at once."""
+        """Queue a script behind the waiting ones; execute a stop immediately."""
         if (stop := self._stops.get(_line(script))) is not None:
             task = asyncio.create_task(self._attempt(script, stop()))
             self._stopping.add(task)
@@ -77,7 +77,7 @@ class Uploads:
         self._arrived.set()
 
     async def close(self) -> None:
-        """End the secondary programs, and drop what waits."""
+        """End the secondary programs and discard the waiting scripts."""
         tasks = (self._task, *self._secondary, *self._stopping)
         for task in tasks:
             task.cancel()
@@ -93,7 +93,7 @@ class Uploads:
             await self._attempt(script, self._execute(script, n_stops))
 
     async def _attempt(self, script: Script, execution: Awaitable[object]) -> None:
-        """Report what goes wrong: one program must not stop the others."""
+        """Execute a script and report errors, which must not stop the others."""
         try:
             await execution
         except Tool0Error as error:
@@ -103,7 +103,7 @@ class Uploads:
             self._box.messages.error(f"{script.name}: {error!r}")
 
     def _power_off(self) -> Awaitable[object]:
-        """Switch the arm off, and start nothing that was sent before."""
+        """Switch the arm off, and discard the scripts that were sent before."""
         self._box.programs.n_stops += 1
         return self._box.call(PowerOff(arm=self._box.arm))
 
@@ -126,7 +126,7 @@ class Uploads:
         task.add_done_callback(self._secondary.discard)
 
     async def _run_beside(self, program: RunnableProgram[UrControlBox]) -> None:
-        """Run a secondary program, which does not get the arm."""
+        """Run a secondary program, which cannot move the arm."""
         try:
             await program.run(self._box)
         except Tool0Error as error:
@@ -137,5 +137,5 @@ class Uploads:
 
 
 def _line(script: Script) -> str:
-    """Return the line that is a whole script; nothing for a program with a name."""
+    """Return the line that forms the whole script; empty for a named program."""
     return " ".join(script.text.split()).lower() if script.name == UNNAMED else ""

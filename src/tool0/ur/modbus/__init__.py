@@ -1,1 +1,1 @@
-"""Modbus TCP, of the gripper's server and of programs that are clients."""
+"""Modbus TCP: shared by the gripper's server and by programs, which are clients."""

@@ -1,4 +1,4 @@
-"""A client of one Modbus unit: one request at a time."""
+"""A client of a Modbus unit, for one request at a time."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from tool0.devices.modbus_frames import ERROR, HEADER, MAX_LENGTH
 from tool0.ur.waiting import within
 
 TIMEOUT: Final = 2.0
-"""Timeout of a connection, and of a response [wall s]."""
+"""Longest wait for a connection or a response [wall s]."""
 DISCONNECTED: Final = -2
-"""Error of a connection that does not exist."""
+"""Error code for a connection that does not exist."""
 
 
 @final
 class DeviceError(Exception):
-    """A unit refuses a request, with a code of Modbus."""
+    """A unit refuses a request, with a Modbus exception code."""
 
     def __init__(self, code: int) -> None:
         self.code = code
@@ -25,7 +25,7 @@ class DeviceError(Exception):
 
 @final
 class ConnectionProblem(Exception):  # noqa: N818 - a state that programs ask for
-    """A unit does not answer, with a number of errno, or ``DISCONNECTED``."""
+    """A unit does not answer; the code is an errno or ``DISCONNECTED``."""
 
     def __init__(self, code: int) -> None:
         self.code = code
@@ -33,7 +33,7 @@ class ConnectionProblem(Exception):  # noqa: N818 - a state that programs ask fo
 
 @final
 class ModbusClient:
-    """A connection to an address, made when it is needed."""
+    """A client of one address, which connects when needed."""
 
     def __init__(self, host: str, port: int) -> None:
         self._address = host, port
@@ -42,10 +42,10 @@ class ModbusClient:
         self._transaction = 0
 
     async def request(self, unit: int, function: int, data: bytes) -> bytes:
-        """Return the data of the response to a request.
+        """Return the data in the response to a request.
 
         Raises:
-            DeviceError: If the unit refuses it.
+            DeviceError: If the unit refuses the request.
             ConnectionProblem: If there is no response.
         """
         async with self._turn:
@@ -56,7 +56,7 @@ class ModbusClient:
                 code = error.errno if isinstance(error, OSError) else None
                 raise ConnectionProblem(code or DISCONNECTED) from None
             except BaseException:
-                self.close()  # what comes would be taken for the next response
+                self.close()  # a late answer would be taken for the next response
                 raise
             if response is None:
                 self.close()

@@ -1,7 +1,7 @@
 """Signals of Modbus units that programs read and write, kept up to date.
 
-A signal belongs to the control box: it stays when the program that added it ends, as
-URCaps rely on, until it is deleted or replaced.
+A signal belongs to the control box: it remains until it is deleted or replaced, even if
+the program that added it ends, which URCaps rely on.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from tool0.ur.waiting import within
 
 MAX_SIGNALS: Final = 256
 FREQUENCY: Final = 10.0
-"""Rate of updates, until a program sets another one [wall Hz]."""
+"""Default rate of updates [wall Hz]."""
 MAX_FREQUENCY: Final = 500
 WATCHDOG: Final = 2.0
 """Longest time for which a signal may be invalid before programs notice [wall s]."""
@@ -34,7 +34,7 @@ PORT: Final = 502
 
 
 class SignalType(IntEnum):
-    """The kinds of signals, by URScript's numbers."""
+    """Types of signals, with URScript's numbers."""
 
     DIGITAL_INPUT = 0
     DIGITAL_OUTPUT = 1
@@ -46,12 +46,12 @@ class SignalType(IntEnum):
 
     @property
     def is_digital(self) -> bool:
-        """Whether its values are bits."""
+        """Whether the signal's values are bits."""
         return self in {0, 1, 15}
 
     @property
     def is_output(self) -> bool:
-        """Whether programs write it."""
+        """Whether programs can write the signal."""
         return self not in {0, 2}
 
 
@@ -61,7 +61,7 @@ _READ: Final = {
     SignalType.DIGITAL_OUTPUTS: ModbusFunction.READ_COILS,
     SignalType.REGISTER_INPUT: ModbusFunction.READ_INPUT,
 }
-"""All others are holding registers."""
+"""Functions that read signals; the types that are not listed are holding registers."""
 
 
 class WhenStopped(IntEnum):
@@ -71,13 +71,13 @@ class WhenStopped(IntEnum):
     LOW = 1
     HIGH = 2
     LOW_ELSE_HIGH = 3
-    """And high while one runs."""
+    """Low while no program runs, and high while one does."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SignalSpec:
-    """Location of a signal."""
+    """Location of a signal, and its number of values."""
 
     host: str
     port: int
@@ -85,15 +85,15 @@ class SignalSpec:
     kind: SignalType
     address: int
     count: int = 1
-    """Number of registers or bits that are read, or written if nothing is read."""
+    """Number of registers or bits to read, or to write if the signal is not read."""
     write_address: int = 0
     write_count: int = 0
-    """Number of registers that ``REGISTERS_READ_AND_WRITTEN`` writes."""
+    """Number of registers to write for ``REGISTERS_READ_AND_WRITTEN``."""
 
 
 @final
 class Signal:
-    """One signal: its newest values, and a task that keeps them so."""
+    """A signal with its newest values, and a task that updates them."""
 
     def __init__(
         self,
@@ -101,17 +101,18 @@ class Signal:
         client: ModbusClient | None,
         is_running: Callable[[], bool],
     ) -> None:
-        """Keep a signal up to date from now on.
+        """Start to keep a signal up to date.
 
         Args:
             spec: Location of the signal.
-            client: Client of its unit's address; None if that must not be reached.
-            is_running: Whether a program runs.
+            client: Client of the unit's address; None if programs must not connect to
+                it.
+            is_running: Function that returns whether a program is running.
         """
         self.spec = spec
         self.values: tuple[int, ...] = (0,) * spec.count
         self.device_error = 0
-        """The code of Modbus with which the unit refused the last request."""
+        """Modbus exception code with which the unit refused the last request."""
         self.connection_error = DISCONNECTED
         self.watchdog = WATCHDOG
         self.when_stopped = WhenStopped.KEPT
@@ -130,7 +131,7 @@ class Signal:
         return 0.0 if is_valid else time.monotonic() - self._valid
 
     def write(self, values: Sequence[int]) -> None:
-        """Write values; those behind them stay what they are."""
+        """Write the first values; the others keep theirs."""
         written = list(self._written or self.values)
         if self.spec.write_count:
             written = list(self._written or (0,) * self.spec.write_count)
@@ -141,16 +142,16 @@ class Signal:
         self._due.set()
 
     def set_frequency(self, frequency: float) -> None:
-        """Update with another frequency [wall Hz]; only on request, if not positive."""
+        """Set the update rate [wall Hz]; if not positive, update on request only."""
         self._frequency = frequency
         self._due.set()
 
     def update(self) -> None:
-        """Update soon."""
+        """Request an update."""
         self._due.set()
 
     async def close(self) -> None:
-        """Update no more."""
+        """Stop updating the signal."""
         self._task.cancel()
         await asyncio.wait([self._task])
 
@@ -192,7 +193,7 @@ class Signal:
             await self._send(ModbusFunction.WRITE, data)
 
     def _output(self) -> tuple[int, ...] | None:
-        """Return what is to be written now; None, if nothing is."""
+        """Return the values to write now; None if there are none."""
         choice = self.when_stopped
         is_running = self._is_running()
         if choice is WhenStopped.LOW_ELSE_HIGH:
@@ -207,7 +208,7 @@ class Signal:
         return await self._client.request(self.spec.unit, function, data)
 
     def _take(self, response: bytes) -> None:
-        """Take the values of a response, which begins with its length."""
+        """Store the values of a response, which begins with its length."""
         data, count = response[1:], self.spec.count
         if self.spec.kind.is_digital:
             if len(data) * 8 >= count:
@@ -218,13 +219,13 @@ class Signal:
 
 @final
 class Signals:
-    """The signals of one control box, by name."""
+    """The signals of a control box, by name."""
 
     def __init__(self, is_running: Callable[[], bool]) -> None:
-        """Have none.
+        """Create an empty set of signals.
 
         Args:
-            is_running: Whether a program runs.
+            is_running: Function that returns whether a program is running.
         """
         self._is_running = is_running
         self._signals: dict[str, Signal] = {}
@@ -233,15 +234,16 @@ class Signals:
     async def add(
         self, name: str, spec: SignalSpec, *, is_allowed: bool = True
     ) -> None:
-        """Add a signal; it replaces one of the same name.
+        """Add a signal, which replaces any signal with the same name.
 
         Args:
             name: Name of the signal.
             spec: Location of the signal.
-            is_allowed: Whether its unit may be reached; the signal is invalid if not.
+            is_allowed: Whether programs may connect to the unit; if not, the signal is
+                invalid.
 
         Raises:
-            ValueError: There are too many.
+            ValueError: If there are too many signals.
         """
         await self.delete(name)
         if len(self._signals) >= MAX_SIGNALS:
@@ -250,7 +252,7 @@ class Signals:
         self._signals[name] = Signal(spec, client, self._is_running)
 
     def find(self, name: str) -> Signal | None:
-        """Return a signal."""
+        """Return the signal with a name, or None."""
         return self._signals.get(name)
 
     def of_host(self, host: str) -> list[Signal]:
@@ -258,11 +260,11 @@ class Signals:
         return [item for item in self._signals.values() if item.spec.host == host]
 
     def client(self, host: str, port: int) -> ModbusClient:
-        """Return the client of an address."""
+        """Return the client for an address."""
         return self._clients.setdefault((host, port), ModbusClient(host, port))
 
     async def delete(self, name: str) -> None:
-        """Remove a signal, if it is there."""
+        """Remove a signal if it exists."""
         signal = self._signals.pop(name, None)
         if signal is None:
             return
@@ -275,7 +277,7 @@ class Signals:
                 client.close()
 
     async def start(self, host: str, port_base: int) -> None:
-        """Have nothing to listen on."""
+        """Do nothing: signals have no port."""
 
     async def close(self) -> None:
         """Remove all signals."""

@@ -1,1 +1,1 @@
-"""The gripper as Robotiq's own interfaces show it: URCap socket and Modbus."""
+"""The gripper with Robotiq's own interfaces: URCap socket and Modbus."""

@@ -1,4 +1,4 @@
-"""A simulated gripper with the behaviour and the registers of a Robotiq one."""
+"""A simulated gripper that behaves like a Robotiq gripper, with the same registers."""
 
 from __future__ import annotations
 
@@ -28,28 +28,28 @@ from tool0.ur.waiting import seen
 R = TypeVar("R")
 
 POLL_PERIOD: Final = 0.02
-"""Period of looking at fingers that move [s], and pause before the first look at a new
-goal: by then, the state of the simulation knows it."""
+"""Polling period of moving fingers [s], and pause before the first poll after a new
+goal, which the simulation's state includes by then."""
 MOVED: Final = 0.0005
-"""Change of the opening from which fingers at rest are looked at again [m]: an object
-that is lost lets them close further."""
+"""Change of the opening that restarts the polling of fingers at rest [m]: when an
+object is lost, they close further."""
 STILL: Final = 0.0001
-"""Change of the opening between two looks, below which fingers near their goal have
+"""Change of the opening between two polls, below which fingers near their goal have
 arrived [m]: a third of a count."""
 ELSEWHERE: Final = 0.002
-"""Distance from the requested opening from which fingers at their goal were moved by
-somebody else [m]."""
+"""Distance from the requested opening beyond which someone else must have moved the
+fingers [m]."""
 POWER_ON: Final = CommandRegisters(speed=FULL, force=FULL)
-"""The registers after power on.  Speed and force are those of the URCap."""
+"""Command registers after power-on; speed and force are the URCap's defaults."""
 
 
 class GripperLink(Protocol):
     """The part of a control box that the gripper uses."""
 
     when_updated: set[Callable[[], None]]
-    """Called for each update, in the event loop."""
+    """Callbacks for updates, which run in the event loop."""
     snapshot: Snapshot
-    """The newest one."""
+    """Newest state of the bring-up."""
     state: ControlBoxState
 
     @property
@@ -57,18 +57,19 @@ class GripperLink(Protocol):
         """Simulated time [s]."""
 
     async def call(self, request: Request[R]) -> R:
-        """Return the response, or raise the error."""
+        """Return the response to a request, or raise its error."""
 
     def report(self, error: Tool0Error) -> None:
-        """Tell users about an error."""
+        """Report an error to users."""
 
 
 @final
 class RobotiqGripper:
-    """One gripper for all its clients, which share its registers as on a real one.
+    """A gripper whose clients share its registers, like on a real gripper.
 
-    It moves by the same requests as every other client of the bring-up, and shows what
-    the simulation measures, whoever moves the fingers.  It belongs to the event loop.
+    The gripper uses the same requests as every other client of the bring-up, and shows
+    the simulation's measurements no matter who moves the fingers.  Use it only in the
+    event loop.
     """
 
     def __init__(
@@ -78,13 +79,13 @@ class RobotiqGripper:
         geometry: ParallelGripper,
         joint_index: int,
     ) -> None:
-        """Show a gripper that has just been powered on.
+        """Represent a gripper that has just been powered on.
 
         Args:
             link: The control box.
-            name: Name in ``Grip``.
-            geometry: Its opening, speed and force.
-            joint_index: Index of its driven joint in the updates.
+            name: Name of the gripper in ``Grip``.
+            geometry: Geometry of the gripper, with its speed and force.
+            joint_index: Index of the driven joint in the updates.
         """
         self.name = name
         self.counts = Counts(geometry)
@@ -92,28 +93,28 @@ class RobotiqGripper:
         self._link = link
         self._index = joint_index
         self.command = POWER_ON
-        """The requests of clients."""
+        """Command registers, which clients write."""
         self.address: tuple[str, int] | None = None
-        """Host and port of the URCap's socket, once it listens."""
+        """Host and port of the URCap's socket, once it is open."""
         self._activation = Activation.RESET
         self._object = ObjectStatus.MOVING
         self._fault = Fault.NONE
         self._goal: float | None = None
-        """The requested opening [m]; None if somebody else has moved the fingers."""
+        """Requested opening [m]; None if someone else has moved the fingers."""
         self._task: asyncio.Task[None] | None = None
         self._asked: asyncio.Future[GoalStarted] | None = None
-        """The last motion that the bring-up was asked for."""
+        """Last request for a motion that was sent to the bring-up."""
         self._changed = asyncio.Event()
         self._waits: list[tuple[Callable[[], bool], asyncio.Event]] = []
         link.when_updated.add(self._look_at_update)
 
     def assume_activated(self) -> None:
-        """Set the registers to activated, as if somebody had done it at the pendant."""
+        """Set the registers to activated, as if this had been done on the pendant."""
         self.command = replace(self.command, activate=True)
         self._activation = Activation.COMPLETE
 
     async def close(self) -> None:
-        """Follow the simulation no longer; the fingers go on with what they do."""
+        """Stop following the simulation; the fingers finish their motion."""
         self._link.when_updated.discard(self._look_at_update)
         task, self._task = self._task, None
         if task is not None:
@@ -129,7 +130,7 @@ class RobotiqGripper:
 
     @property
     def status(self) -> StatusRegisters:
-        """The registers that the gripper reports now."""
+        """Status registers that the gripper reports now."""
         position, effort = self._measured()
         is_active = self._activation is Activation.COMPLETE
         return StatusRegisters(
@@ -144,11 +145,11 @@ class RobotiqGripper:
         )
 
     def change(self, **fields: Any) -> None:
-        """Write some registers, named as the fields of ``CommandRegisters``."""
+        """Write some of the registers, by the names of ``CommandRegisters``' fields."""
         self.write(replace(self.command, **fields))
 
     def write(self, command: CommandRegisters) -> None:
-        """Take a command, and start what it requests."""
+        """Accept a command, and start the requested action."""
         if not self.is_powered:
             return
         before, self.command = self.command, command
@@ -189,21 +190,21 @@ class RobotiqGripper:
 
     @property
     def is_motion_complete(self) -> bool:
-        """Whether the fingers have arrived, or met an object."""
+        """Whether the fingers have arrived or met an object."""
         return self._object is not ObjectStatus.MOVING
 
     @property
     def has_goal(self) -> bool:
-        """Whether nobody else has moved the fingers from where they were sent."""
+        """Whether the fingers are where they were sent, not moved by someone else."""
         return self._goal is not None
 
     @property
     def position(self) -> int:
-        """Measured position: 0 open … 255 closed."""
+        """Measured position count: 0 open … 255 closed."""
         return self.counts.count(self._measured()[0])
 
     def reset(self) -> None:
-        """Deactivate the gripper, which also ends its faults."""
+        """Deactivate the gripper, which also clears its faults."""
         self.change(activate=False, release=False)
 
     def activate(self) -> None:
@@ -213,23 +214,23 @@ class RobotiqGripper:
         self.change(activate=True)
 
     async def activate_and_wait(self) -> None:
-        """Activate the gripper and wait for the end; it ends with the power, too."""
+        """Activate the gripper and wait; the wait also ends when the power is lost."""
         self.activate()
         await self.wait_until(
             lambda: self.is_activated or self._fault.is_major or not self.is_powered
         )
 
     def move(self, position: int) -> None:
-        """Start a motion to a position: 0 open … 255 closed."""
+        """Start a motion to a position count: 0 open … 255 closed."""
         self.change(position=position, go_to=True)
 
     async def move_and_wait(self, position: int) -> None:
-        """Move to a position, or to the object before it."""
+        """Move to a position count, or until an object stops the fingers."""
         self.move(position)
         await self.wait()
 
     async def wait(self) -> None:
-        """Wait until the motion is complete, or cannot become so."""
+        """Wait until the motion is complete, or can no longer be completed."""
         await self.wait_until(
             lambda: (
                 self.is_motion_complete or not self.is_activated or not self.is_powered
@@ -241,14 +242,14 @@ class RobotiqGripper:
         self.change(go_to=False)
 
     async def release_and_wait(self, *, opening: bool) -> None:
-        """Release slowly, as after an emergency; then the gripper must be reset."""
+        """Release slowly, like after an emergency; the gripper must then be reset."""
         self.change(activate=True, release=True, release_opening=opening)
         await self.wait_until(
             lambda: self._fault is Fault.RELEASE_COMPLETE or not self.is_powered
         )
 
     async def wait_until(self, condition: Callable[[], bool]) -> None:
-        """Wait until something holds for the registers."""
+        """Wait until the registers fulfil a condition."""
         while not condition():
             await self._changed.wait()
 
@@ -276,7 +277,7 @@ class RobotiqGripper:
             self._link.report(error)
 
     async def _activate(self) -> None:
-        """Close and open, by which a real one finds the ends of its stroke."""
+        """Close and open, as a real gripper does to find the ends of its stroke."""
         for count in (FULL, 0):
             await self._grip(self.counts.opening(count), speed=FULL, force=0)
             await self._settle()
@@ -311,14 +312,14 @@ class RobotiqGripper:
         await self._grip(self._goal, speed=command.speed, force=command.force)
 
     async def _watch(self) -> None:
-        """Follow the fingers, until the next command."""
+        """Keep the registers up to date until the next command."""
         while True:
             state = await self._settle()
             self._show(state)
             await self._until_moved(state.opening)
 
     def _show(self, state: GraspState) -> None:
-        """Translate what the simulation measures."""
+        """Set the registers from the simulation's measurements."""
         goal = self._goal
         match state.motion:
             case "holding_inside":
@@ -339,10 +340,10 @@ class RobotiqGripper:
         self._tell()
 
     async def _grip(self, opening: float, *, speed: int, force: int) -> None:
-        """Start a motion of the fingers; speed and force are counts.
+        """Start a motion of the fingers to an opening [m]; speed and force are counts.
 
-        It waits for the answer to the motion before, also if that was replaced: however
-        fast commands arrive, nothing else of this process waits behind their motions.
+        The call first waits for the response to the previous motion, even if that was
+        replaced, so fast commands cannot fill the queue of this process's requests.
         """
         if self._asked is not None:
             await asyncio.wait({self._asked})
@@ -358,7 +359,7 @@ class RobotiqGripper:
         await self._pass(POLL_PERIOD)
 
     async def _settle(self) -> GraspState:
-        """Wait until the fingers stand still, and return what they do."""
+        """Wait until the fingers stand still, and return their state."""
         opening = math.inf
         while True:
             state = await self._link.call(ReadGripper(gripper=self.name))
@@ -375,7 +376,7 @@ class RobotiqGripper:
     # ---- power and time -------------------------------------------------------------
 
     def _reset(self) -> None:
-        """Deactivate: fingers that move stop; a gear keeps a grip as it is."""
+        """Deactivate: moving fingers stop; a gripper with a gear keeps its grip."""
         is_moving = (
             self._task is not None
             and not self._task.done()
@@ -409,12 +410,12 @@ class RobotiqGripper:
             self._waits.remove(wait)
 
     async def _pass(self, duration: float) -> None:
-        """Wait for simulated time to pass [s]; a reset of the time ends it."""
+        """Wait for simulated time to pass [s]; a reset of the time ends the wait."""
         start = self._link.time
         await self._until(lambda: not 0.0 <= self._link.time - start < duration)
 
     async def _until_moved(self, opening: float) -> None:
-        """Wait until the opening [m] changes, or the time is reset."""
+        """Wait until the opening changes from a value [m], or the time is reset."""
         start = self._link.time
 
         def has_moved() -> bool:
@@ -424,11 +425,11 @@ class RobotiqGripper:
         await self._until(has_moved)
 
     def _measured(self) -> tuple[float, float]:
-        """Return position [rad | m] and effort [N·m | N] of the driven joint."""
+        """Return the position [rad | m] and effort [N·m | N] of the driven joint."""
         snapshot = self._link.snapshot
         return snapshot.position[self._index], snapshot.effort[self._index]
 
     def _tell(self) -> None:
-        """Wake all that wait for the registers."""
+        """Wake everyone who waits for the registers."""
         self._changed.set()
         self._changed = asyncio.Event()

@@ -1,4 +1,4 @@
-"""All interfaces of one gripper together."""
+"""All interfaces of a gripper together."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class RobotiqInterface:
     """The URCap's socket, Modbus TCP, and a serial port with Modbus RTU."""
 
     def __init__(self, gripper: RobotiqGripper, serial_port: Path) -> None:
-        """Open nothing yet; ``serial_port`` is the file that clients open."""
+        """Prepare the interfaces; clients will open the file ``serial_port``."""
         self.serial_port: Path | None = serial_port
-        """None if there could be none."""
+        """File of the serial port; None if it could not be created."""
         self._gripper = gripper
         self.modbus_tcp = ModbusTcp(gripper)
         self._socket = UrcapSocket(gripper)
@@ -31,7 +31,7 @@ class RobotiqInterface:
         self._stack = contextlib.AsyncExitStack()
 
     async def start(self, host: str, port_base: int) -> None:
-        """Open everything; TransportError if a port is in use."""
+        """Open all interfaces; raise TransportError if a port is in use."""
         self._stack.push_async_callback(self._gripper.close)
         for server in (self._socket, self.modbus_tcp):
             self._stack.push_async_callback(server.close)
@@ -44,12 +44,12 @@ class RobotiqInterface:
             logger.warning("no serial port for the gripper: %s", error)
 
     async def close(self) -> None:
-        """Close everything; the fingers go on with what they do."""
+        """Close all interfaces; the fingers finish their motion."""
         await self._stack.aclose()
 
 
 def serial_port_path(bringup: str, arm: str) -> Path:
-    """Return where the serial port of a gripper is: beside the bring-up's socket."""
+    """Return the path of a gripper's serial port, next to the bring-up's socket."""
     sockets = (socket_path(folder, bringup) for folder in folders())
     found = next(path for path in sockets if path.exists())
     return found.with_name(f"{bringup}-{arm}-gripper")

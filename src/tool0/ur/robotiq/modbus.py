@@ -1,4 +1,4 @@
-"""Modbus: function codes and registers of the gripper, on any transport.
+"""Modbus: function codes and registers of the gripper, for any transport.
 
 Functions and exceptions are those of "MODBUS Application Protocol Specification V1.1b3"
 (https://modbus.org), registers those of Robotiq's instruction manuals.
@@ -18,17 +18,17 @@ COMMAND: Final = 1000
 STATUS: Final = 2000
 """First register of the status, 0x07D0."""
 REGISTERS: Final = BLOCK_BYTES // 2
-"""Number of registers of either block; the last five are reserved: they read 0, and
-writing them does nothing."""
+"""Number of registers in each block; the last five are reserved: they read 0, and
+writing to them has no effect."""
 MAX_READ: Final = 125
 MAX_WRITTEN: Final = 123
 MAX_WRITTEN_AND_READ: Final = 121
-"""All as in the specification [registers]."""
+"""Largest numbers of registers in the specification."""
 _FUNCTIONS: Final = {
     *(ModbusFunction.READ_HOLDING, ModbusFunction.READ_INPUT, ModbusFunction.WRITE_ONE),
     *(ModbusFunction.WRITE, ModbusFunction.READ_AND_WRITE),
 }
-"""Functions that the gripper has."""
+"""Functions that the gripper supports."""
 _RANGE, _RANGES = struct.Struct(">HH"), struct.Struct(">HHHH")
 
 
@@ -43,13 +43,13 @@ def refusal(function: int, why: Refusal) -> bytes:
 
 
 def respond(gripper: RobotiqGripper, request: bytes, *, is_tcp: bool = False) -> bytes:
-    """Return the response to a request: a function code and its data, both.
+    """Return the response to a request; both consist of a function code and data.
 
     Args:
         gripper: The gripper.
-        request: At least one byte; its length is not checked so far.
-        is_tcp: Whether command and status are at register 0, too, as in Robotiq's
-            grippers that have Modbus TCP themselves.
+        request: Request of at least one byte, whose length has not been checked yet.
+        is_tcp: Whether command and status are also at register 0, like in Robotiq's
+            grippers with built-in Modbus TCP.
     """
     function, data = request[0], request[1:]
     try:

@@ -1,8 +1,8 @@
 """Modbus RTU on a pseudo-terminal, which clients open as a serial port.
 
 "MODBUS over Serial Line Specification V1.02" (https://modbus.org).  A pseudo-terminal
-has no baud rate and keeps no pauses, so that the length of a frame follows from its
-function, not from the silence after it.
+has no baud rate and does not preserve pauses, so the length of a frame is determined
+from its function, not from the silence after it.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from tool0.ur.robotiq.gripper import RobotiqGripper
 from tool0.ur.robotiq.modbus import respond
 
 SLAVE: Final = 9
-"""Address of the gripper as delivered."""
+"""The gripper's factory-set address."""
 BROADCAST: Final = 0
 MIN_FRAME: Final = 4
 MAX_FRAME: Final = 256
-"""Largest frame [bytes]."""
+"""Largest size of a frame [bytes]."""
 PAUSE: Final = 0.05
 """Silence that ends a frame of unknown length [wall s]."""
 
 
 def frame_length(frame: bytes) -> int | None:
-    """Return the length of the request that ``frame`` begins with [bytes].
+    """Return the length of the request at the start of ``frame`` [bytes].
 
-    None if it is not known (so far).
+    The length is None if it is not known, or not known yet.
     """
     if len(frame) < 2:
         return None
@@ -54,14 +54,14 @@ def frame_length(frame: bytes) -> int | None:
 
 @final
 class RtuReceiver:
-    """Finds requests in a stream of bytes, and answers them."""
+    """Finds the requests in a stream of bytes, and answers them."""
 
     def __init__(self, gripper: RobotiqGripper) -> None:
         self._gripper = gripper
         self._received = b""
 
     def take(self, data: bytes) -> bytes:
-        """Return the answers to all requests that are complete now."""
+        """Return the answers to all requests that are now complete."""
         self._received += data
         answers = b""
         while (length := frame_length(self._received)) is not None:
@@ -77,7 +77,7 @@ class RtuReceiver:
         return answers
 
     def pause(self) -> bytes:
-        """Return the answers to what came before a silence: nothing for most."""
+        """Return the answers to the data before a silence; usually empty."""
         answers = b""
         while frame := self._received:
             if len(frame) >= MIN_FRAME and checksum(frame[:-2]) == frame[-2:]:
@@ -100,14 +100,15 @@ class RtuReceiver:
 
 @final
 class ModbusRtu:
-    """A pseudo-terminal with the gripper at its other end, and a link to it."""
+    """A pseudo-terminal with the gripper at its other end, and a link to its file."""
 
     def __init__(self, gripper: RobotiqGripper, link: Path) -> None:
-        """Open nothing yet.
+        """Prepare the terminal, without opening it yet.
 
         Args:
             gripper: The gripper.
-            link: Path that clients open: a symbolic link that exists meanwhile.
+            link: Path that clients open, a symbolic link that exists while the terminal
+                is open.
         """
         self.link = link
         self._receiver = RtuReceiver(gripper)
@@ -117,7 +118,7 @@ class ModbusRtu:
     def open(self) -> None:
         """Open the terminal."""
         ours, theirs = self._ends = os.openpty()
-        # Ours stays open, too: without any client, reading would fail.
+        # Our end stays open, too: without any client, reading would fail.
         tty.setraw(theirs)
         os.set_blocking(ours, False)
         self.link.unlink(missing_ok=True)
@@ -139,7 +140,7 @@ class ModbusRtu:
     def _read(self, ours: int, theirs: int) -> None:
         if self._timer is not None:
             self._timer.cancel()
-        # A client may ask to be alone, and the terminal remembers that when it leaves.
+        # A client may request exclusive use, which the terminal keeps when it leaves.
         fcntl.ioctl(theirs, termios.TIOCNXCL)
         self._send(ours, self._receiver.take(os.read(ours, MAX_FRAME)))
         loop = asyncio.get_running_loop()
@@ -148,6 +149,6 @@ class ModbusRtu:
         )
 
     def _send(self, ours: int, answers: bytes) -> None:
-        # What a client does not read is lost, as on a serial line.
+        # Unread data is lost, like on a serial line.
         with contextlib.suppress(BlockingIOError):
             os.write(ours, answers)

@@ -15,12 +15,12 @@ from tool0.ur.robotiq.modbus import refusal, respond
 
 PORT: Final = 502
 UNPRIVILEGED_PORT: Final = 1502
-"""Port for users who may not listen on ports below 1024."""
+"""Port for users without permission to listen on ports below 1024."""
 
 
 @final
 class ModbusTcp:
-    """The gripper behind a gateway.  It answers whatever unit it is called."""
+    """The gripper behind a Modbus gateway, which answers for every unit number."""
 
     def __init__(self, gripper: RobotiqGripper) -> None:
         self._gripper = gripper
@@ -28,7 +28,7 @@ class ModbusTcp:
 
     @property
     def number(self) -> int:
-        """Number of the port, once it listens."""
+        """Number of the port, once it is open."""
         return self._port.number
 
     async def start(self, host: str, port_base: int) -> None:
@@ -47,7 +47,7 @@ class ModbusTcp:
             header = await peer.reader.readexactly(HEADER.size)
             transaction, protocol, length, unit = HEADER.unpack(header)
             if protocol != 0 or not 2 <= length <= MAX_LENGTH:
-                return  # not Modbus: nothing tells where the next frame begins
+                return  # not Modbus: the start of the next frame is unknown
             request = await peer.reader.readexactly(length - 1)
             if self._gripper.is_powered:
                 response = respond(self._gripper, request, is_tcp=True)
@@ -59,12 +59,12 @@ class ModbusTcp:
 
 
 def _may_listen(host: str, port: int) -> bool:
-    """Return whether this user may listen on a port at all."""
+    """Return whether this user has permission to listen on a port."""
     with socket.socket() as attempt:
         try:
             attempt.bind((host, port))
         except PermissionError:
             return False
         except OSError:
-            pass  # for another reason, which the real attempt reports
+            pass  # another reason, which the real attempt reports
     return True

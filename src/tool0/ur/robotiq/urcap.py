@@ -1,13 +1,13 @@
 """The URCap's socket: lines of ASCII such as ``SET POS 255 GTO 1`` and ``GET OBJ``.
 
-As its clients expect it (cmodel_urcap.py of cambel/robotiq, ur_rtde's
-robotiq_gripper.cpp, and the URScript functions ``rq_…`` of Robotiq's URCap):
+The protocol is the one that its clients expect (cmodel_urcap.py of cambel/robotiq,
+ur_rtde's robotiq_gripper.cpp, and the URScript functions ``rq_…`` of Robotiq's URCap):
 
 * ``SET VAR n [VAR n …]`` is answered by ``ack``, without a newline;
 * ``GET VAR`` with a newline is answered by ``VAR n`` and a newline;
 * ``GET VAR`` without a newline, as the URCap's own functions send it, is answered by
   the value alone, of a fixed width: ``3``, ``00``, ``255``;
-* everything else is answered by ``?``, also all while the gripper has no power.
+* everything else is answered by ``?``, as is everything without power.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from tool0.ur.robotiq.gripper import RobotiqGripper
 
 PORT: Final = 63352
 SLAVE: Final = 9
-"""The gripper's address on the bus of the control box."""
+"""The gripper's address on the control box's bus."""
 MAX_LINE: Final = 1024
-"""Longest command, and most that is handled before others have a turn [bytes]."""
+"""Longest command, and most data that is handled before others have a turn [bytes]."""
 NEWLINE_TIMEOUT: Final = 0.03
-"""Time after which a command without a newline is taken as one [wall s]."""
+"""Time after which a command without a newline counts as complete [wall s]."""
 
 _WRITABLE: Final[dict[str, tuple[str, Callable[[int], int | bool]]]] = {
     "ACT": ("activate", bool),
@@ -39,8 +39,9 @@ _WRITABLE: Final[dict[str, tuple[str, Callable[[int], int | bool]]]] = {
     "SPE": ("speed", int),
     "FOR": ("force", int),
 }
-"""Variable → field of the command, and its value.  ARD 0 opens in the URCap's functions
-and in ur_rtde, unlike the register rARD; ADR is what robotiq_gripper.py calls it."""
+"""Variables with their field of the command and the field's value.  ARD 0 opens the
+gripper in the URCap's functions and in ur_rtde, unlike the register rARD;
+robotiq_gripper.py calls the variable ADR."""
 _READABLE: Final[
     dict[str, tuple[int, Callable[[CommandRegisters, StatusRegisters], int]]]
 ] = {
@@ -58,7 +59,7 @@ _READABLE: Final[
     "FLT": (2, lambda _, status: status.fault),
     "COU": (3, lambda _, status: status.current),
 }
-"""Variable → digits of its value alone, and the value."""
+"""Variables with the number of digits of an answer without a name, and their value."""
 _SLAVE_VARIABLE: Final = "SID"
 _BYTE = re.compile(r"\d{1,3}", re.ASCII)
 _WITHOUT_NEWLINE = re.compile(rb"\s*GET +[A-Z]{3}")
@@ -70,7 +71,7 @@ def answer(gripper: RobotiqGripper, line: str, *, is_short: bool = False) -> str
     Args:
         gripper: The gripper.
         line: The command.
-        is_short: Whether to answer with the value alone.
+        is_short: Whether to answer with the value only.
     """
     match line.split():
         case []:
@@ -97,7 +98,7 @@ def _value(gripper: RobotiqGripper, name: str, *, is_short: bool) -> str:
 
 
 def _set(gripper: RobotiqGripper, words: list[str]) -> str:
-    """Write all variables at once, or none of them."""
+    """Write all variables at once, or none if one is invalid."""
     names, values = words[::2], words[1::2]
     if not (names and len(names) == len(values) and gripper.is_powered):
         return "?"
@@ -117,7 +118,7 @@ def _set(gripper: RobotiqGripper, words: list[str]) -> str:
 
 @final
 class UrcapSocket:
-    """The port of the URCap: any number of clients share the gripper."""
+    """The URCap's port; any number of clients share the gripper."""
 
     def __init__(self, gripper: RobotiqGripper) -> None:
         self._gripper = gripper

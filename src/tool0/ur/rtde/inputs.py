@@ -1,6 +1,6 @@
-"""The fields that clients of RTDE can send, and what they do.
+"""The fields that clients of RTDE can send, and their effects.
 
-A field belongs to the first connection that sets it up, until that connection ends.
+A field belongs to the first connection that sets it up until that connection ends.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 IN_USE: Final = "IN_USE"
 MIN_SPEED: Final = 0.01
-"""The slider's lowest position."""
+"""Lowest position of the speed slider."""
 
 STANDARD, CONFIGURABLE, TOOL = "standard", "configurable", "tool"
 _FIRST_PIN: Final = {STANDARD: 0, CONFIGURABLE: 8, TOOL: 16}
@@ -90,15 +90,15 @@ INPUTS: Final[dict[str, str]] = {
 
 @final
 class InputClaims:
-    """Fields that each connection may send."""
+    """Keeps track of which connection may send which fields."""
 
     def __init__(self) -> None:
         self._owners: dict[str, object] = {}
 
     def claim(self, names: Sequence[str], owner: object) -> tuple[str, ...]:
-        """Return the type of each field, and claim all, if all can be had.
+        """Return the type of each field, and claim the fields if all are available.
 
-        ``NOT_FOUND`` and ``IN_USE`` stand for those that cannot.
+        ``NOT_FOUND`` and ``IN_USE`` mark the fields that are not.
         """
         types = tuple(self._type(name, owner) for name in names)
         if not {NOT_FOUND, IN_USE} & set(types):
@@ -119,7 +119,7 @@ class InputClaims:
 
 @final
 class InputRecipe:
-    """Executes the data packets of one setup."""
+    """Executes the data packets of an input setup."""
 
     def __init__(self, names: Sequence[str]) -> None:
         self._names = tuple(names)
@@ -131,8 +131,8 @@ class InputRecipe:
     def execute(self, values: bytes, box: UrControlBox) -> None:
         """Write registers and send commands to the bring-up.
 
-        What follows the values is ignored: ur_rtde's ``getForwardKinematics`` sends
-        more than the recipe of its packet has.
+        Data after the values is ignored, because ur_rtde's ``getForwardKinematics``
+        sends more than its recipe contains.
 
         Raises:
             TransportError: If the packet is too short for the recipe.
@@ -158,7 +158,7 @@ class InputRecipe:
 
 
 def _command(box: UrControlBox, values: dict[str, Any]) -> None:
-    """Set the slider and the pins whose mask says so; take a reading of forces."""
+    """Set the slider and pins that the masks select, and store a force reading."""
     if "external_force_torque" in values:
         box.rtde_sensor.read(values["external_force_torque"])
     if values.get("speed_slider_mask", 0) == 1:

@@ -1,7 +1,7 @@
 """The fields that clients of RTDE can receive.
 
-Names and types are those of UR's guide.  Fields of the e-Series are offered by every
-box.  Without meaning in a simulation, and therefore constant, are encoders, the
+Names and types follow UR's guide.  Every box offers the fields of the e-Series.  Some
+fields have no meaning in a simulation and are therefore constant: encoders, the
 injection moulding machine's interface, momentum, energies, the window of currents,
 deviation and collision ratios, forces on the base and execution times.
 """
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 NOT_FOUND: Final = "NOT_FOUND"
 FIRST_SINGLE_BIT: Final = 64
-"""Lower boolean registers are sent 32 at a time."""
+"""First boolean register with a field of its own; lower ones are sent 32 at a time."""
 
 
 Read = Callable[["UrControlBox"], Any]
@@ -30,7 +30,7 @@ Bank = Callable[["UrControlBox"], "RegisterBank"]
 
 
 class OutputField(NamedTuple):
-    """A field: its type, and its value: a number, or several for a vector."""
+    """A field's type, and a function that returns its value or vector."""
 
     type: str
     read: Read
@@ -59,7 +59,7 @@ def _read_double(bank: Bank, k: int) -> Read:
 
 
 def _registers(direction: str) -> dict[str, OutputField]:
-    """Return the registers of a direction: clients can read both."""
+    """Return the registers of a direction; clients can read both directions."""
     bank = _BANKS[direction]
     fields = {
         f"{direction}_bit_registers{start}_to_{start + 31}": OutputField(
@@ -210,10 +210,10 @@ def output_types(names: Sequence[str]) -> tuple[str, ...]:
 
 @final
 class OutputRecipe:
-    """Packs the same fields of every update; equal recipes pack equal bytes."""
+    """Packs the same fields at every update; equal recipes pack equal bytes."""
 
     def __init__(self, names: Sequence[str], *, recipe_id: int | None) -> None:
-        """Pack known fields; ``recipe_id`` comes first, if there is one."""
+        """Pack known fields; ``recipe_id`` comes first if it is not None."""
         self._key = (recipe_id, tuple(names))
         fields = [OUTPUTS[name] for name in names]
         self._reads = [(field.read, LENGTHS[field.type] > 1) for field in fields]

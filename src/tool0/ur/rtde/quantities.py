@@ -1,7 +1,8 @@
-"""Quantities that a control box reports and tool0 does not measure.
+"""Quantities that a control box reports, but tool0 does not measure.
 
-The physics has no motors, voltages or temperatures.  What depends on them is a nominal
-constant, or follows from efforts by the rules below; each says which.
+The physics has no motors, voltages or temperatures.  Quantities that depend on them are
+nominal constants, or are computed from efforts by the rules below; each docstring says
+which.
 """
 
 from __future__ import annotations
@@ -21,19 +22,19 @@ Three = tuple[float, float, float]
 TORQUE_PER_AMPERE: Final = 10.0
 """Effort of a joint for each ampere of its motor [N·m/A].
 
-A convention: UR does not publish the constants of its motors, which differ from joint
-to joint.  With a gear of 101 they are of this size.  Times this, a reported current is
-the effort of the drive.
+The value is a convention: UR does not publish the constants of its motors, which differ
+from joint to joint; with a gear ratio of 101, they are of this magnitude.  A reported
+current multiplied by this value is the effort of the drive.
 """
 SUPPLY_VOLTAGE: Final = 48.0
-"""Nominal, of the box, the arm and its motors [V]."""
+"""Nominal supply voltage of the box, the arm and its motors [V]."""
 ROOM_TEMPERATURE: Final = 25.0
-"""Temperature of joints; nothing heats them [°C]."""
+"""Temperature of the joints, which nothing heats [°C]."""
 GRAVITY: Final = 9.80665
-"""Standard gravity, of an arm that stands upright [m/s²]."""
+"""Standard gravity, along the base's axis of an upright arm [m/s²]."""
 
 _STEP: Final = 1e-5
-"""Time over which velocities are compared [s]."""
+"""Time step of finite differences of velocities [s]."""
 
 JOINT_MODES: Final = {
     RobotMode.POWER_OFF: 239,
@@ -42,7 +43,7 @@ JOINT_MODES: Final = {
     RobotMode.BACKDRIVE: 238,
     RobotMode.RUNNING: 253,
 }
-"""UR's mode of each joint: power off, booting, idle, backdrive, running."""
+"""UR's joint modes: power off, booting, idle, backdrive and running."""
 TOOL_OFF, TOOL_RUNNING = 239, 253
 
 _SAFETY_BITS: Final = {
@@ -56,8 +57,9 @@ _SAFETY_BITS: Final = {
     SafetyMode.VIOLATION: 1 << 8 | 1 << 10,
     SafetyMode.FAULT: 1 << 9 | 1 << 10,
 }
-"""Bits 0 … 10: normal, reduced, protective stop, recovery, safeguard stop, system's
-and robot's emergency stop, any emergency stop, violation, fault, stopped by safety."""
+"""Bits 0 … 10: normal, reduced, protective stop, recovery, safeguard stop, system
+emergency stop, robot emergency stop, any emergency stop, violation, fault, and stopped
+for safety."""
 
 
 def is_powered(box: UrControlBox) -> bool:
@@ -66,13 +68,13 @@ def is_powered(box: UrControlBox) -> bool:
 
 
 def currents(box: UrControlBox) -> Six:
-    """Return the motors' currents by ``TORQUE_PER_AMPERE`` [A]."""
+    """Return the motors' currents, computed with ``TORQUE_PER_AMPERE`` [A]."""
     a, b, c, d, e, f = (effort / TORQUE_PER_AMPERE for effort in box.effort)
     return (a, b, c, d, e, f)
 
 
 def robot_current(box: UrControlBox) -> float:
-    """Return what the arm draws: its mechanical power at the supply's voltage [A]."""
+    """Return the arm's supply current: mechanical power divided by voltage [A]."""
     pairs = zip(box.effort, box.qd, strict=True)
     return sum(abs(effort * speed) for effort, speed in pairs) / SUPPLY_VOLTAGE
 
@@ -88,7 +90,7 @@ def joint_modes(box: UrControlBox) -> tuple[int, ...]:
 
 
 def tool_mode(box: UrControlBox) -> int:
-    """Return UR's mode of the tool's board."""
+    """Return UR's mode of the tool board."""
     return TOOL_RUNNING if is_powered(box) else TOOL_OFF
 
 
@@ -99,7 +101,7 @@ def robot_status_bits(box: UrControlBox) -> int:
 
 
 def safety_status_bits(box: UrControlBox) -> int:
-    """Return the bits of ``_SAFETY_BITS``."""
+    """Return the safety status as the bits of ``_SAFETY_BITS``."""
     return _SAFETY_BITS.get(box.state.safety_mode, 1 << 9)
 
 
@@ -126,21 +128,21 @@ def tool_analog_input_types(box: UrControlBox) -> int:
 
 
 def tool_accelerometer(box: UrControlBox) -> Three:
-    """Return what an accelerometer in the tool measures at rest [m/s²].
+    """Return the reading of an accelerometer in the tool at rest [m/s²].
 
-    The motion's own acceleration is left out.
+    The acceleration of the motion is not included.
     """
     x, y, z = box.tcp_frame().rotation[2]
     return (GRAVITY * x, GRAVITY * y, GRAVITY * z)
 
 
 def elbow_position(box: UrControlBox) -> Three:
-    """Return where the axis of the third joint is, in the base frame [m]."""
+    """Return the position of the third joint's axis (elbow) in the base frame [m]."""
     return box.posture().points[2]
 
 
 def elbow_velocity(box: UrControlBox) -> Three:
-    """Return the velocity of that point [m/s]."""
+    """Return the velocity of the elbow in the base frame [m/s]."""
     linear, _ = box.posture().velocity(elbow_position(box), box.qd, n_joints=2)
     return linear
 
@@ -148,8 +150,8 @@ def elbow_velocity(box: UrControlBox) -> Three:
 def tcp_acceleration(box: UrControlBox, *, target: bool = False) -> Six:
     """Return the acceleration of the TCP in the base frame's axes [m/s², rad/s²].
 
-    It is that of the measured motion, or the setpoint's.  Joints' accelerations are
-    not measured: both have the setpoint's.
+    The motion is the measured one or that of the setpoint.  Joint accelerations are not
+    measured, so those of the setpoint are used in both cases.
     """
     q, qd = (box.target_q, box.target_qd) if target else (box.q, box.qd)
     changes = zip(q, qd, box.target_qdd, strict=True)

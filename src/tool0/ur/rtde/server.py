@@ -29,16 +29,17 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 MAX_RECIPES: Final = 255
-"""Input recipes of a connection: their numbers have one byte."""
+"""Largest number of input recipes of a connection, since their numbers have one
+byte."""
 MAX_UNREAD: Final = 1 << 15
-"""A client that has left so much unread gets no further data [bytes]."""
+"""Amount of unread data above which a client gets no more data [bytes]."""
 SLOW_TIMEOUT: Final = 5.0
-"""Nor is it served any longer after this time [wall s]."""
+"""Time with that much unread data after which a client is dropped [wall s]."""
 HEARTBEAT: Final = 0.1
-"""While there are no updates, data is sent so often [wall s]: the simulation may be
-paused, and clients take silence for a lost connection."""
+"""Period at which data is sent while there are no updates [wall s]: the simulation may
+be paused, and clients interpret silence as a lost connection."""
 VERSION_1_RATE: Final = 125.0
-"""Clients of the first version of the protocol cannot choose [Hz]."""
+"""Rate for clients with version 1 of the protocol, which cannot choose it [Hz]."""
 
 _CHUNK: Final = 1 << 16
 _VERSION: Final = struct.Struct(">H")
@@ -48,7 +49,7 @@ _FREQUENCY: Final = struct.Struct(">d")
 
 @final
 class RtdeServer:
-    """The RTDE interface of one box."""
+    """The RTDE interface of a control box."""
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
@@ -81,7 +82,7 @@ class RtdeServer:
             self._claims.release(client)
 
     def _publish(self, *, to_all: bool = False) -> None:
-        """Send the state to the clients for which it is time; each recipe once."""
+        """Send the state to the clients that are due; pack each recipe only once."""
         self._published = now = asyncio.get_running_loop().time()
         packed: dict[OutputRecipe, bytes] = {}
         for client in self._clients:
@@ -110,7 +111,7 @@ class RtdeServer:
 
 @final
 class _Client:
-    """One connection: what it has set up."""
+    """A connection and its setup."""
 
     def __init__(self, box: UrControlBox, peer: Peer, claims: InputClaims) -> None:
         self._box = box
@@ -126,18 +127,18 @@ class _Client:
 
     @property
     def outputs(self) -> OutputRecipe | None:
-        """The recipe of the packets that it receives now."""
+        """Recipe of the packets that the client currently receives."""
         return self._outputs if self._is_started else None
 
     def is_due(self, time: float) -> bool:
-        """Return whether the next period of its rate has begun [simulated s]."""
+        """Return whether the client's next period has begun [simulated s]."""
         step = math.floor(time * self._rate + 1e-6)
         is_due = step != self._step
         self._step = step
         return is_due
 
     def is_slow(self, now: float) -> bool:
-        """Return whether it has much to read; drop it if it has for long [wall s]."""
+        """Return whether the client reads slowly; drop it after a while [wall s]."""
         if self.peer.owed <= MAX_UNREAD:
             self._slow_since = math.inf
             return False
@@ -192,7 +193,7 @@ class _Client:
         self._reply(PacketType.PROTOCOL_VERSION, bytes((accepted,)))
 
     def _setup_outputs(self, payload: bytes) -> None:
-        """Set what the client receives; unknown fields leave it as it was."""
+        """Set the client's output fields; if one is unknown, nothing changes."""
         rate, recipe_id = VERSION_1_RATE, None
         if self._version > 1:
             if len(payload) < _FREQUENCY.size:
@@ -210,7 +211,7 @@ class _Client:
         self._reply(PacketType.SETUP_OUTPUTS, reply + _joined(types))
 
     def _setup_inputs(self, payload: bytes) -> None:
-        """Add a recipe, if the client may have all its fields; otherwise number 0."""
+        """Add an input recipe; answer with number 0 if a field is not available."""
         names = field_names(payload)
         if len(self._inputs) >= MAX_RECIPES:
             raise TransportError(f"more than {MAX_RECIPES} input recipes")

@@ -1,1 +1,1 @@
-"""The control program of ur_rtde, served natively."""
+"""A native implementation of ur_rtde's control program."""

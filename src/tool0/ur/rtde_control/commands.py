@@ -1,7 +1,7 @@
 """The commands of ur_rtde's control program.
 
 The numbers are those of its ``process_cmd``; arguments begin at register 0.  A command
-that fails ends the program, as an error in URScript does.
+that fails ends the program, like an error in URScript.
 """
 
 from __future__ import annotations
@@ -27,24 +27,25 @@ if TYPE_CHECKING:
 
 NO_OFFSET: Final = (0.0,) * 6
 LAST_SCALE: Final = 17
-"""Register of the last scale of ``directTorque``."""
+"""Register with the last friction scale of ``directTorque``."""
 UPRIGHT: Final = math.radians(1.0)
-"""Largest angle between gravity as a client sets it and the base's axis [rad]."""
+"""Largest angle between the gravity that a client sets and the base's axis [rad]."""
 
 Action = Callable[[], Awaitable[None] | None]
 DYNAMICS: Final = frozenset({66, 67, 68, 69, 70, 71})
 STREAMED: Final = DYNAMICS | {6, 9, 10, 11, 12, 24, 25, 26, 27, 38, 55, 58, 99}
-"""Executed whenever they are written.  12, 55 and 99, ``servoC``,
-``setExternalForceTorque`` and ``kickWatchdog``, are among them because the client does
-not wait for them either."""
+"""Commands that are executed whenever they are written.  These include ``servoC`` (12),
+``setExternalForceTorque`` (55) and ``kickWatchdog`` (99), because the client does not
+wait for them either."""
 POLLED: Final = DYNAMICS | {25, 26, 27, 38, 58}
-"""Queries that the client does not wait for: their answers must stay up to date; and
-``directTorque``, which goes on until another command."""
+"""Commands that are executed again at every update: queries that the client does not
+wait for, whose answers must stay up to date, and ``directTorque``, which continues
+until another command."""
 
 
 @final
 class Commands:
-    """The commands of one upload."""
+    """The commands of an uploaded control program."""
 
     SET_WATCHDOG: Final = 35
 
@@ -56,7 +57,7 @@ class Commands:
         path: Sequence[Move],
         wake: Callable[[], None],
     ) -> None:
-        """Serve ``path`` as command 45; ``wake`` lets the server look for contacts."""
+        """Use ``path`` for command 45; ``wake`` makes the server look for contacts."""
         self._box, self._exchange, self._history = box, exchange, history
         self._torques = Torques(box)
         moves = Moves(box)
@@ -110,7 +111,7 @@ class Commands:
             52: compliance.start_freedrive,
             53: compliance.end_freedrive,
             54: lambda: exchange.answer_integer(0),  # not at a limit
-            55: lambda: None,  # the wrist's own sensor counts
+            55: lambda: None,  # the wrist's own sensor is used
             56: self._enable_wrench_input,
             57: self._enable_wrench_input,
             58: lambda: exchange.answer(box.forward(box.q, NO_OFFSET)),
@@ -122,8 +123,8 @@ class Commands:
             64: lambda: exchange.answer_integer(motions.contact_steps),
             65: self._set_payload,
             66: self._drive_torques,
-            # As in the program, what the client asks for is ignored: it gets the
-            # present posture.
+            # Like in the original program, the client's arguments are ignored; it gets
+            # the current posture.
             67: lambda: exchange.answer_matrix(box.dynamics.mass_matrix()),
             68: lambda: exchange.answer(box.dynamics.velocity_torques()),
             69: lambda: exchange.answer(box.target_qdd),
@@ -137,14 +138,14 @@ class Commands:
         return command in STREAMED
 
     def is_polled(self, command: int) -> bool:
-        """Return whether a command's answer has to stay up to date."""
+        """Return whether a command's answer must be kept up to date."""
         return command in POLLED
 
     async def execute(self, command: int) -> None:
-        """Execute a command, and return when it is done.
+        """Execute a command, and return when it is complete.
 
         Raises:
-            Tool0Error: If it fails.
+            Tool0Error: If the command fails.
         """
         action = self._actions.get(command)
         if action is None:
@@ -156,11 +157,11 @@ class Commands:
             await pending
 
     async def look_for_contact(self) -> None:
-        """Go back to the point of contact, if contact detection has found one."""
+        """Return to the point of contact if contact detection has found one."""
         await self._motions.look_for_contact()
 
     def check(self) -> None:
-        """Raise what ended an asynchronous motion."""
+        """Raise the error that ended an asynchronous motion, if there was one."""
         self._motions.check()
 
     async def close(self) -> None:
@@ -173,7 +174,7 @@ class Commands:
         await self._box.call(ZeroWrench(arm=self._box.arm))
 
     async def _set_payload(self) -> None:
-        """Set mass and centre of gravity; zeros keep the centre that it has."""
+        """Set mass and centre of gravity; zeros keep the current centre."""
         center = self._exchange.three(1)
         if not any(center):
             center = self._box.state.payload.center_of_gravity
@@ -191,9 +192,9 @@ class Commands:
         await self._box.call(request)
 
     async def _drive_torques(self) -> None:
-        """Drive the joints with torques: direct_torque, with scales of friction.
+        """Apply torques to the joints: direct_torque, with friction scales.
 
-        Older clients send a flag in place of the scales.
+        Older clients send a flag instead of the scales.
         """
         exchange = self._exchange
         torques = exchange.six(0)
@@ -205,13 +206,13 @@ class Commands:
             await self._torques.set(torques, NO_OFFSET, NO_OFFSET)
 
     def _enable_wrench_input(self) -> None:
-        """Measure with RTDE's external_force_torque, or with the wrist's own sensor."""
+        """Select external_force_torque of RTDE, or the wrist's own sensor."""
         is_enabled = self._exchange.integer(1) != 0
         offset = self._exchange.three(1) if is_enabled else None
         self._box.rtde_sensor.set_offset(offset)
 
     def _check_gravity(self) -> None:
-        """Check the requested gravity: it is that of the simulation."""
+        """Check that the requested gravity is that of the simulation."""
         x, y, z = self._exchange.three(0)
         if not math.atan2(math.hypot(x, y), z) <= UPRIGHT:
             raise ControlError(
@@ -225,7 +226,7 @@ class Commands:
         self._exchange.answer_integer(self._history.contact(self._exchange.three(0)))
 
     def _external_torques(self) -> None:
-        """Answer what the drives do against external forces at the tool [N·m]."""
+        """Answer the drive torques that resist external forces at the tool [N·m]."""
         efforts = self._box.posture().efforts(*self._box.flange_wrench())
         self._exchange.answer([-effort for effort in efforts])
 
@@ -234,7 +235,7 @@ class Commands:
         self._exchange.answer(pose_of(transform_of(first) @ transform_of(second)))
 
     def _forward(self) -> None:
-        """Answer the pose of a TCP, or of the box's own if the client gives none."""
+        """Answer the pose of the client's TCP, or of the box's if none was given."""
         tcp = self._exchange.six(6) if self._exchange.has_number(6) else None
         self._exchange.answer(self._box.forward(self._exchange.six(0), tcp))
 

@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 DAMPING: Final = 0.025
 GAIN_SCALING: Final = 0.5
-"""Damping and gain of force mode, as the program begins."""
+"""Damping and gain of force mode when the program begins."""
 FORCE_STOP: Final = 10.0
-"""Deceleration of the tool by the program after force mode [m/s²]."""
+"""Deceleration of the tool when the program ends force mode [m/s²]."""
 
 
 @final
 class Compliance:
-    """Force mode and freedrive of one arm."""
+    """Force mode and freedrive of an arm."""
 
     def __init__(self, box: UrControlBox, exchange: Exchange, moves: Moves) -> None:
         self._box, self._exchange, self._moves = box, exchange, moves
@@ -36,7 +36,7 @@ class Compliance:
         self._damping, self._gain_scaling = DAMPING, GAIN_SCALING
 
     async def force_mode(self) -> None:
-        """Be compliant along some axes of a frame, and press there: force_mode."""
+        """Comply along some axes of a frame, and press along them: force_mode."""
         exchange = self._exchange
         a, b, c, d, e, f = (exchange.integer(k) != 0 for k in range(2, 8))
         kind = exchange.integer(1)
@@ -56,7 +56,7 @@ class Compliance:
         self._box.send(self._force)
 
     async def end_force_mode(self) -> None:
-        """Be stiff again: end_force_mode."""
+        """End the compliance of the arm: end_force_mode."""
         self._force = None
         await self._box.call(EndForceMode(arm=self._box.arm))
         await self._moves.stopl(FORCE_STOP)
@@ -92,5 +92,5 @@ class Compliance:
         await self._box.call(request)
 
     async def end_freedrive(self) -> None:
-        """Hold still again: end_freedrive_mode, end_teach_mode."""
+        """Hold the position again: end_freedrive_mode, end_teach_mode."""
         await self._box.call(EndFreedrive(arm=self._box.arm))

@@ -1,4 +1,4 @@
-"""The registers through which ur_rtde sends commands and gets their results."""
+"""The registers through which ur_rtde sends commands and receives results."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ if TYPE_CHECKING:
     from tool0.ur.registers import Registers
 
 COMMAND: Final = 0
-"""Integer input: the command."""
+"""Integer input register with the command."""
 STATE: Final = 0
-"""Integer output: what became of it."""
+"""Integer output register with the state of the command."""
 RESULT: Final = 1
-"""Integer output: the result of queries that have one number."""
+"""Integer output register with the result of queries for one number."""
 PROGRESS: Final = 2
-"""Integer output: of asynchronous motions."""
+"""Integer output register with the progress of asynchronous motions."""
 
 _LOWER: Final = 24
 _UPPER: Final = 36
-"""A matrix has the first registers, and those from there on."""
+"""Registers with the two halves of a matrix: from the first one, and from this one."""
 _COUNTS: Final = 128
-"""Counters of the progress have seven bits."""
+"""Number of values of a progress counter, which has seven bits."""
 _MAX_PROGRESS: Final = 0x7FFF
 _RUNNING: Final = 1 << 15
 
 
 class State(IntEnum):
-    """The state of the client's command."""
+    """State of the client's command."""
 
     READY = 1
     DONE = 2
@@ -39,49 +39,49 @@ class State(IntEnum):
 
 @final
 class Exchange:
-    """The registers from ``offset`` on."""
+    """The registers from ``offset`` on, through which commands and results pass."""
 
     def __init__(self, registers: Registers, offset: int) -> None:
         self._inputs, self._outputs = registers.inputs, registers.outputs
         self._offset = offset
         self.command_name = f"input_int_register_{offset + COMMAND}"
-        """Name of the register with the command, in RTDE."""
+        """RTDE's name of the register with the command."""
         self.written: Collection[str] = ()
-        """The inputs in the packet with the last command, by the names of RTDE."""
+        """RTDE's names of the inputs in the packet with the last command."""
         self._writes = 0
         self._operations = 0
 
     @property
     def command(self) -> int:
-        """The command that the client wants; 0 for none."""
+        """Number of the client's command; 0 if there is none."""
         return self.integer(COMMAND)
 
     def tell(self, state: State) -> None:
-        """Tell the client about its command."""
+        """Report the state of the command to the client."""
         self._outputs.integers[self._offset + STATE] = state
 
     # ---- arguments ------------------------------------------------------------------
 
     def integer(self, register: int) -> int:
-        """Return an integer argument."""
+        """Return an argument that is an integer."""
         return self._inputs.integers[self._offset + register]
 
     def number(self, register: int) -> float:
-        """Return an argument."""
+        """Return an argument that is a floating-point number."""
         return self._inputs.doubles[self._offset + register]
 
     def has_number(self, register: int) -> bool:
-        """Return whether the client sent this argument with its command."""
+        """Return whether the client sent this argument with the command."""
         return f"input_double_register_{self._offset + register}" in self.written
 
     def six(self, register: int) -> Six:
-        """Return six arguments: joint positions, a pose, a wrench."""
+        """Return six arguments, such as joint positions, a pose or a wrench."""
         first = self._offset + register
         a, b, c, d, e, f = self._inputs.doubles[first : first + 6]
         return (a, b, c, d, e, f)
 
     def three(self, register: int) -> tuple[float, float, float]:
-        """Return three arguments: a vector."""
+        """Return three arguments that form a vector."""
         first = self._offset + register
         a, b, c = self._inputs.doubles[first : first + 3]
         return (a, b, c)
@@ -89,15 +89,16 @@ class Exchange:
     # ---- results --------------------------------------------------------------------
 
     def answer(self, values: Sequence[float]) -> None:
-        """Set the numbers that a query returns."""
+        """Set the result of a query that returns numbers."""
         first = self._offset
         self._outputs.doubles[first : first + len(values)] = values
 
     def answer_matrix(self, rows: Sequence[Six]) -> None:
-        """Set the columns of a matrix, shape (6, 6), which a query returns.
+        """Set the result of a query that returns a matrix, shape (6, 6), by columns.
 
         Raises:
-            ControlError: If the client uses the upper registers: it needs both ranges.
+            ControlError: If the client uses the upper registers, because a matrix needs
+                both ranges.
         """
         if self._offset:
             raise ControlError(
@@ -109,14 +110,14 @@ class Exchange:
         doubles[:_LOWER], doubles[_UPPER:] = values[:_LOWER], values[_LOWER:]
 
     def answer_integer(self, value: int) -> None:
-        """Set the integer that a query returns, or 0 and 1 for false and true."""
+        """Set the result of a query: an integer, or 0 and 1 for false and true."""
         self._outputs.integers[self._offset + RESULT] = int(value)
 
     def show_progress(self, progress: int | None) -> None:
-        """Show how far an asynchronous motion is; None when it has ended, 0 at first.
+        """Show the progress of an asynchronous motion: initially 0, finally None.
 
-        Bits 0 … 14 are the progress, bit 15 is set while the motion runs; bits 16 … 22
-        count what is written here, bits 24 … 30 motions.
+        Bits 0 … 14 contain the progress, and bit 15 is set while the motion runs; bits
+        16 … 22 count the values written here, bits 24 … 30 the motions.
         """
         self._writes = (self._writes + 1) % _COUNTS
         if progress == 0:

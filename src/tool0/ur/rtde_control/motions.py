@@ -20,22 +20,22 @@ if TYPE_CHECKING:
     from tool0.ur.tool_contact import ToolHistory
 
 JOG_STOP, CONTACT_STOP = 1.2, 3.0
-"""Deceleration of the tool by the program after jogging and at a contact [m/s²]."""
+"""Deceleration of the tool after jogging and at a contact [m/s²]."""
 RETURN_ACCELERATION, RETURN_SPEED = 1.2, 0.25
-"""Acceleration and speed on the way back to a contact: URScript's defaults [m/s²,
+"""Acceleration and speed of the return to a contact, with URScript's defaults [m/s²,
 m/s]."""
 BASE, TOOL, CUSTOM = 0, 1, 2
-"""The frames of jogging."""
+"""Frames for jogging."""
 ASYNCHRONOUS: Final = 1
-"""Value of integer register 1: the client does not wait for the end of the motion."""
+"""Value of integer register 1 if the client does not wait for the end of the motion."""
 CANCEL_DECELERATION: Final = 2.0
-"""Deceleration before a motion that replaces an asynchronous one [rad/s²]: stopj's
+"""Deceleration before a motion that replaces an asynchronous one [rad/s²]; stopj's
 default."""
 
 
 @final
 class Motions:
-    """Moves one arm; a new motion replaces an asynchronous one that still runs."""
+    """Moves an arm; a new motion replaces an asynchronous one that is still running."""
 
     def __init__(
         self,
@@ -50,28 +50,29 @@ class Motions:
         self._box, self._exchange, self._history = box, exchange, history
         self._moves, self._path, self._wake = moves, path, wake
         self._task: asyncio.Task[None] | None = None
-        """An asynchronous motion."""
+        """Task of an asynchronous motion."""
         self._failure: BaseException | None = None
         self._is_tool_speed = False
         self._circular: Move | None = None
-        """The target of servoc."""
+        """Target of servoc."""
         self._jog_frame = Transform()
         self._is_jogging = False
         self._detection: asyncio.Task[None] | None = None
         self._is_contact_new = False
         self.contact_steps = 0
-        """Updates before its detection at which the last contact began; 0 without."""
+        """Number of updates between the beginning of the last contact and its
+        detection; 0 if there was no contact."""
         self.waypoint: Six = box.tcp_pose(target=True)
-        """The pose that the last move goes to."""
+        """Target pose of the last move."""
 
     # ---- moves ----------------------------------------------------------------------
 
     async def move_joints(self) -> None:
-        """Move to joint positions: movej."""
+        """Move to joint positions in joint space: movej."""
         await self._move_joints(self._exchange.six(0))
 
     async def move_joints_to_pose(self) -> None:
-        """Move to a pose by its joint positions: movej."""
+        """Move to a pose in joint space, with inverse kinematics: movej."""
         await self._move_joints(self._box.inverse(self._exchange.six(0)))
 
     async def _move_joints(self, q: Six) -> None:
@@ -79,18 +80,18 @@ class Motions:
         await self._run([self._move("joint", q=q)])
 
     async def move_tool(self) -> None:
-        """Move to a pose on a line: movel."""
+        """Move to a pose along a line: movel."""
         self.waypoint = pose = self._exchange.six(0)
         await self._run([self._move("linear", pose=pose)])
 
     async def move_tool_to_joints(self) -> None:
-        """Move to joint positions on a line: movel."""
+        """Move to joint positions along a line: movel."""
         q = self._exchange.six(0)
         self.waypoint = self._box.forward(q)
         await self._run([self._move("linear", q=q)])
 
     async def move_path(self) -> None:
-        """Move along the path of the upload; its progress is the number of the move."""
+        """Move along the uploaded path; the progress is the number of the move."""
         await self._run(self._path)
 
     def _move(
@@ -100,7 +101,7 @@ class Motions:
         return Move(kind=kind, q=q, pose=pose, a=acceleration, v=speed)
 
     async def _run(self, moves: Sequence[Move]) -> None:
-        """Execute moves to their end, or start them, as the client wants."""
+        """Execute moves to the end, or only start them if the client does not wait."""
         await self._cancel()
         self._exchange.show_progress(0)
         if self._is_asynchronous():
@@ -109,11 +110,11 @@ class Motions:
             await self._follow(moves)
 
     async def _follow(self, moves: Sequence[Move]) -> None:
-        """Execute moves, and show which one is executed.
+        """Execute moves, and show the current one as progress.
 
         Raises:
-            ControlError: If the arm has stopped: the client is then not told that its
-                command was executed.
+            ControlError: If the arm has stopped; the command is then not reported as
+                done.
         """
         await self._moves.move(moves, wait=False)
         shown = 0
@@ -132,7 +133,7 @@ class Motions:
         await self._servo(self._exchange.six(0))
 
     async def servo_tool(self) -> None:
-        """Follow a pose by its joint positions: servoj."""
+        """Follow a pose, with inverse kinematics: servoj."""
         await self._servo(self._box.inverse(self._exchange.six(0)))
 
     async def _servo(self, q: Six) -> None:
@@ -149,7 +150,7 @@ class Motions:
         )
 
     async def servo_circular(self) -> None:
-        """Move to a pose at constant speed, blended with the last one: servoc."""
+        """Move to a pose at constant speed, blended with the last move: servoc."""
         exchange = self._exchange
         target = Move(
             kind="servo_circular",
@@ -166,7 +167,7 @@ class Motions:
             self._circular = target
 
     async def _servo_circular(self) -> None:
-        """Follow the last target, for ever."""
+        """Follow the last target forever."""
         try:
             while self._circular is not None:
                 target = self._circular
@@ -177,7 +178,7 @@ class Motions:
             self._circular = None
 
     async def speed_joints(self) -> None:
-        """Turn the joints at velocities until the client stops them: speedj."""
+        """Move the joints at velocities until the client stops them: speedj."""
         await self._cancel()
         self._is_tool_speed = False
         self._box.send(
@@ -214,9 +215,9 @@ class Motions:
         await self._moves.stopl(self._exchange.number(0))
 
     async def start_jog(self) -> None:
-        """Move the tool at a velocity in a frame, until the client stops it.
+        """Move the tool at a velocity in a frame until the client stops it.
 
-        A further start changes the velocity; the frame stays.
+        Another call changes the velocity, but not the frame.
         """
         exchange = self._exchange
         if not self._is_jogging:
@@ -229,7 +230,7 @@ class Motions:
         self._speed_tool((*linear, *angular), exchange.number(7))
 
     def _frame(self, feature: float) -> Transform:
-        """Return a frame in whose axes to jog, in the base frame."""
+        """Return the frame for the axes of jogging, in the base frame."""
         if feature == BASE:
             return Transform()
         if feature == TOOL:
@@ -246,11 +247,11 @@ class Motions:
     # ---- stops ----------------------------------------------------------------------
 
     async def stop_joints(self) -> None:
-        """Slow down to rest: stopj."""
+        """Decelerate to rest in joint space: stopj."""
         await self._stop(self._moves.stopj)
 
     async def stop_tool(self) -> None:
-        """Slow down to rest: stopl."""
+        """Decelerate to rest along the tool's path: stopl."""
         await self._stop(self._moves.stopl)
 
     async def _stop(self, stop: Callable[[float], Coroutine[Any, Any, None]]) -> None:
@@ -269,7 +270,7 @@ class Motions:
     # ---- contacts -------------------------------------------------------------------
 
     async def move_until_contact(self) -> None:
-        """Move the tool at a velocity until it meets something; go back to there."""
+        """Move the tool at a velocity until a contact, and return to this point."""
         await self._cancel()
         exchange, box = self._exchange, self._box
         direction = exchange.six(6)
@@ -281,21 +282,21 @@ class Motions:
         await self._return_to_contact(steps)
 
     async def start_contact_detection(self) -> None:
-        """Look for contacts in a direction, zero for that of the motion."""
+        """Start contact detection in a direction; zero for that of the motion."""
         await self.end_contact_detection()
         self.contact_steps = 0
         direction = self._exchange.six(0)
         self._detection = asyncio.create_task(self._detect(direction))
 
     async def end_contact_detection(self) -> None:
-        """Look no longer; the answer is whether there was a contact."""
+        """Stop contact detection, and answer whether there was a contact."""
         if self._detection is not None:
             self._detection.cancel()
             self._detection = None
         self._exchange.answer_integer(self.contact_steps)
 
     async def _detect(self, direction: Six) -> None:
-        """Wait until there is no contact, and then for one."""
+        """Wait until there is no contact, and then for a new one."""
         is_free = False
         while True:
             sought = direction if any(direction) else self._box.tcp_speed(target=True)
@@ -309,7 +310,7 @@ class Motions:
         self._wake()
 
     async def look_for_contact(self) -> None:
-        """Go back to a contact that was detected since the last time."""
+        """Return to the point of contact if one was detected since the last call."""
         if self._is_contact_new:
             self._is_contact_new = False
             await self._return_to_contact(self.contact_steps)
@@ -324,7 +325,7 @@ class Motions:
     # ---- asynchronous motions -------------------------------------------------------
 
     def check(self) -> None:
-        """Raise what ended an asynchronous motion."""
+        """Raise the error that ended an asynchronous motion, if there was one."""
         if self._failure is not None:
             raise self._failure
 
@@ -348,7 +349,7 @@ class Motions:
         return self._exchange.integer(1) == ASYNCHRONOUS
 
     async def _abandon(self) -> None:
-        """Wait no longer for the end of an asynchronous motion."""
+        """Cancel an asynchronous motion's task, without stopping the arm."""
         task, self._task = self._task, None
         if task is None or task.done():
             return
@@ -357,7 +358,7 @@ class Motions:
         self._exchange.show_progress(None)
 
     async def _cancel(self) -> None:
-        """End an asynchronous motion: the arm slows down to rest."""
+        """End an asynchronous motion, and decelerate the arm to rest."""
         if self._task is None or self._task.done():
             return
         await self._abandon()

@@ -1,7 +1,7 @@
-"""The control program of ur_rtde: a server of commands that come through registers.
+"""The control program of ur_rtde, a server for commands in registers.
 
-The client writes a command and its arguments in one packet of RTDE.  A command is
-executed once; then its state is DONE until the client writes 0, and READY again.
+The client writes a command and its arguments in one RTDE packet.  A command is executed
+once; then the state is DONE until the client writes 0, after which it is READY again.
 Streamed commands are executed whenever they are written, and the state stays READY.
 """
 
@@ -22,14 +22,15 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 NOTHING, STOP = 0, 255
-"""Commands of every revision of the program."""
+"""Commands that every revision of the program has."""
 
 
 def recognise(text: str) -> RtdeControl | None:
-    """Return the program in a text that was sent to a box; None if it is another one.
+    """Return ur_rtde's program from a script's text; None if it is another program.
 
     Raises:
-        ConfigError: If it is ur_rtde's, but with a path that it cannot have written.
+        ConfigError: If it is ur_rtde's program, but with a path that ur_rtde does not
+            write.
     """
     script = parse(text)
     return None if script is None else RtdeControl(script)
@@ -37,7 +38,7 @@ def recognise(text: str) -> RtdeControl | None:
 
 @final
 class RtdeControl:
-    """An upload of the control program."""
+    """An uploaded control program."""
 
     def __init__(self, script: ControlScript) -> None:
         self._script = script
@@ -50,7 +51,8 @@ class RtdeControl:
         """Execute commands until the client stops the program.
 
         Raises:
-            Tool0Error: If a command fails, as an error in URScript would end it.
+            Tool0Error: If a command fails; this ends the program, like an error in
+                URScript.
         """
         with ToolHistory(box) as history:
             server = _CommandServer(box, self._script, history)
@@ -60,7 +62,7 @@ class RtdeControl:
 
 @final
 class _CommandServer:
-    """Executes the commands of one client."""
+    """Executes the commands of a client."""
 
     def __init__(
         self, box: UrControlBox, script: ControlScript, history: ToolHistory
@@ -75,7 +77,7 @@ class _CommandServer:
 
     @contextlib.contextmanager
     def listening(self) -> Iterator[None]:
-        """Be woken by what the client writes."""
+        """Wake the server when the client writes registers, as a context."""
         self._box.registers.when_written.add(self._take)
         self._box.when_updated.add(self._look)
         try:
@@ -126,7 +128,7 @@ class _CommandServer:
             await self._box.programs.gate()
 
     def _take(self, names: Collection[str]) -> None:
-        """Wake the server for a command; it is also what the watchdog waits for."""
+        """Wake the server for a command, and restart the watchdog's time."""
         if self._exchange.command_name in names:
             self._exchange.written = names
             self._watchdog.kick()
@@ -140,7 +142,7 @@ class _CommandServer:
 
 @final
 class _Watchdog:
-    """Fails when the client has not written for too long."""
+    """Fails if the client has not written for too long."""
 
     def __init__(self) -> None:
         self._is_set = asyncio.Event()
@@ -148,7 +150,7 @@ class _Watchdog:
         self._last = 0.0
 
     def start(self, min_frequency: float) -> None:
-        """Expect packets at least this often from now on [Hz]; 0 ends that."""
+        """Expect packets at least this often from now on [Hz]; 0 disables this."""
         self.kick()
         if min_frequency > 0.0:
             self._timeout = 1.0 / min_frequency
@@ -157,14 +159,14 @@ class _Watchdog:
             self._is_set.clear()
 
     def kick(self) -> None:
-        """Note a packet."""
+        """Restart the time after a packet."""
         self._last = asyncio.get_running_loop().time()
 
     async def wait(self) -> None:
-        """Wait for a timeout.
+        """Wait until no packet has arrived in time.
 
         Raises:
-            ControlError: At the first one.
+            ControlError: When the time has run out.
         """
         loop = asyncio.get_running_loop()
         while True:

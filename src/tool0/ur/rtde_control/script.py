@@ -1,9 +1,9 @@
 """Recognises the program that ur_rtde's RTDEControlInterface uploads.
 
-The program is a server of commands that come through registers of RTDE.  It is always
-the same, but for the offset of its registers and the path of ``moveJ(path)``,
-``moveL(path)`` and ``movePath``, which the client inserts as lines of URScript.
-Nothing of it is interpreted: ``program.py`` executes its commands.
+The program is a server for commands that come through RTDE registers.  It is always the
+same, except for the offset of its registers and the path of ``moveJ(path)``,
+``moveL(path)`` and ``movePath``, which the client inserts as lines of URScript. The
+script itself is not interpreted; ``program.py`` executes the commands.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from tool0.errors import ConfigError
 from tool0.motion.moves import Move, MoveKind
 
 MAX_WAYPOINTS: Final = 10_000
-"""Largest number of waypoints of one path."""
+"""Largest number of waypoints in a path."""
 
 _MARKS: Final = (
     "global reg_offset_float =",
@@ -25,7 +25,7 @@ _MARKS: Final = (
     "def signal_done_with_cmd():",
     'textmsg("RTDE Control Script Loaded',
 )
-"""Lines that all revisions of the program have."""
+"""Lines that occur in all revisions of the program."""
 _NAME: Final = re.compile(r"^\s*def\s+(\w+)\s*\(\s*\)\s*:")
 _REVISION: Final = re.compile(r"RTDE Control Script Loaded \(([^)\"]*)\)")
 _OFFSET: Final = re.compile(r"# (float|int) register offset\n\s*(\d+)")
@@ -50,25 +50,26 @@ _MOVE: Final = re.compile(
 @final
 @dataclass(frozen=True, slots=True)
 class ControlScript:
-    """The parts of an upload that differ from others."""
+    """The parts of an upload in which it differs from others."""
 
     name: str
     revision: str
-    """The date that the program shows."""
+    """Revision date that the program displays."""
     offset: int
-    """Offset of its registers: 0, or 24 for the upper range."""
+    """Offset of the registers: 0, or 24 for the upper range."""
     codes: frozenset[int]
-    """The commands that it has."""
+    """Numbers of the commands that the program has."""
     path: tuple[Move, ...]
     """Path of command 45."""
 
 
 def parse(text: str) -> ControlScript | None:
-    """Return the program of ur_rtde in a text; None, if the text is something else.
+    """Return ur_rtde's program from a text; None if the text is something else.
 
     Raises:
-        ConfigError: If it is that program, but with another path than ur_rtde writes.
-        ControlError: If no arm can follow that path.
+        ConfigError: If it is ur_rtde's program, but with a path that ur_rtde does not
+            write.
+        ControlError: If no arm can follow the path.
     """
     name = _NAME.match(text)
     if name is None or not all(mark in text for mark in _MARKS):

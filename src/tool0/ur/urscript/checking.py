@@ -1,4 +1,4 @@
-"""Checks a whole program before any of it runs."""
+"""Checks a whole program before any part of it runs."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
 
 @final
 class _Unknown:
-    """A value that is known only when the program runs."""
+    """A value that is only known when the program runs."""
 
 
 _UNKNOWN: Final = _Unknown()
@@ -37,15 +37,15 @@ _Known: TypeAlias = Value | _Unknown
 
 @final
 class Checker:
-    """Raises URScriptError at the first mistake of a program, from its start."""
+    """Checks a program in order, and raises URScriptError at the first mistake."""
 
     def __init__(self, program: str, *, has_servers: bool = False) -> None:
-        """Check a program.
+        """Prepare to check a program.
 
         Args:
-            program: Its name, for messages.
-            has_servers: Whether it may have handles of servers: methods that lists do
-                not have may be functions of those.
+            program: Name of the program, for messages.
+            has_servers: Whether the program may contain handles of servers; methods
+                that lists do not have may then be functions of these servers.
         """
         self._program = program
         self._has_servers = has_servers
@@ -53,7 +53,7 @@ class Checker:
         self._loops = 0
 
     def check(self, scope: Scope) -> None:
-        """Check the body of a definition, and the definitions in it."""
+        """Check a definition's body, and the definitions inside."""
         outer = getattr(self, "_scope", None), self._loops
         self._scope, self._loops = scope, 0
         definition = scope.definition
@@ -147,7 +147,7 @@ class Checker:
     # ---- expressions ----------------------------------------------------------------
 
     def _fold(self, expression: s.Expression) -> _Known:
-        """Check an expression, and return its value if it is a constant."""
+        """Check an expression, and return its value if it is constant."""
         match expression:
             case s.Literals(value=value):
                 return value
@@ -271,7 +271,7 @@ class Checker:
         try:
             method = list_method(call.name, len(call.arguments))
         except ValueProblem as problem:
-            if self._has_servers:  # it may be one of a server's functions
+            if self._has_servers:  # it may be a server's function
                 return
             self._fail(str(problem), call.at)
         base = call.base.base if isinstance(call.base, s.Index) else call.base
@@ -328,7 +328,7 @@ class Checker:
         required: set[str],
         function: Function | None = None,
     ) -> list[int]:
-        """Return the parameter of each argument, by its position."""
+        """Return the index of the parameter to which each argument belongs."""
         positions: list[int] = []
         for argument in call.arguments:
             name = argument.name
@@ -384,7 +384,7 @@ class Checker:
 
 
 def _not_found(name: str) -> str:
-    """Return what UR's controller says of an unknown name."""
+    """Return the message of UR's controller about an unknown name."""
     return f"compile_error_name_not_found:{name}:"
 
 

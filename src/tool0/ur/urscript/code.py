@@ -1,4 +1,4 @@
-"""Compiled programs: closures over a frame of variables."""
+"""Compiled programs: closures that run on a frame of variables."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from tool0.ur.urscript.values import Value, weight
 from tool0.ur.urscript_errors import Place, ValueProblem
 
 _LONG: Final = 5
-"""Elements of a list from which on its size counts."""
+"""Number of elements above which a list's size counts as work."""
 _PER_STATEMENT: Final = 10
-"""Elements whose work is that of one statement."""
+"""Number of elements whose work is that of one statement."""
 
 
 @final
 @dataclass(slots=True)
 class CallFrame:
-    """The variables that one call of a function sees."""
+    """The variables that a call of a function can access."""
 
     thread: Thread
     globals: dict[str, Value]
@@ -42,7 +42,7 @@ class Node(NamedTuple):
 
 
 def combined(nodes: Sequence[Node], combine: Combine) -> Node:
-    """Return the node that combines the values of others, evaluated in order."""
+    """Return a node that combines the values of other nodes, evaluated in order."""
     runs = [node.run for node in nodes]
     if not any(node.is_async for node in nodes):
 
@@ -72,7 +72,7 @@ async def evaluated(nodes: Sequence[Node], frame: CallFrame) -> list[Value]:
 
 
 class Jump(Enum):
-    """Place where execution continues after a statement that jumps."""
+    """Target of a statement that jumps."""
 
     BREAK = "break"
     CONTINUE = "continue"
@@ -80,7 +80,7 @@ class Jump(Enum):
 
 @final
 class Returned(NamedTuple):
-    """The value of ``return``."""
+    """Result of a ``return`` statement."""
 
     value: Value
 
@@ -92,11 +92,11 @@ Body: TypeAlias = Callable[[CallFrame], Awaitable[Outcome]]
 @final
 @dataclass(slots=True, eq=False)
 class Code:
-    """A function, a thread or the program, compiled."""
+    """A compiled function, thread or program."""
 
     definition: s.Definition
     n_variables: int
-    """Number of its own variables; those of the program are global."""
+    """Number of local variables; a program's variables are global."""
     defaults: dict[str, Node]
     body: Body
 
@@ -107,11 +107,11 @@ class Code:
 
     @property
     def at(self) -> Place:
-        """Place of the definition."""
+        """Location of the definition."""
         return self.definition.at
 
     async def call(self, thread: Thread, arguments: Mapping[str, Value]) -> Value:
-        """Execute it and return its value."""
+        """Execute the code, and return its value."""
         if thread.depth >= MAX_DEPTH:
             raise ValueProblem(f"calls are nested deeper than {MAX_DEPTH} levels")
         execution = thread.execution
@@ -130,38 +130,38 @@ class Code:
 
 
 async def not_compiled(frame: CallFrame) -> Outcome:
-    """Stand for a body until it is compiled."""
+    """Placeholder for a body that is not compiled yet."""
     raise AssertionError(frame)
 
 
 class Interpreted(NamedTuple):
-    """Statements that were compiled while the program runs."""
+    """Statements that were compiled while the program was running."""
 
     scope: Scope
-    """Scope of the next statements."""
+    """Scope of the statements that follow."""
     body: Body
     own: set[Code]
-    """The functions and threads in them."""
+    """Functions and threads that the statements define."""
     clears: bool
-    """Whether one calls clear_interpreter."""
+    """Whether a statement calls clear_interpreter."""
 
 
 class Codes(Protocol):
-    """Functions and threads, compiled."""
+    """Compiled functions and threads."""
 
     def find(self, scope: Scope, name: str) -> Code | None:
-        """Return a function or a thread that a scope sees."""
+        """Return a function or thread that is visible in a scope."""
 
     def extended(self) -> Codes:
-        """Return these with room for others, which these do not get."""
+        """Return a copy, to which code can be added without changing the original."""
 
     def interpreted(self, text: str, scope: Scope) -> Interpreted:
-        """Compile statements in a scope; URScriptError if they are wrong."""
+        """Compile statements in a scope; raise URScriptError if they are wrong."""
 
 
 @final
 class Site(NamedTuple):
-    """Place where a function is called."""
+    """Location from which a function is called."""
 
     frame: CallFrame
     scope: Scope

@@ -1,4 +1,4 @@
-"""Statements as closures, and functions and threads made of them."""
+"""Compiles statements to closures, and functions and threads made of them."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tool0.ur.urscript.values import Handle, Value, described, truth, with_eleme
 from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
 
 INTERPRETER: Final = "interpreter"
-"""The name of statements that clients send, for messages."""
+"""Name for messages about statements that clients send."""
 
 
 class CompiledStatement(NamedTuple):
@@ -49,7 +49,7 @@ class Compiler:
         self._codes = codes or {}
 
     def compile(self, scope: Scope) -> Code:
-        """Return a definition with all that it contains as closures."""
+        """Compile a definition, and the definitions inside, to closures."""
         code = self._declared(scope.definition)
         is_program = scope.parent is None
         code.n_variables = len(scope.globals if is_program else scope.locals)
@@ -66,14 +66,14 @@ class Compiler:
         return code
 
     def extended(self) -> Compiler:
-        """Return one that knows these definitions, and keeps further ones apart."""
+        """Return a compiler that knows these definitions; new ones are kept apart."""
         return Compiler(INTERPRETER, dict(self._codes))
 
     def interpreted(self, text: str, scope: Scope) -> Interpreted:
-        """Compile statements in a scope, while the program runs.
+        """Compile statements in a scope while the program is running.
 
         Raises:
-            URScriptError: They are wrong.
+            URScriptError: If the statements are wrong.
         """
         block = parse(text, self._program)
         inner = scope.extended(block)
@@ -92,7 +92,7 @@ class Compiler:
         return Interpreted(inner, body, own, "clear_interpreter" in called)
 
     def find(self, scope: Scope, name: str) -> Code | None:
-        """Return a function or a thread that a scope sees."""
+        """Return a function or thread that is visible in a scope."""
         found = scope.find(name)
         return None if found is None else self._declared(found[0])
 
@@ -105,7 +105,7 @@ class Compiler:
 
 @final
 class Statements:
-    """Compiles the statements of one definition."""
+    """Compiles the statements of a definition."""
 
     def __init__(self, expressions: Expressions, scope: Scope) -> None:
         self._expressions = expressions
@@ -158,7 +158,7 @@ class Statements:
         at: Place,
         finish: Callable[[CallFrame, Value], Outcome],
     ) -> CompiledStatement:
-        """Return the step that does something with the value of an expression."""
+        """Return a statement that applies a function to the value of an expression."""
         node = self._expressions.node(expression)
         evaluate = node.run
         if not node.is_async:
@@ -278,7 +278,7 @@ class Statements:
 
 
 def _called(block: s.Block) -> set[str]:
-    """Return the functions that statements of a block call directly."""
+    """Return the names of functions that the statements of a block call directly."""
     values = [item.value for item in block if isinstance(item, s.Evaluate)]
     return {value.name for value in values if isinstance(value, s.Call)}
 

@@ -1,4 +1,4 @@
-"""The critical section of a program: one thread at a time, in fair turns."""
+"""The critical section of a program: one thread at a time, in a fair order."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from typing import final
 class CriticalSection:
     """While a thread is inside, no other thread executes a statement.
 
-    A thread is outside while it waits for something that takes time.  UR does not
-    document that, nor how turns are taken; its driver's program relies on it, which
-    executes trajectories and reads sockets inside.  Here, threads that are ready run
-    before a thread enters, also before one that has just left.
+    A thread leaves the section while it waits for something that takes time.  UR
+    documents neither this nor the order of the threads, but its driver's program relies
+    on it: the program executes trajectories and reads sockets inside.  Here, ready
+    threads run before another thread enters, even if that has just left.
     """
 
     def __init__(self) -> None:
@@ -21,7 +21,7 @@ class CriticalSection:
         self._free = asyncio.Event()
 
     def is_inside(self, thread: object) -> bool:
-        """Return whether the thread has entered."""
+        """Return whether the thread is inside."""
         return self._owner is thread
 
     async def wait(self, thread: object) -> None:
@@ -30,12 +30,12 @@ class CriticalSection:
             await self._free.wait()
 
     async def enter(self, thread: object) -> None:
-        """Wait for the turn of the thread; it is inside then."""
+        """Wait for the thread's turn and enter."""
         await asyncio.sleep(0)
         await self.resume(thread)
 
     async def resume(self, thread: object) -> None:
-        """Be inside again, at once if no other thread is."""
+        """Enter again, at once if no other thread is inside."""
         await self.wait(thread)
         self._owner = thread
         self._free.clear()

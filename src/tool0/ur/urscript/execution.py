@@ -1,7 +1,7 @@
-"""A running program: its threads, their time, and how they end.
+"""A running program, with its threads, their timing and their end.
 
-Threads are tasks of one event loop.  As on the robot, one that computes without end
-uses up its share of a control period and goes on in the next one.
+Threads are tasks of one event loop.  Like on the robot, a thread that computes
+endlessly uses up its share of a control period and continues in the next one.
 """
 
 from __future__ import annotations
@@ -30,22 +30,24 @@ T = TypeVar("T")
 
 MAX_THREADS: Final = 50
 MAX_VARIABLES: Final = 2_000
-"""Largest number of variables of all unfinished calls, with those of the program."""
+"""Largest number of variables of the program and all unfinished calls."""
 MAX_DEPTH: Final = 100
-"""Largest depth of calls in calls."""
+"""Largest depth of nested calls."""
 SLICE: Final = 100
-"""Statements that a thread executes before others have their turn."""
+"""Number of statements that a thread executes before others have their turn."""
 PER_PERIOD: Final = 500
-"""Statements of a program in one control period; the rest waits for the next one."""
+"""Number of a program's statements in a control period; the rest waits for the next
+one."""
 MAX_UPDATES: Final = 20
-"""Largest number of updates until a change is shown; another client may have changed it
-back."""
+"""Largest number of updates to wait for a change, which another client may have
+reverted."""
 MAX_SPIN: Final = 1_000_000
-"""Statements of a thread without one that takes time, such as sync()."""
+"""Largest number of a thread's statements without one that takes time, such as
+sync()."""
 
 
 class Runnable(Protocol):
-    """A program or a thread, compiled."""
+    """A compiled program or thread."""
 
     @property
     def name(self) -> str: ...
@@ -57,30 +59,30 @@ class Runnable(Protocol):
 
 
 class Interpreting(Protocol):
-    """The interpreter mode."""
+    """The interpreter mode of a program."""
 
     # Any: the site of the call.
     async def run(self, site: Any, *, clear_queue: bool, clear_on_end: bool) -> None:
-        """Execute statements in the scope of a call, until ``end`` is called."""
+        """Execute statements in the scope of a call until ``end`` is called."""
 
     def end(self) -> None:
         """End ``run``."""
 
     async def clear(self) -> None:
-        """Forget what was interpreted."""
+        """Forget everything that was interpreted."""
 
     def close(self) -> None:
-        """Refuse what waits."""
+        """Reject the waiting statements."""
 
 
 @final
 class Halted(Exception):  # noqa: N818 - the end of a program, not an error
-    """The statement ``halt``."""
+    """Raised by the statement ``halt``."""
 
 
 @final
 class Thread:
-    """One thread of a program; the program itself is the first."""
+    """A thread of a program; the program itself is the first one."""
 
     def __init__(
         self, execution: Execution, name: str, *, is_main: bool = False
@@ -88,27 +90,27 @@ class Thread:
         self.execution = execution
         self.name = name
         self.is_main = is_main
-        """Whether it is the program itself."""
+        """Whether the thread is the program itself."""
         self.left = SLICE
-        """Statements until others have their turn."""
+        """Number of statements left before others have their turn."""
         self.depth = 0
-        """Depth of calls in calls."""
+        """Depth of nested calls."""
         self.pacer = Pacer(execution.box)
-        """Pacer of the times that it waits."""
+        """Pacer for the thread's waits."""
         self._spun = 0
 
     @property
     def box(self) -> UrControlBox:
-        """The control box that the program runs on."""
+        """Control box on which the program runs."""
         return self.execution.box
 
     @property
     def moves(self) -> Moves:
-        """Moves of the robot."""
+        """Moves of the robot's arm."""
         return self.execution.moves
 
     async def give_way(self, at: Place) -> None:
-        """Yield to other threads, after a number of statements."""
+        """Yield to other threads after a number of statements."""
         used = SLICE - self.left
         self.left = SLICE
         self._spun += used
@@ -123,7 +125,7 @@ class Thread:
         await self.hold()
 
     async def timed(self, action: Awaitable[T]) -> T:
-        """Wait for something that takes time, and for the permission to go on."""
+        """Wait for an action that takes time, and for permission to continue."""
         self._spun = 0
         critical = self.execution.critical
         was_inside = critical.is_inside(self)
@@ -137,22 +139,23 @@ class Thread:
         return value
 
     async def hold(self) -> None:
-        """Wait while the program is paused, or another thread is critical."""
+        """Wait while the program is paused, or another thread is in the section."""
         await self.execution.gate()
         await self.execution.critical.wait(self)
 
     async def until_shown(self, condition: Callable[[], bool]) -> None:
-        """Wait until the updates show what a request has changed."""
+        """Wait until an update shows the effect of a request."""
         for _ in range(MAX_UPDATES):
             if condition():
                 return
             await self.box.next_update()
 
     async def moving(self, motion: Callable[[], Awaitable[None]]) -> None:
-        """Execute a motion, which one thread at a time can do.
+        """Execute a motion; only one thread at a time can do this.
 
         Raises:
-            ValueProblem: Another thread is moving the robot, or it cannot move so.
+            ValueProblem: If another thread is moving the robot, or the motion is
+                impossible.
         """
         execution = self.execution
         if execution.mover not in {None, self}:
@@ -166,7 +169,7 @@ class Thread:
 
 @final
 class Execution:
-    """One run of a program."""
+    """A run of a program."""
 
     def __init__(
         self,
@@ -181,8 +184,9 @@ class Execution:
         Args:
             name: Name of the program's source, for messages.
             box: The control box.
-            moves: Its arm's moves.
-            is_secondary: Whether it runs beside the program, also while that is paused.
+            moves: Moves of the control box's arm.
+            is_secondary: Whether it is a secondary program, which runs alongside the
+                main program even while that is paused.
         """
         self.name = name
         self.box = box
@@ -190,26 +194,26 @@ class Execution:
         self.torques = Torques(box)
         self.sockets = Sockets(box)
         self.servers: set[RemoteServer] = set()
-        """Servers whose functions the program calls."""
+        """Servers whose functions the program can call."""
         self.watchdogs = Watchdogs(box, self._finish)
         self.history = ToolHistory(box)
         self._is_secondary = is_secondary
         self.waypoint: Pose | None = None
-        """Target of the last move."""
+        """Target of the last move; None before the first one."""
         self.motion_version = 1
-        """Version of movej and movel; both are the same here."""
+        """Version of movej and movel; both versions are the same here."""
         self.force_damping = 0.005
         """Damping of the next force mode."""
         self.force_gain = 1.0
-        """Scales the gain of the next force mode."""
+        """Gain scaling of the next force mode."""
         self.globals: dict[str, Value] = {}
         self.critical = CriticalSection()
         self.mover: Thread | None = None
-        """The thread that moves the robot."""
+        """Thread that is moving the robot."""
         self.interpreter: Interpreting
-        """Interpreter of statements that clients send; set before it runs."""
+        """Interpreter of statements that clients send; set before the program runs."""
         self._motion: asyncio.Task[None] | None = None
-        """The move that can be aborted."""
+        """Motion that can be aborted."""
         self._tasks: dict[asyncio.Task[Value], Runnable] = {}
         self._end: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._variables = 0
@@ -220,7 +224,7 @@ class Execution:
         """Run a program to its end, and end its threads.
 
         Raises:
-            URScriptError: The program failed, with the location.
+            URScriptError: If the program fails; the error has the location.
         """
         with self.history:
             main = self._start(code, is_main=True)
@@ -239,15 +243,15 @@ class Execution:
                     server.close()
 
     async def gate(self) -> None:
-        """Wait while the program is paused."""
+        """Wait while the program is paused, unless it is secondary."""
         if not self._is_secondary:
             await self.box.programs.gate()
 
     def add_variables(self, count: int) -> None:
-        """Count the variables of a call, or those of one that has ended.
+        """Count the variables of a call; the count is negative when the call has ended.
 
         Raises:
-            ValueProblem: There are too many.
+            ValueProblem: If there are too many variables.
         """
         self._variables += count
         if count > 0 and self._variables > MAX_VARIABLES:
@@ -261,7 +265,7 @@ class Execution:
         return Handle(code.name, self._start(code))
 
     async def end_threads(self, codes: Collection[object]) -> None:
-        """End the threads that were started of these definitions."""
+        """End the threads that were started from these definitions."""
         tasks = {task for task, code in self._tasks.items() if code in codes}
         for task in tasks:
             task.cancel()
@@ -283,7 +287,7 @@ class Execution:
             task.result()
 
     def abort(self) -> None:
-        """End the move that can be aborted, if there is one: the arm slows down."""
+        """Abort the current motion, if there is one; the arm decelerates to rest."""
         if self._motion is not None:
             self._motion.cancel()
 
@@ -319,7 +323,7 @@ class Execution:
             self._end.set_exception(error)
 
     async def share(self, statements: int) -> None:
-        """Count statements of this control period; wait when there were too many."""
+        """Count statements in this control period; wait if there were too many."""
         self._look_at_time()
         self._used += statements
         if self._used < PER_PERIOD:
@@ -331,6 +335,6 @@ class Execution:
     def _look_at_time(self) -> None:
         elapsed, self._period = self.box.time - self._period, self.box.time
         if elapsed:
-            # A process that was late sees several periods at once.
+            # A late process sees several periods at once.
             periods = max(round(elapsed * self.box.rate), 1)
             self._used = max(self._used - PER_PERIOD * periods, 0)

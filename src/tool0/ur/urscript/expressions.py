@@ -1,7 +1,8 @@
-"""Expressions as closures.
+"""Compiles expressions to closures.
 
-Only what may wait is a coroutine: library functions that take time, functions of the
-program, and whatever contains them.  All else is evaluated by ordinary functions.
+Only expressions that may wait are coroutines: library functions that take time, the
+program's own functions, and expressions that contain them.  Ordinary functions evaluate
+all others.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
 
 @final
 class Expressions:
-    """Compiles the expressions of one definition."""
+    """Compiles the expressions of a definition."""
 
     def __init__(self, program: str, scope: Scope, codes: Codes) -> None:
         self._program = program
@@ -57,11 +58,11 @@ class Expressions:
         self._codes = codes
 
     def error(self, problem: Exception | str, at: Place) -> URScriptError:
-        """Return a problem as an error of the program."""
+        """Return a problem as an error with its location in the program."""
         return URScriptError(str(problem), at, self._program)
 
     def node(self, expression: s.Expression) -> Node:
-        """Return an expression as a closure."""
+        """Compile an expression to a closure."""
         match expression:
             case s.Literals(value=value):
                 return Node(lambda frame: value, is_async=False)
@@ -142,7 +143,7 @@ class Expressions:
         return combined(nodes, combine)
 
     def _method(self, call: s.Method) -> Node:
-        """Return a method of a list, or a function of a server."""
+        """Compile a call of a list's method, or of a server's function."""
         nodes = [self.node(call.base), *map(self.node, call.arguments)]
         whole = call.base
         base, places = (
@@ -153,7 +154,7 @@ class Expressions:
         async def apply(
             frame: CallFrame, value: Value, arguments: list[Value]
         ) -> Value:
-            """Return what the method returns; a changed list is assigned."""
+            """Return the method's result; assign a changed list to its variable."""
             if type(value) is not tuple:
                 raise ValueProblem(f"{described(value)} has no methods; a list has")
             method = list_method(call.name, len(arguments))
@@ -237,7 +238,7 @@ class Expressions:
         return Node(run, is_async=False)
 
     def _until(self, word: str, nodes: list[Node], places: list[Place]) -> Node:
-        """Return ``and`` or ``or``, which evaluates no more than it needs."""
+        """Compile ``and`` or ``or``, which evaluate only as many operands as needed."""
         decisive = word == "or"
         located = list(zip(nodes, [places[0], *places], strict=True))
 
@@ -410,7 +411,7 @@ def _inverted(value: Value) -> Value:
 
 
 def _positions(call: s.Call, names: list[str]) -> list[int]:
-    """Return the parameter of each argument, which is checked to exist."""
+    """Return the index of each argument's parameter, which must exist."""
     return [
         k if argument.name is None else names.index(argument.name)
         for k, argument in enumerate(call.arguments)

@@ -1,4 +1,4 @@
-"""Descriptions of the library's functions: names, parameters, implementations."""
+"""Descriptions of the library's functions: names, parameters and implementations."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ NO_DEFAULT: Final = object()
 _THREAD: Final = "thread"
 _SITE: Final = "site"
 
-# Any: the arguments of an implementation are what its kinds convert to.
+# Any: the arguments of an implementation have the types its kinds convert to.
 Implementation: TypeAlias = Callable[..., Value] | Callable[..., Awaitable[Value]]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A parameter of a function of the library."""
+    """A parameter of a library function."""
 
     name: str
     kind: Kind
@@ -30,12 +30,12 @@ class Parameter:
 
     @property
     def is_required(self) -> bool:
-        """Whether it has no default."""
+        """Whether the parameter has no default."""
         return self.default is NO_DEFAULT
 
     @property
     def text(self) -> str:
-        """Parameter as a signature shows it; in brackets, if it may be left out."""
+        """Parameter as shown in a signature; ``[name]`` if its default is None."""
         if self.is_required:
             return self.name
         if self.default is None:
@@ -55,18 +55,20 @@ class Function:
     call: Implementation
     is_async: bool
     takes_thread: bool
-    """Whether the first argument is the thread that calls it."""
+    """Whether the first argument is the calling thread."""
     takes_site: bool
-    """Whether it is where it is called, of a function that is a coroutine."""
+    """Whether the first argument is the location of the call; only coroutines have
+    it."""
     is_physical: bool
-    """Whether it takes time of the robot, which secondary programs must not."""
+    """Whether the function takes the robot's time, which is forbidden in secondary
+    programs."""
     cost: int = 0
-    """Number of further statements that a call counts as: 4 µs of the processor,
-    each."""
+    """Number of additional statements that a call counts as; each stands for 4 µs of
+    processor time."""
 
     @property
     def signature(self) -> str:
-        """Signature as the manual writes it: ``movej(q, a=1.4, …)``."""
+        """Signature in the style of UR's manual, such as ``movej(q, a=1.4, …)``."""
         return f"{self.name}({', '.join(item.text for item in self.parameters)})"
 
 
@@ -77,7 +79,7 @@ def function(
     physical: bool = False,
     cost: int = 0,
 ) -> Function:
-    """Return a function of the library, described by the annotations of ``call``."""
+    """Return a library function, described by the annotations of ``call``."""
     hints = get_type_hints(call, include_extras=True)
     parameters = []
     takes_thread = takes_site = False

@@ -1,7 +1,8 @@
 """The interpreter mode: statements that clients send become part of a program.
 
 Source: URScript manual 5.x, "Interpreter Mode".  A statement is compiled in the scope
-of the call of ``interpreter_mode``, acknowledged, and executed after those before it.
+of the call of ``interpreter_mode``, acknowledged, and executed after the previous
+statements.
 """
 
 from __future__ import annotations
@@ -20,13 +21,13 @@ if TYPE_CHECKING:
     from tool0.ur.urscript.scopes import Scope
 
 MAX_QUEUE: Final = 1000
-"""Statements that wait to be interpreted, or to be executed."""
+"""Largest number of statements that wait to be interpreted or executed."""
 NOT_RUNNING: Final = "no program is running"
 STATES: Final = (
     *("statelastexecuted", "statelastinterpreted", "statelastcleared"),
     "stateunexecuted",
 )
-"""Commands that ask for a number; 0 without a program."""
+"""Commands that query a number, which is 0 if no program runs."""
 _CLEANED: Final = "cleared when the interpreter mode began"
 
 Reply: TypeAlias = Callable[[str], None]
@@ -41,29 +42,29 @@ class _Ready(NamedTuple):
     number: int
     body: Body
     clears: bool
-    """Whether it calls clear_interpreter."""
+    """Whether the statement calls clear_interpreter."""
 
 
 def discarded(reason: str, text: str) -> str:
-    """Return the reply to a statement that is not interpreted."""
+    """Return the reply to a statement that was rejected."""
     return f"discard: {reason}: {text}"
 
 
 @final
 @dataclass(slots=True, eq=False)
 class _Session:
-    """Statements interpreted in one scope, until it is cleared."""
+    """Statements that were interpreted in a scope since it was last cleared."""
 
     site: Site
     codes: Codes
     scope: Scope
     own: set[Code] = field(default_factory=set)
-    """Functions and threads that were interpreted."""
+    """Functions and threads that the statements defined."""
 
 
 @final
 class Interpreter:
-    """The statements that one run of a program gets."""
+    """Executes the statements that clients send to a program."""
 
     def __init__(self, execution: Execution) -> None:
         self._execution = execution
@@ -73,7 +74,8 @@ class Interpreter:
         self._is_ready = asyncio.Event()
         self._session: _Session | None = None
         self._kept: dict[int, _Session] = {}
-        """Sessions of calls with clearOnEnd = False, by the definition that called."""
+        """Sessions kept by calls with clearOnEnd = False, by the definition with the
+        call."""
         self._ends = False
         self._is_clearing = False
         self._interpreted = self._executed = self._cleared = 0
@@ -81,7 +83,7 @@ class Interpreter:
     # ---- the client's side ----------------------------------------------------------
 
     def submit(self, text: str, reply: Reply) -> None:
-        """Take a line of a client; it is replied to now, or when it is interpreted."""
+        """Accept a line from a client; reply now, or once it has been interpreted."""
         match text:
             case "skipbuffer":
                 self._ready.clear()
@@ -110,7 +112,7 @@ class Interpreter:
         reply(f"ack: {self._interpreted}: {text}")
 
     def close(self) -> None:
-        """Refuse what waits: the program has ended."""
+        """Reject the waiting statements, because the program has ended."""
         self._discard(NOT_RUNNING)
 
     def _discard(self, reason: str) -> None:
@@ -124,7 +126,8 @@ class Interpreter:
         """Execute statements in the scope of a call until ``end`` is called.
 
         Raises:
-            ValueProblem: It is not called by the main thread, or it runs already.
+            ValueProblem: If the caller is not the main thread, or the mode is already
+                active.
         """
         thread = site.frame.thread
         if not thread.is_main:
@@ -155,15 +158,15 @@ class Interpreter:
             self._kept[key] = session
 
     def end(self) -> None:
-        """End the interpreter mode after the statement that is executed."""
+        """End the interpreter mode after the current statement."""
         self._ends = True
         self._is_ready.set()
 
     async def clear(self) -> None:
-        """Forget what was interpreted before.
+        """Forget everything that was interpreted before.
 
         Raises:
-            ValueProblem: The program is not in the interpreter mode.
+            ValueProblem: If the program is not in the interpreter mode.
         """
         session = self._session
         if session is None:
@@ -172,7 +175,7 @@ class Interpreter:
         self._cleared = self._executed
 
     async def _forget(self, session: _Session) -> None:
-        """Remove functions and variables; end threads that were started of those."""
+        """Remove a session's functions and variables, and end their threads."""
         await self._execution.end_threads(session.own)
         site, scope = session.site, session.scope
         for names, variables in (
@@ -201,7 +204,7 @@ class Interpreter:
         self._arrived.set()
 
     async def _interpret(self, session: _Session) -> None:
-        """Compile what arrives, while nothing waits to be cleared."""
+        """Compile arriving statements, unless a statement that clears is waiting."""
         while True:
             is_clearing = self._is_clearing or any(item.clears for item in self._ready)
             if is_clearing or not self._received:

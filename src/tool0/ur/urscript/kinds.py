@@ -1,6 +1,7 @@
-"""The kinds of values that functions of the library take, for annotations.
+"""The kinds of values that library functions accept, for annotations.
 
-A kind converts a value to what the implementation needs, or says what it needs.
+A kind converts a value for the implementation, or raises an error that states which
+values are accepted.
 """
 
 from __future__ import annotations
@@ -20,14 +21,14 @@ from tool0.ur.urscript_errors import ValueProblem
 @final
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """The values that a parameter takes."""
+    """The values that a parameter accepts."""
 
     words: str
     # Any: each converter returns what its annotation says.
     convert: Callable[[Value], Any]
-    """Raises ValueProblem."""
+    """Function that converts a value, or raises ValueProblem."""
     sizes: tuple[int, ...] = ()
-    """Allowed numbers of elements of a list literal; any number if empty."""
+    """Allowed lengths of list literals; any length if empty."""
 
 
 def _wrong(words: str, value: Value) -> ValueProblem:
@@ -46,7 +47,7 @@ def _number(value: Value) -> float:
 
 
 def _integer(value: Value) -> int:
-    """Return an integer; as on the robot, a float without a fraction is one."""
+    """Return an integer; like on the robot, floats without a fraction are accepted."""
     if type(value) is float and value.is_integer() and int(value) in INT_RANGE:
         return int(value)
     if type(value) is not int:
@@ -80,7 +81,7 @@ def _pose(value: Value) -> Pose:
 
 
 def _check(values: tuple[Value, ...], largest: float) -> None:
-    """Raise ValueProblem for numbers with which one cannot compute."""
+    """Raise ValueProblem if numbers are too large, or not finite."""
     for value in cast("tuple[float, ...]", values):
         if not math.isfinite(value):
             raise ValueProblem(f"finite numbers are needed, not {value}")

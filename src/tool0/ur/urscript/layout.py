@@ -1,4 +1,4 @@
-"""Between lexer and parser: new lines, limits of nesting, and blocks without an end."""
+"""Between lexer and parser: handles new lines, nesting limits and unclosed blocks."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from lark.lark import PostLex
 from tool0.ur.urscript_errors import Place, URScriptError
 
 MAX_NESTING: Final = 100
-"""Largest depth of blocks and brackets together, and of signs in a row."""
+"""Largest depth of nested blocks and brackets, and largest number of consecutive
+signs."""
 _CLOSERS: Final = {"_CLOSE": "(", "RSQB": "["}
 _OPENERS: Final = {"_OPEN": ")", "LIST_OPEN": "]"}
 _BLOCKS: Final = ("IF", "WHILE", "DEFINE")
 _INFIX: Final = frozenset(
     {"OR", "XOR", "AND", "NOT", "COMPARE", "EQUAL", "SIGN", "FACTOR", "COMMA"}
 )
-"""Tokens after which a statement continues in the next line."""
+"""Tokens after which a statement continues on the next line."""
 _LAST: Final = frozenset(
     {"NAME", "INTEGER", "FLOAT", "STRING", "TRUE", "FALSE", "_CLOSE", "RSQB"}
 )
@@ -26,26 +27,27 @@ _FIRST: Final = frozenset(
     {"NAME", "SCOPE", "DEFINE", "IF", "WHILE", "RETURN", "KILL", "JOIN", "RUN"}
     | {"BREAK", "CONTINUE", "HALT", "PAUSE", "ENTER_CRITICAL", "EXIT_CRITICAL"}
 )
-"""One after one of ``_LAST`` begins another statement in the same line."""
+"""Tokens that begin another statement on the same line if they follow one of
+``_LAST``."""
 
 
 @final
 class Layout(PostLex):
-    """Keeps the new lines that end a statement, and adds those that are left out.
+    """Keeps the new lines that end statements, and adds missing ones.
 
-    In brackets and after an operator, a statement goes on in the next line.
+    Inside brackets and after an operator, a statement continues on the next line.
     """
 
     always_accept = ()
 
     def process(self, stream: Iterator[Token]) -> Iterator[Token]:
-        """Return the tokens, every statement and header followed by one new line."""
+        """Yield the tokens, with one new line after each statement and header."""
         opened: list[Token] = []
         in_brackets = signs = 0
         is_fresh = True
         n_tokens = 0  # of this statement
         last: Token | None = None
-        askew: Token | None = None  # a block whose 'end' stands elsewhere
+        askew: Token | None = None  # a block whose 'end' is not aligned
         for token in stream:
             kind = token.type
             if kind == "_NL":
@@ -106,7 +108,7 @@ def _new_line(beside: Token) -> Token:
 
 
 def _is_aligned(opener: Token, end: Token) -> bool:
-    """Return whether an ``end`` stands below its block, or in the same line."""
+    """Return whether ``end`` is in the column or the line where its block starts."""
     return opener.line == end.line or opener.column == end.column
 
 

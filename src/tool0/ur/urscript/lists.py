@@ -1,7 +1,7 @@
-"""Methods of lists: ``items.append(1)``.
+"""Methods of lists, such as ``items.append(1)``.
 
-Source: URScript manual 5.15 and later, "Lists and Structs".  A list of UR has a
-capacity; here, only the limit of all lists counts.
+Source: URScript manual 5.15 and later, "Lists and Structs".  UR's lists have a
+capacity; here, only the limit for all lists applies.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ class Outcome(NamedTuple):
     """Effect of a method."""
 
     items: Sequence[Value]
-    """The list after it."""
+    """List after the call."""
     value: Value
-    """Result of a method."""
+    """Return value of the method."""
 
 
 @final
@@ -40,13 +40,13 @@ class ListMethod(NamedTuple):
     call: Callable[..., Outcome]
     n_arguments: int
     changes: bool
-    """Whether it changes the list, which must be a variable then."""
+    """Whether the method changes the list, which must then be a variable."""
 
     def apply(self, items: Items, arguments: Sequence[Value]) -> tuple[Items, Value]:
-        """Return the list after the method, and what the method returns.
+        """Return the list after the call, and the method's result.
 
         Raises:
-            ValueProblem: The arguments are not possible.
+            ValueProblem: If the arguments are invalid.
         """
         new, result = self.call(items, *arguments)
         return (checked_list(new) if self.changes else items), result
@@ -120,7 +120,7 @@ def list_method(name: str, n_arguments: int) -> ListMethod:
     """Return a method of lists.
 
     Raises:
-        ValueProblem: There is none of this name with so many arguments.
+        ValueProblem: If there is no such method with this number of arguments.
     """
     method = LIST_METHODS.get(name)
     if method is None:

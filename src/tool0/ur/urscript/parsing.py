@@ -1,4 +1,4 @@
-"""Text of a URScript program to its syntax tree, or an error with its location."""
+"""Parses a URScript program to a syntax tree, or an error with its location."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from lark import Token
 
 MAX_SIZE: Final = 1_000_000
-"""Largest size of a program, in characters."""
+"""Largest size of a program [characters]."""
 _SHOWN: Final = 30
 _NEVER: Final = {
     "for": "URScript has no 'for'; count in a 'while'",
@@ -58,7 +58,8 @@ def parse(text: str, name: str) -> syntax.Block:
         name: Name of the program, for messages.
 
     Raises:
-        URScriptError: The text is no program, with line and column.
+        URScriptError: If the text is not a valid program; the error has line and
+            column.
     """
     if len(text) > MAX_SIZE:
         message = f"the program has {len(text)} characters; at most {MAX_SIZE} are read"
@@ -98,7 +99,7 @@ def _about_character(char: str) -> str:
 def _about_token(
     token: Token, accepted: set[str], text: str, place: Place
 ) -> tuple[str, Place]:
-    """Return what is wrong at a token, and where a reader would look for it."""
+    """Return the problem at a token, and the location where a reader would look."""
     line = text.split("\n")[place.line - 1]
     before = line[: place.column - 1]
     previous = re.search(r"(\w+)\W*$", before)

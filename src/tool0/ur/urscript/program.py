@@ -1,4 +1,4 @@
-"""Programs as clients send them: text to something that a control box can run."""
+"""Compiles programs from clients to a form that a control box can run."""
 
 from __future__ import annotations
 
@@ -29,19 +29,19 @@ class URScriptProgram:
 
     @property
     def name(self) -> str:
-        """Name of the program's ``def``; that of the source for bare statements."""
+        """Name of the program's ``def``; for bare statements, that of the source."""
         return self._code.name
 
     @property
     def is_secondary(self) -> bool:
-        """Whether it is a ``sec``: it runs beside the program and moves nothing."""
+        """Whether the program is a ``sec``, which runs alongside and moves nothing."""
         return self._code.definition.kind == "sec"
 
     async def run(self, box: UrControlBox) -> None:
-        """Run on a control box to the end.
+        """Run the program on a control box to its end.
 
         Raises:
-            URScriptError: The program failed, with the location.
+            URScriptError: If the program fails; the error has the location.
         """
         execution = Execution(
             self._source,
@@ -61,18 +61,19 @@ class URScriptProgram:
 
 
 def compile_program(text: str, name: str = "program") -> URScriptProgram:
-    """Return a program that is checked and ready to run.
+    """Return a checked program that is ready to run.
 
-    A program is a ``def`` or a ``sec`` without parameters, or bare statements.  Of
-    several definitions the last one is the program, which can call the others.  A long
-    program takes time: call it in another thread than the event loop's.
+    A program is a ``def`` or a ``sec`` without parameters, or bare statements.  If
+    there are several definitions, the last one is the program, which can call the
+    others.  Since compiling a long program takes time, call this outside the event
+    loop's thread.
 
     Args:
         text: The program; lines end with LF, CRLF or CR.
         name: Name of the source, for messages.
 
     Raises:
-        URScriptError: What is wrong, with line and column.
+        URScriptError: If the program is wrong; the error has line and column.
     """
     main = _main(parse(text, name), name)
     scope = program_scope(main)

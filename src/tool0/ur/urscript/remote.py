@@ -1,7 +1,8 @@
 """Servers whose functions a program calls: XML-RPC over HTTP.
 
-A call waits in a thread of its own, since the other side may take any time, as a camera
-does.  When the program is stopped meanwhile, the connection is closed, which ends it.
+A call waits in a separate thread, since the server, such as a camera, may take any
+time.  If the program is stopped in the meantime, the connection is closed, which ends
+the call.
 """
 
 from __future__ import annotations
@@ -20,17 +21,17 @@ from xml.parsers.expat import ExpatError
 from tool0.ur.urscript_errors import ValueProblem
 
 OPEN_TIMEOUT: Final = 2.0
-"""Timeout of a connection [wall s]."""
+"""Longest wait for a connection [wall s]."""
 MAX_RESPONSE: Final = 1 << 20
 """Largest response of a server [bytes]."""
 CLOSE: Final = "closeXMLRPCClientConnection"
-"""The one method that is the handle's own."""
+"""Name of the only method that belongs to the handle itself."""
 _CHUNK: Final = 1 << 16
 
 
 @final
 class _Connection(http.client.HTTPConnection):
-    """Connects within a time, and waits for replies without end."""
+    """A connection with a timeout for connecting, but none for replies."""
 
     is_abandoned = False
 
@@ -42,7 +43,7 @@ class _Connection(http.client.HTTPConnection):
             raise ConnectionAbortedError("the connection was closed")
 
     def abandon(self) -> None:
-        """End it: a thread that waits for it goes on with an error."""
+        """Close the connection; a thread that waits for a reply gets an error."""
         self.is_abandoned = True
         if self.sock is not None:
             with suppress(OSError):
@@ -52,7 +53,7 @@ class _Connection(http.client.HTTPConnection):
 
 @final
 class _Transport(xmlrpc.client.Transport):
-    """Reads no more than a limit, and nothing that is compressed."""
+    """A transport that limits the size of responses, and accepts no compression."""
 
     accept_gzip_encoding = False
 
@@ -67,7 +68,7 @@ class _Transport(xmlrpc.client.Transport):
         return self._live
 
     def close(self) -> None:
-        """Forget the connection, which has ended."""
+        """Forget the connection after it has ended."""
         live, self._live = self._live, None
         if live is not None:
             live.close()
@@ -81,7 +82,7 @@ class _Transport(xmlrpc.client.Transport):
     def request(
         self, host: Any, handler: str, request_body: Any, verbose: bool = False
     ) -> Any:
-        """Send a request; again, if the server has closed a connection in between."""
+        """Send a request; retry if the server has closed an earlier connection."""
         live = self._live
         try:
             return self.single_request(host, handler, request_body, verbose)
@@ -104,14 +105,14 @@ class _Transport(xmlrpc.client.Transport):
 
 @final
 class RemoteServer:
-    """The handle of ``rpc_factory``: its methods are those of a server."""
+    """A handle of ``rpc_factory``, whose methods are the functions of a server."""
 
     def __init__(self, url: str, when_closed: Callable[[RemoteServer], object]) -> None:
-        """Describe a server.
+        """Create a handle, without connecting yet.
 
         Args:
-            url: A URL that is checked.
-            when_closed: Called when the connection was closed.
+            url: URL of the server, which has been checked.
+            when_closed: Called when the connection has been closed.
         """
         self._when_closed = when_closed
         host, port = address_of(url)  # what was allowed, and nothing else of the URL
@@ -121,10 +122,11 @@ class RemoteServer:
         self._turn = asyncio.Lock()
 
     async def call(self, name: str, arguments: Sequence[object]) -> object:
-        """Return what a function of the server returns; values as xmlrpc.client's.
+        """Return the result of a server's function; values are those of xmlrpc.client.
 
         Raises:
-            ValueProblem: If it cannot be called, or fails, with the reason.
+            ValueProblem: If the function cannot be called, or fails; the error has the
+                reason.
         """
         given = cast("Any", tuple(arguments))
         body = xmlrpc.client.dumps(given, name).encode()
@@ -135,12 +137,12 @@ class RemoteServer:
         return cast("tuple[object]", answer)[0]
 
     def close(self) -> None:
-        """End the connection; the next call makes another one."""
+        """Close the connection; the next call opens another one."""
         self._transport.abandon()
         self._when_closed(self)
 
     async def _apart(self, action: Callable[[], object]) -> object:
-        """Return the result of an action that another thread executes."""
+        """Return the result of an action that runs in a separate thread."""
         loop = asyncio.get_running_loop()
         done: asyncio.Future[Callable[[], object]] = loop.create_future()
 
@@ -163,7 +165,7 @@ class RemoteServer:
 
 
 def _outcome(action: Callable[[], object]) -> Callable[[], object]:
-    """Return what returns the result of an action, or raises why there is none."""
+    """Return a function that returns the action's result, or raises its problem."""
     try:
         result = action()
     except ValueProblem as problem:
@@ -188,10 +190,10 @@ def _outcome(action: Callable[[], object]) -> Callable[[], object]:
 
 
 def address_of(url: str) -> tuple[str, int]:
-    """Return host and port of the URL of an XML-RPC server.
+    """Return the host and port in the URL of an XML-RPC server.
 
     Raises:
-        ValueProblem: It is none of ``http://ADDRESS:PORT/PATH``.
+        ValueProblem: If the URL is not of the form ``http://ADDRESS:PORT/PATH``.
     """
     try:
         parts = urlsplit(url)

@@ -1,6 +1,6 @@
-"""Values of programs as XML-RPC has them.
+"""Conversions between values of programs and of XML-RPC.
 
-A pose is a struct of x, y, z, rx, ry and rz, as in the examples of UR's support pages
+A pose is a struct of x, y, z, rx, ry and rz, like in the examples of UR's support pages
 (https://www.universal-robots.com/articles/ur/interface-communication/xml-rpc-communication/).
 """
 
@@ -26,10 +26,10 @@ _POSE: Final = ("x", "y", "z", "rx", "ry", "rz")
 
 
 def sent(value: Value) -> object:
-    """Return a value as xmlrpc.client takes it.
+    """Convert a program's value for xmlrpc.client.
 
     Raises:
-        ValueProblem: XML-RPC has none of its kind.
+        ValueProblem: If XML-RPC has no such kind of value.
     """
     match value:
         case Pose():
@@ -47,10 +47,10 @@ def sent(value: Value) -> object:
 
 
 def received(value: object) -> Value:
-    """Return what xmlrpc.client makes of an answer as a value of programs.
+    """Convert a value from xmlrpc.client to a program's value.
 
     Raises:
-        ValueProblem: Programs have none of its kind, or it is too large.
+        ValueProblem: If programs have no such kind of value, or it is too large.
     """
     match value:
         case None | bool() | float():

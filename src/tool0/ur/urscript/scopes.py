@@ -19,15 +19,15 @@ _OUTPUTS: Final = "digital_out"
 @final
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """The names that the body of one definition can use."""
+    """The names that the body of a definition can use."""
 
     definition: s.Definition
     parent: Scope | None
     functions: dict[str, s.Definition]
-    """Defined in this body."""
+    """Definitions in this body."""
     locals: frozenset[str]
     globals: frozenset[str]
-    """Global names of the program, the same in each scope."""
+    """Global names of the program, which are the same in each scope."""
 
     def find(self, name: str) -> tuple[s.Definition, Scope] | None:
         """Return a visible function or thread, with the scope that defines it."""
@@ -39,9 +39,9 @@ class Scope:
         return None
 
     def output_call(self, statement: s.Assign) -> s.Evaluate | None:
-        """Return the call that ``digital_out[n] = b`` means; None for a variable.
+        """Return the call that ``digital_out[n] = b`` stands for; None for a variable.
 
-        It is the oldest form of ``set_digital_out(n, b)``, which urx sends.
+        The assignment is the oldest form of ``set_digital_out(n, b)``; urx sends it.
         """
         name, at = statement.name, statement.at
         if name != _OUTPUTS or len(statement.indexes) != 1:
@@ -53,14 +53,14 @@ class Scope:
         return s.Evaluate(at, s.Call(at, "set_digital_out", arguments))
 
     def visible_functions(self) -> list[str]:
-        """Return the names of all functions and threads that are visible."""
+        """Return the names of all visible functions and threads."""
         own = list(self.functions)
         return own + (self.parent.visible_functions() if self.parent else [])
 
     def extended(self, block: s.Block) -> Scope:
-        """Return this scope with the names of further statements of its body.
+        """Return this scope, extended by the names in further statements of its body.
 
-        New variables are the program's at its first level, and the function's in it.
+        New variables are global at the program's first level, and local in a function.
         """
         own = list(_own(block))
         functions = {item.name: item for item in own if isinstance(item, s.Definition)}
@@ -81,7 +81,7 @@ class Scope:
         )
 
     def inner(self, definition: s.Definition) -> Scope:
-        """Return the scope of a definition in this one's body."""
+        """Return the scope of a definition inside this one's body."""
         return _scope(definition, self, self.globals)
 
 
@@ -118,7 +118,7 @@ def _scope(
 
 
 def _own(block: s.Block) -> Iterator[s.Statement]:
-    """Yield the statements of a body, without those of definitions in it."""
+    """Yield the statements of a body, without those of nested definitions."""
     for item in block:
         yield item
         for inner in _blocks(item):

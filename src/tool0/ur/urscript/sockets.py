@@ -1,4 +1,4 @@
-"""TCP connections of a program, as clients of other programs."""
+"""A program's TCP connections, as a client of other programs."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ T = TypeVar("T")
 
 MAX_SOCKETS: Final = 16
 OPEN_TIMEOUT: Final = 2.0
-"""Timeout of a connection, and of a peer that does not read [wall s]; as on the
-robot."""
+"""Longest wait for a connection, and for a peer that does not read [wall s]; the same
+as on the robot."""
 MAX_BUFFER: Final = 1 << 16
-"""Most data of a peer that is kept unread [bytes]."""
+"""Largest amount of unread data from a peer [bytes]."""
 OWN_GRIPPER: Final = ("127.0.0.1", 63352)
-"""Host and port where a program finds its gripper, which may listen elsewhere."""
+"""Address at which programs expect their gripper, which may listen elsewhere."""
 _LOOPBACK: Final = ipaddress.ip_network("127.0.0.0/8")
 
 
 @final
 class Connection(asyncio.Protocol):
-    """One connection; strings have one character for each byte."""
+    """A connection; strings have one character for each byte."""
 
     def __init__(self) -> None:
         self._buffer = bytearray()
         self._arrived = asyncio.Event()
-        """Whether something has changed since somebody looked."""
+        """Event that is set when data has arrived or the connection has changed."""
         self._is_writable = asyncio.Event()
         self._is_writable.set()
         self._transport: asyncio.Transport | None = None
@@ -42,23 +42,23 @@ class Connection(asyncio.Protocol):
     # ---- asyncio's side -------------------------------------------------------------
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Take the connection."""
+        """Store the new connection."""
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
 
     def data_received(self, data: bytes) -> None:
-        """Keep what arrives; the peer waits if nobody reads it."""
+        """Store arriving data; the peer must wait if the program does not read it."""
         self._buffer += data
         if len(self._buffer) > MAX_BUFFER and self._transport is not None:
             self._transport.pause_reading()
         self._arrived.set()
 
     def pause_writing(self) -> None:
-        """Wait before the next data: the peer does not read."""
+        """Pause sending, because the peer does not read."""
         self._is_writable.clear()
 
     def resume_writing(self) -> None:
-        """Send again."""
+        """Resume sending."""
         self._is_writable.set()
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -70,7 +70,7 @@ class Connection(asyncio.Protocol):
     # ---- the program's side ---------------------------------------------------------
 
     async def send(self, data: bytes) -> bool:
-        """Send and return whether the peer is there."""
+        """Send data, and return whether the peer is connected."""
         if self._transport is None or self._transport.is_closing():
             return False
         self._transport.write(data)
@@ -79,9 +79,10 @@ class Connection(asyncio.Protocol):
         return self._transport is not None and self._is_writable.is_set()
 
     def take(self, find: Callable[[bytearray], T | None]) -> T | None:
-        """Return what is found in the bytes that are here, and take it out.
+        """Find a value in the received bytes, remove it from them and return it.
 
-        ``find`` removes what it returns from the buffer; it is None for nothing.
+        ``find`` removes what it returns from the buffer; it returns None if there is
+        nothing.
         """
         found = find(self._buffer)
         if len(self._buffer) > MAX_BUFFER and found is None:
@@ -93,14 +94,14 @@ class Connection(asyncio.Protocol):
     async def receive(
         self, find: Callable[[bytearray], T | None], timeout: float
     ) -> T | None:
-        """Return what ``take`` finds, as soon as it is there.
+        """Return the value that ``take`` finds, as soon as it has arrived.
 
         Args:
-            find: As for ``take``.
+            find: Function for ``take``.
             timeout: Longest wait [wall s]; no limit if 0 or less.
 
         Returns:
-            None after the timeout, or if the connection has ended.
+            The value; None after the timeout, or if the connection has ended.
         """
         return await within(self._wait_for(find), timeout if timeout > 0.0 else None)
 
@@ -120,20 +121,20 @@ class Connection(asyncio.Protocol):
 
 @final
 class Sockets:
-    """The connections of one run of a program, by name."""
+    """The connections of a program's run, by name."""
 
     def __init__(self, box: UrControlBox) -> None:
-        """Connect to this machine only, unless the box allows others."""
+        """Allow connections to this machine only, unless the box allows others."""
         self._box = box
         self._connections: dict[str, Connection] = {}
 
     async def open(self, address: str, port: int, name: str) -> bool:
-        """Connect, and return whether it worked.  A name in use is closed first.
+        """Connect, and return whether this succeeded; a name in use is closed first.
 
         An address that is not allowed is reported to the clients.
 
         Raises:
-            ValueProblem: There are too many.
+            ValueProblem: If there are too many connections.
         """
         self.close(name)
         if len(self._connections) >= MAX_SOCKETS:
@@ -147,7 +148,7 @@ class Sockets:
         except ValueProblem as problem:
             self._box.report(ControlError(str(problem)))
             return False
-        # Known from the start: a program that is killed meanwhile closes it, too.
+        # Registered first, so that a program that is killed meanwhile closes it, too.
         self._connections[name] = connection = Connection()
         attempt = asyncio.get_running_loop().create_connection(
             lambda: connection, host, port
@@ -161,7 +162,7 @@ class Sockets:
         return made is not None
 
     def require_allowed(self, address: str) -> None:
-        """Raise ValueProblem for an address that programs must not connect to."""
+        """Raise ValueProblem for an address to which programs must not connect."""
         if not self._box.allow_sockets and not _is_loopback(_numeric(address)):
             raise ValueProblem(
                 f"programs connect to this machine only, not to '{address}'; other "
@@ -169,7 +170,7 @@ class Sockets:
             )
 
     async def answers(self, address: str, port: int) -> bool:
-        """Return whether a server accepts connections."""
+        """Return whether a server accepts connections at an address."""
         attempt = asyncio.open_connection(_numeric(address), port)
         try:
             made = await within(attempt, OPEN_TIMEOUT)

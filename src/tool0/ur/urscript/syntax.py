@@ -1,6 +1,6 @@
 """The syntax tree of a URScript program.
 
-Chains of operators are flat, so that a long sum is not a deep tree.
+Chains of operators are flat, so a long sum does not become a deep tree.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from tool0.ur.urscript_errors import Place
 Constant: TypeAlias = bool | int | float | str
 
 INT_RANGE: Final = range(-(2**31), 2**31)
-"""Integers of URScript have 32 bits."""
+"""Range of URScript's 32-bit integers."""
 MAX_TEXT: Final = 1023
-"""Longest string [bytes], as on the robot."""
+"""Longest string [bytes], the same as on the robot."""
 
 
 @final
@@ -67,7 +67,7 @@ class StructOf:
 @final
 @dataclass(frozen=True, slots=True)
 class MemberName:
-    """The name of a member of a struct: an index of it."""
+    """The name of a struct's member, used as an index."""
 
     at: Place
     name: str
@@ -107,10 +107,10 @@ class Unary:
 @final
 @dataclass(frozen=True, slots=True)
 class Operand:
-    """A further operand of a chain, with its operator."""
+    """A further operand of a chain, preceded by its operator."""
 
     at: Place
-    """Place of the operator."""
+    """Location of the operator."""
     operator: str
     value: Expression
 
@@ -118,7 +118,7 @@ class Operand:
 @final
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """``first op a op b …`` of operators with one precedence, from the left."""
+    """``first op a op b …``, operators of equal precedence from left to right."""
 
     at: Place
     first: Expression
@@ -148,7 +148,7 @@ class Call:
 @final
 @dataclass(frozen=True, slots=True)
 class Run:
-    """``run name()``: starts a thread and is its handle."""
+    """``run name()``, which starts a thread and returns its handle."""
 
     at: Place
     name: str
@@ -157,7 +157,7 @@ class Run:
 @final
 @dataclass(frozen=True, slots=True)
 class Join:
-    """``join handle``: waits for a thread and is what it returns."""
+    """``join handle``, which waits for a thread and returns its result."""
 
     at: Place
     handle: Expression
@@ -247,7 +247,7 @@ Keyword: TypeAlias = Literal[
 @final
 @dataclass(frozen=True, slots=True)
 class Simple:
-    """A statement of one word."""
+    """A statement that consists of one word."""
 
     at: Place
     keyword: Keyword

@@ -16,18 +16,18 @@ _STRUCT: Final = "struct"
 _PASS: Final = "pass"
 _DIGITS: Final = re.compile("[0-9]{1,10}")
 
-# Children are what the rules below return, mixed with tokens: lark types them as Any.
+# Children are results of the rules below, mixed with tokens; lark types them as Any.
 Children = list[Any]
 
 
 def place(token: Token) -> Place:
-    """Return where a token starts."""
+    """Return the location where a token starts."""
     return Place(token.line or 1, token.column or 1)
 
 
 @final
 class Trees(Transformer[Token, s.Block]):
-    """Builds the syntax tree while the program is parsed."""
+    """Builds the syntax tree during parsing."""
 
     def start(self, children: Children) -> s.Block:
         return tuple(children)
@@ -192,7 +192,7 @@ def _constant(token: Token) -> s.Constant:
             if value == float("inf"):
                 raise URScriptError("this number is too large", place(token))
             return value
-        case "STRING":  # strings are bytes; one character stands for each
+        case "STRING":  # strings are bytes, each stored as one character
             text = token[1:-1].encode().decode("latin-1")
             if len(text) > MAX_TEXT:
                 raise URScriptError(

@@ -1,8 +1,8 @@
 """The values of URScript and its operators.
 
-Values never change: an assignment to an element makes a new list.  Arguments and
-assignments therefore copy, as on the robot.  A string is a sequence of bytes; each is
-one character here.
+Values are immutable: an assignment to an element makes a new list.  Arguments and
+assignments therefore copy, like on the robot.  A string is a sequence of bytes, each of
+which is one character here.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from tool0.ur.urscript.syntax import INT_RANGE, MAX_TEXT
 from tool0.ur.urscript_errors import ValueProblem
 
 MAX_LIST: Final = 10_000
-"""Most elements of a list; a pose counts six."""
+"""Largest number of elements of a list; a pose counts as six."""
 MAX_WRITTEN: Final = 500
-"""Most elements of a list that is written as text."""
+"""Largest number of elements of a list that is written as text."""
 MAX_PRODUCT: Final = 2_000
-"""Most multiplications of a product of matrices."""
+"""Largest number of multiplications in a product of matrices."""
 
 
 @final
 class Pose(tuple[float, ...]):
-    """``p[x, y, z, rx, ry, rz]`` [m, rad], also a wrench or a twist."""
+    """``p[x, y, z, rx, ry, rz]`` [m, rad], also used for wrenches and twists."""
 
     __slots__ = ()
 
 
 @final
 class Member(str):
-    """The name of a member of a struct, as an index."""
+    """The name of a struct's member, used as an index."""
 
     __slots__ = ()
 
@@ -43,7 +43,7 @@ class Member(str):
 @final
 @dataclass(frozen=True, slots=True)
 class Struct:
-    """Values with names."""
+    """A struct of named values."""
 
     names: tuple[str, ...]
     values: tuple[Value, ...]
@@ -58,14 +58,14 @@ class Handle:
         self._task = task
 
     async def kill(self) -> None:
-        """End the thread, and return when it moves nothing any more."""
+        """End the thread, and return when it no longer moves anything."""
         self._task.cancel()
         if self._task is asyncio.current_task():
-            await asyncio.sleep(0)  # it ends itself
+            await asyncio.sleep(0)  # the thread ends itself
         await asyncio.wait([self._task])
 
     async def end(self) -> Value:
-        """Return what the thread returns when it ends; nothing if it was killed."""
+        """Wait for the thread's end, and return its result; None if it was killed."""
         await asyncio.wait([self._task])
         return None if self._task.cancelled() else self._task.result()
 
@@ -97,12 +97,12 @@ _FAMILIES: Final[dict[type, str]] = {
 
 
 def described(value: Value) -> str:
-    """Return the kind of a value, with its article."""
+    """Return the kind of a value in words, with an article."""
     return _FAMILIES[type(value)]
 
 
 def is_number(value: Value) -> bool:
-    """Return whether a value is an integer or a float; booleans are neither."""
+    """Return whether a value is an integer or a float; booleans do not count."""
     return type(value) is float or type(value) is int
 
 
@@ -110,7 +110,7 @@ def checked_list(items: Sequence[Value]) -> tuple[Value, ...]:
     """Return a list, or a matrix as a list of equal rows.
 
     Raises:
-        ValueProblem: The elements are of different kinds, or nested too deep.
+        ValueProblem: If the elements are of different kinds, or nested too deeply.
     """
     if weight(items) > MAX_LIST:
         raise ValueProblem(f"lists have at most {MAX_LIST} elements")
@@ -130,7 +130,7 @@ def checked_list(items: Sequence[Value]) -> tuple[Value, ...]:
 
 
 def checked_struct(names: tuple[str, ...], values: Sequence[Value]) -> Struct:
-    """Return a struct; its members have values, and not too many."""
+    """Return a struct, after checking that its members are valid and not too many."""
     if any(item is None or isinstance(item, Handle | RemoteServer) for item in values):
         raise ValueProblem("a member of a struct has a value that can be copied")
     if sum(map(_weight, values)) > MAX_LIST:
@@ -139,7 +139,7 @@ def checked_struct(names: tuple[str, ...], values: Sequence[Value]) -> Struct:
 
 
 def weight(items: Sequence[Value]) -> int:
-    """Return how many values a list has, with those of its rows, poses or structs."""
+    """Return the number of values in a list, including its rows, poses or structs."""
     if items and isinstance(items[0], Struct):  # their lists may differ in length
         return sum(map(_weight, items))
     return len(items) * _weight(items[0]) if items else 0
@@ -164,7 +164,7 @@ def checked_pose(items: Sequence[Value]) -> Pose:
 
 
 def checked_text(text: str) -> str:
-    """Return a string that is not too long."""
+    """Return a string, whose length is checked."""
     if len(text) > MAX_TEXT:
         raise ValueProblem(f"strings have at most {MAX_TEXT} bytes, not {len(text)}")
     return text
@@ -199,13 +199,13 @@ def to_text(value: Value) -> str:
 
 
 def element(value: Value, index: Value) -> Value:
-    """Return an element of a list or a pose, a row of a matrix, a struct's member."""
+    """Return an element of a list or pose, a row of a matrix, or a struct's member."""
     k = _checked_index(value, index)
     return _items(value)[k]
 
 
 def with_element(value: Value, indexes: Sequence[Value], new: Value) -> Value:
-    """Return a list, matrix, pose or struct with another element."""
+    """Return a copy of a list, matrix, pose or struct with one element replaced."""
     k = _checked_index(value, indexes[0])
     items = list(_items(value))
     rest = indexes[1:]
@@ -263,7 +263,7 @@ def _quotient(a: float, b: float) -> float:
 
 
 def _remainder(a: float, b: float) -> float:
-    """Return the remainder with the sign of ``a``, as in C."""
+    """Return the remainder with the sign of ``a``, like in C."""
     if b == 0:
         raise ValueProblem("division by zero")
     if type(a) is int and type(b) is int:
@@ -300,7 +300,7 @@ def _arithmetic(symbol: str, compute: Numbers) -> Operator:
 
 
 def checked_integer(value: float) -> float:
-    """Return a number; integers have 32 bits."""
+    """Return a number; integers are checked to have 32 bits."""
     if type(value) is int and value not in INT_RANGE:
         raise ValueProblem(f"the integer {value} has more than 32 bits; use floats")
     return value
@@ -378,7 +378,7 @@ ARITHMETIC: Final[dict[str, Operator]] = {
     "==": _equality("==", operator.eq),
     "!=": _equality("!=", operator.ne),
 }
-"""Operators that compute with both operands."""
+"""Operators that evaluate both operands."""
 
 
 def negated(value: Value) -> Value:
@@ -392,7 +392,7 @@ def positive(value: Value) -> Value:
 
 
 def truth(value: Value) -> bool:
-    """Return whether a condition holds: True, a number but 0, a string but ""."""
+    """Return whether a condition holds: True, a nonzero number or a nonempty string."""
     if type(value) in {bool, int, float, str}:
         return bool(value)
     raise ValueProblem(f"a condition is a boolean, not {described(value)}")

@@ -1,4 +1,4 @@
-"""Watchdogs of a program: RTDE inputs that a client must write again and again."""
+"""A program's watchdogs for RTDE inputs that a client must write repeatedly."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ class Watchdogs:
     """Acts once on each input that is not written in time [wall s]."""
 
     def __init__(self, box: UrControlBox, stop: Callable[[Exception], None]) -> None:
-        """Watch nothing yet; ``stop`` ends the program with an error."""
+        """Create no watchdog yet; ``stop`` ends the program with an error."""
         self._box = box
         self._stop = stop
         self._written: dict[str, asyncio.Event] = {}
         self._tasks: dict[str, asyncio.Task[None]] = {}
 
     def watch(self, name: str, period: float, action: Action) -> None:
-        """Expect an input in each period [wall s], in place of what was set before."""
+        """Expect an input in each period [wall s]; replaces an earlier watchdog."""
         if not self._tasks:
             self._box.registers.when_written.add(self._note)
         elif name in self._tasks:
@@ -37,7 +37,7 @@ class Watchdogs:
         self._tasks[name] = asyncio.create_task(self._watch(name, period, action))
 
     def close(self) -> None:
-        """Watch nothing any more."""
+        """Stop all watchdogs."""
         self._box.registers.when_written.discard(self._note)
         for task in self._tasks.values():
             task.cancel()

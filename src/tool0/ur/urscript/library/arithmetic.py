@@ -24,7 +24,7 @@ from tool0.ur.urscript_errors import ValueProblem
 
 _BITS: Final = 32
 _MAX_MATRIX: Final = 100
-"""Most rows of a matrix to invert."""
+"""Largest number of rows of a matrix to invert."""
 
 
 def acos(f: Number) -> float:
@@ -137,7 +137,7 @@ def normalize(v: Numbers) -> Value:
 
 
 def length(v: AnyValue) -> int:
-    """Return the number of elements, or of bytes of a string."""
+    """Return the number of elements, or of a string's bytes."""
     if not isinstance(v, str | tuple):
         raise ValueProblem(f"{described(v)} has no length")
     return len(v)
@@ -149,7 +149,7 @@ def get_list_length(v: ListLike) -> int:
 
 
 def size(v: AnyValue) -> Value:
-    """Return the length, or rows and columns of a matrix."""
+    """Return the length of a list, or rows and columns of a matrix."""
     if isinstance(v, tuple) and v and isinstance(v[0], tuple):
         return (len(v), len(v[0]))
     return length(v)
@@ -158,8 +158,8 @@ def size(v: AnyValue) -> Value:
 def make_list(
     length: Integer, initial_value: AnyValue, capacity: Integer | None = None
 ) -> Value:
-    """Return a list of equal elements; a capacity has no effect."""
-    if not 0 <= length <= MAX_LIST or (capacity or 0) > MAX_LIST:  # before it is made
+    """Return a list of equal elements; the capacity has no effect."""
+    if not 0 <= length <= MAX_LIST or (capacity or 0) > MAX_LIST:  # in advance
         raise ValueProblem(f"lists have 0 to {MAX_LIST} elements")
     if isinstance(initial_value, tuple) and not isinstance(initial_value, Pose):
         raise ValueProblem("lists of lists are written as matrices")
@@ -167,12 +167,12 @@ def make_list(
 
 
 def integer_to_binary_list(x: Integer) -> Value:
-    """Return the 32 bits of an integer, the least significant one first."""
+    """Return the 32 bits of an integer, least significant first."""
     return tuple(bool(x >> k & 1) for k in range(_BITS))
 
 
 def binary_list_to_integer(l_: ListLike) -> Value:
-    """Return the integer of at most 32 bits, the least significant one first."""
+    """Return the integer with these bits (at most 32), least significant first."""
     bits = l_[:_BITS]
     if not all(isinstance(bit, bool) for bit in bits):
         raise ValueProblem("a list of booleans is needed")
@@ -181,7 +181,7 @@ def binary_list_to_integer(l_: ListLike) -> Value:
 
 
 def transpose(m: ListLike) -> Value:
-    """Return a matrix with rows and columns exchanged."""
+    """Return a matrix with rows and columns swapped."""
     if not m or not isinstance(m[0], tuple):
         raise ValueProblem("a matrix is needed")
     return tuple(zip(*cast("tuple[tuple[Value, ...], ...]", m), strict=True))

@@ -1,6 +1,6 @@
-"""The control box: RTDE, temperatures, encoders of conveyors, power.
+"""The control box: RTDE, temperatures, conveyor encoders and power.
 
-There are no conveyors: the ticks of an encoder are those that programs set.
+There are no conveyors, so programs set the ticks of encoders.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ENCODER_RANGES: Final = (
     range(2**24),
     range(2**32),
 )
-"""Ranges of ticks by their numbers in URScript."""
+"""Ranges of encoder ticks, by URScript's numbers."""
 
 Joint: TypeAlias = Annotated[int, address_kind(6)]
 Encoder: TypeAlias = Annotated[int, address_kind(2)]
@@ -36,7 +36,7 @@ RangeNumber: TypeAlias = Annotated[int, address_kind(len(ENCODER_RANGES))]
 def rtde_set_watchdog(
     thread: Thread, variable_name: Text, min_frequency: Number, action: Text = "pause"
 ) -> None:
-    """Pause or stop the program when a client writes an input too rarely [wall Hz]."""
+    """Pause or stop the program if a client writes an input too rarely [wall Hz]."""
     if variable_name not in INPUTS:
         raise ValueProblem(f"RTDE has no input '{variable_name}'")
     if not min_frequency > 0.0:
@@ -50,7 +50,7 @@ def rtde_set_watchdog(
 
 
 def get_rtde_value(thread: Thread, key: Text) -> Value:
-    """Return an output of RTDE: a number, a boolean or a list."""
+    """Return an RTDE output: a number, a boolean or a list."""
     field = OUTPUTS.get(key)
     if field is None:
         raise ValueProblem(f"RTDE has no output '{key}'")
@@ -61,49 +61,49 @@ def get_rtde_value(thread: Thread, key: Text) -> Value:
 
 
 def get_joint_temp(j: Joint) -> float:
-    """Return the temperature of a joint [°C]: the room's."""
+    """Return the temperature of a joint, which is room temperature [°C]."""
     del j
     return ROOM_TEMPERATURE
 
 
 def get_controller_temp() -> float:
-    """Return the temperature of the control box [°C]: the room's."""
+    """Return the temperature of the control box, which is room temperature [°C]."""
     return ROOM_TEMPERATURE
 
 
 def get_tool_temp(thread: Thread) -> float:
-    """Return the temperature of the tool [°C]: the room's."""
+    """Return the temperature of the tool, which is room temperature [°C]."""
     return thread.box.state.tool_temperature
 
 
 def get_tool_accelerometer_reading(thread: Thread) -> Value:
-    """Return what an accelerometer in the tool measures at rest [m/s²]."""
+    """Return the reading of an accelerometer in the tool at rest [m/s²]."""
     return tool_accelerometer(thread.box)
 
 
 def get_base_acceleration() -> Value:
-    """Return the acceleration of the base, which does not move [m/s²]."""
+    """Return the acceleration of the base, which is always zero [m/s²]."""
     return (0.0, 0.0, 0.0)
 
 
 def set_base_acceleration(a: Vector) -> None:
-    """Accept that the base does not move."""
+    """Accept zero only, because the base does not move."""
     if any(a):
         raise ValueProblem("the base does not move: [0, 0, 0] is needed")
 
 
 def set_pos(q: Joints) -> None:
-    """Do nothing, as with a real arm: the physics has one."""
+    """Do nothing: the joint positions come from the physics, like on a real arm."""
     del q
 
 
 def pause_on_error_code(code: Integer, argument: Integer = -1) -> None:
-    """Accept: warnings that could pause a program do not occur."""
+    """Accept the setting; warnings that could pause a program do not occur."""
     del code, argument
 
 
 async def powerdown(thread: Thread) -> None:
-    """Switch the arm off, which ends the program."""
+    """Switch the arm off, which also ends the program."""
     box = thread.box
     await box.call(PowerOff(arm=box.arm))
     await box.until(lambda: bool(box.stopped))
@@ -112,7 +112,7 @@ async def powerdown(thread: Thread) -> None:
 def encoder_enable_set_tick_count(
     thread: Thread, encoder_index: Encoder, range_id: RangeNumber
 ) -> None:
-    """Enable an encoder that counts the ticks set by programs, in a range."""
+    """Enable an encoder with a range, whose ticks are set by programs."""
     thread.box.encoders[encoder_index] = ENCODER_RANGES[range_id], 0.0
 
 
@@ -143,27 +143,27 @@ def encoder_get_tick_count(thread: Thread, encoder_index: Encoder) -> float:
 def encoder_unwind_delta_tick_count(
     thread: Thread, encoder_index: Encoder, delta_tick_count: Number
 ) -> float:
-    """Return a difference of ticks without the step at the end of the range."""
+    """Return a difference of ticks, corrected for a wrap at the end of the range."""
     size = len(_encoder(thread, encoder_index)[0])
     half = size / 2.0
     return (delta_tick_count + half) % size - half
 
 
 def set_baselight_off() -> None:
-    """Accept: the base has no light."""
+    """Accept the setting; the base has no light."""
 
 
 def set_baselight_iec() -> None:
-    """Accept: the base has no light."""
+    """Accept the setting; the base has no light."""
 
 
 def set_baselight_solid(R: Integer, G: Integer, B: Integer) -> None:
-    """Accept: the base has no light."""
+    """Accept the setting; the base has no light."""
     del R, G, B
 
 
 def tool_wrench_limit_disable() -> None:
-    """Accept: no limit of the tool's wrench is set."""
+    """Accept the setting; there is no limit on the tool's wrench."""
 
 
 FUNCTIONS: Final[tuple[Function, ...]] = (

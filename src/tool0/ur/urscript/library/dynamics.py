@@ -1,4 +1,4 @@
-"""Torque control, and the dynamics that it needs.  Matrices are lists of rows."""
+"""Torque control and the dynamics for it; matrices are lists of rows."""
 
 from __future__ import annotations
 
@@ -22,10 +22,11 @@ async def direct_torque(
     coulomb_scale: Joints | None = None,
     friction_comp: Bool | None = None,
 ) -> None:
-    """Drive the joints with torques beside gravity [N·m] for one control period.
+    """Apply joint torques in addition to gravity [N·m] for one control period.
 
-    The scales are the parts of each joint's friction that are compensated.  The older
-    friction_comp switches the compensation; with a scale, it does not count.
+    The scales are the fractions of each joint's friction that are compensated.  The
+    older friction_comp switches the compensation on or off; it is ignored if a scale is
+    given.
     """
     if friction_comp is False and viscous_scale is None and coulomb_scale is None:
         viscous_scale = coulomb_scale = _NONE
@@ -54,14 +55,14 @@ def get_mass_matrix(
 def get_coriolis_and_centrifugal_torques(
     thread: Thread, q: Joints | None = None, qd: Joints | None = None
 ) -> Value:
-    """Return the torques that joint velocities cause, with the payload [N·m]."""
+    """Return the torques caused by joint velocities, with the payload [N·m]."""
     return thread.box.dynamics.velocity_torques(q, qd)
 
 
 def get_jacobian(
     thread: Thread, q: Joints | None = None, tcp: PoseLike | None = None
 ) -> Value:
-    """Return the twist of the TCP per joint velocity, in the base frame's axes."""
+    """Return the Jacobian of the TCP, in the base frame's axes."""
     return thread.box.dynamics.jacobian(q, tcp)
 
 
@@ -71,12 +72,12 @@ def get_jacobian_time_derivative(
     qd: Joints | None = None,
     tcp: PoseLike | None = None,
 ) -> Value:
-    """Return the change of the Jacobian per second."""
+    """Return the time derivative of the Jacobian."""
     return thread.box.dynamics.jacobian_derivative(q, qd, tcp)
 
 
 def get_actual_joint_accelerations(thread: Thread) -> Value:
-    """Return the change of the joints' speeds in the last control period [rad/s²]."""
+    """Return the change of joint velocities in the last control period [rad/s²]."""
     return thread.box.qdd
 
 

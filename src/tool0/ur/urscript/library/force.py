@@ -1,4 +1,4 @@
-"""Force mode, freedrive, tool, payload and safety."""
+"""Force mode, freedrive, tool, payload and safety functions."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ from tool0.ur.urscript.values import Pose, Value, described
 from tool0.ur.urscript_errors import ValueProblem
 
 STANDARD_GRAVITY: Final = 9.82
-"""The value in UR's programs [m/s²]; g differs by less than the tolerance."""
+"""Gravity in UR's programs [m/s²]; the difference to g is within the tolerance."""
 _TOLERANCE: Final = 0.1
 _ALL: Final = (True,) * 6
 _SCREW: Final = (0.1, 0.1, 0.0, 0.17, 0.17, 0.17)
-"""Tolerance of a screw driver's TCP from the other axes [m, rad]."""
+"""Tolerance of a screwdriver's TCP along and about the other axes [m, rad]."""
 _BASE: Final = Pose((0.0,) * 6)
 
 
@@ -57,7 +57,7 @@ async def force_mode(
     type_: Integer,
     limits: Spatial,
 ) -> None:
-    """Hold forces along some axes of a frame; motions go on along the others."""
+    """Hold forces along some axes of a frame; motions continue along the others."""
     if type_ not in {1, 2, 3}:
         raise ValueProblem(f"type is {type_}; it can be 1, 2 or 3")
     if min(limits) < 0.0:
@@ -78,7 +78,7 @@ async def force_mode(
 
 
 async def screw_driving(thread: Thread, f: Number, v_limit: Number) -> None:
-    """Push along the TCP's z axis with a force [N], at most with a speed [m/s]."""
+    """Push along the TCP's z axis with a force [N], at a limited speed [m/s]."""
     if not v_limit > 0.0:
         raise ValueProblem(f"v_limit is {v_limit}; it is greater than 0")
     along_z = (False, False, True, False, False, False)
@@ -87,7 +87,7 @@ async def screw_driving(thread: Thread, f: Number, v_limit: Number) -> None:
 
 
 async def end_force_mode(thread: Thread) -> None:
-    """Hold positions along all axes again."""
+    """Hold the position along all axes again."""
     await thread.box.call(EndForceMode(arm=thread.box.arm))
 
 
@@ -160,7 +160,7 @@ async def _set_payload(thread: Thread, mass: float, cog: Vector) -> None:
 
 
 async def set_payload(thread: Thread, m: Number, cog: Vector | None = None) -> None:
-    """Set mass [kg] and centre of gravity, at the TCP if left out; tares the sensor."""
+    """Set mass [kg] and centre of gravity (default: the TCP); tares the sensor."""
     x, y, z, *_ = thread.box.tcp
     await _set_payload(thread, m, (x, y, z) if cog is None else cog)
 
@@ -182,7 +182,7 @@ async def set_target_payload(
     inertia: Spatial = (0.0,) * 6,
     transition_time: Number = 0,
 ) -> None:
-    """Set mass and centre of gravity; inertia and transition time have no effect."""
+    """Set mass and centre of gravity; inertia and transition time are ignored."""
     if transition_time < 0.0 or min(inertia[:3]) < 0.0:
         raise ValueProblem("transition time and moments of inertia are not negative")
     await _set_payload(thread, m, cog)
@@ -205,9 +205,9 @@ def ft_rtde_input_enable(
     sensor_measuring_offset: Vector = (0.0, 0.0, 0.0),
     sensor_cog: Vector = (0.0, 0.0, 0.0),
 ) -> None:
-    """Measure with RTDE's external_force_torque, or with the wrist's own sensor again.
+    """Select RTDE's external_force_torque or the wrist's own sensor.
 
-    The mass of the sensor has no effect: what a client sends is the external wrench.
+    The mass of the sensor has no effect, because the client sends the external wrench.
     """
     del sensor_mass, sensor_cog
     offset = sensor_measuring_offset if enable else None
@@ -215,24 +215,24 @@ def ft_rtde_input_enable(
 
 
 def get_freedrive_status() -> int:
-    """Return 0: freedrive resists no more near singularities."""
+    """Return 0: in freedrive, resistance does not increase near singularities."""
     return 0
 
 
 def get_target_payload_inertia(thread: Thread) -> Value:
-    """Return Ixx … Iyz at the payload's centre, which follow from its mass [kg·m²]."""
+    """Return Ixx … Iyz at the payload's centre, computed from its mass [kg·m²]."""
     return payload_moments(thread.box)
 
 
 def position_deviation_warning(enabled: Bool, threshold: Number = 0.8) -> None:
-    """Accept: there is no warning before a protective stop."""
+    """Accept the setting; there is no warning before a protective stop."""
     del enabled
     if not 0.0 <= threshold <= 1.0:
         raise ValueProblem(f"threshold is {threshold}; it is from 0 to 1")
 
 
 def set_gravity(d: Vector) -> None:
-    """Accept the gravity of an upright mounting, which is the only one."""
+    """Accept the gravity of an upright mounting; other mountings are not supported."""
     x, y, z = d
     if math.hypot(x, y) > _TOLERANCE or abs(z - STANDARD_GRAVITY) > _TOLERANCE:
         raise ValueProblem(
@@ -241,12 +241,12 @@ def set_gravity(d: Vector) -> None:
 
 
 def get_gravity() -> Value:
-    """Return the acceleration that carries the base against gravity [m/s²]."""
+    """Return the acceleration that opposes gravity at the base [m/s²]."""
     return (0.0, 0.0, STANDARD_GRAVITY)
 
 
 async def protective_stop(thread: Thread) -> None:
-    """Stop protectively."""
+    """Trigger a protective stop."""
     reason = "protective_stop() of the program"
     await thread.box.call(StopProtectively(arm=thread.box.arm, reason=reason))
 

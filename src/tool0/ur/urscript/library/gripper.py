@@ -1,4 +1,4 @@
-"""The functions of Robotiq's URCap; positions, speeds and forces are 0 … 255."""
+"""Functions of Robotiq's URCap; positions, speeds and forces are 0 … 255."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _percent(value: Value) -> int:
 Count: TypeAlias = Annotated[int, Kind("a number from 0 to 255", _count)]
 Percent: TypeAlias = Annotated[int, Kind("a number from 0 to 100", _percent)]
 _SOCKET: Final = "1"
-"""Default of the last argument, which names a gripper; an arm has only one."""
+"""Default of the last argument, which selects a gripper; an arm has only one."""
 
 
 def _gripper(thread: Thread) -> RobotiqGripper:
@@ -48,16 +48,16 @@ def _gripper(thread: Thread) -> RobotiqGripper:
 
 
 async def _command(thread: Thread, command: Callable[[RobotiqGripper], object]) -> None:
-    """Give the gripper a command, which takes a control period.
+    """Send a command to the gripper, which takes a control period.
 
-    So a loop of commands does not flood the bring-up with motions of the fingers.
+    This prevents loops of commands from flooding the bring-up with finger motions.
     """
     command(_gripper(thread))
     await thread.box.next_update()
 
 
 def _count_of(thread: Thread, millimetres: float) -> int:
-    """Return the position of an opening."""
+    """Return the position count for an opening [mm]."""
     counts = _gripper(thread).counts
     opening = millimetres * _MILLIMETRE
     return min(range(FULL + 1), key=lambda count: abs(counts.opening(count) - opening))
@@ -69,34 +69,34 @@ async def rq_reset(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
 
 
 async def rq_activate(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
-    """Start the activation."""
+    """Start to activate the gripper."""
     await _command(thread, lambda gripper: gripper.activate())
 
 
 async def rq_activate_and_wait(
     thread: Thread, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Activate the gripper."""
+    """Activate the gripper, and wait until this is complete."""
     await _gripper(thread).activate_and_wait()
 
 
 async def rq_open(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
-    """Start to open."""
+    """Start to open the gripper."""
     await _command(thread, lambda gripper: gripper.move(0))
 
 
 async def rq_close(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
-    """Start to close."""
+    """Start to close the gripper."""
     await _command(thread, lambda gripper: gripper.move(FULL))
 
 
 async def rq_open_and_wait(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
-    """Open."""
+    """Open the gripper, and wait until this is complete."""
     await _gripper(thread).move_and_wait(0)
 
 
 async def rq_close_and_wait(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
-    """Close, or grip."""
+    """Close the gripper until it is closed or grips an object."""
     await _gripper(thread).move_and_wait(FULL)
 
 
@@ -195,7 +195,7 @@ def rq_is_gripper_activated(thread: Thread, gripper_socket: AnyValue = _SOCKET) 
 
 
 def rq_is_motion_complete(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> bool:
-    """Return whether the fingers have arrived, or met an object."""
+    """Return whether the fingers have arrived or met an object."""
     return _gripper(thread).is_motion_complete
 
 
@@ -207,14 +207,14 @@ def rq_is_object_detected(thread: Thread, gripper_socket: AnyValue = _SOCKET) ->
 async def rq_auto_release_open_and_wait(
     thread: Thread, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Open slowly, as after an emergency; then the gripper must be reset."""
+    """Open slowly, like after an emergency; the gripper must then be reset."""
     await _gripper(thread).release_and_wait(opening=True)
 
 
 async def rq_auto_release_close_and_wait(
     thread: Thread, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Close slowly, as after an emergency; then the gripper must be reset."""
+    """Close slowly, like after an emergency; the gripper must then be reset."""
     await _gripper(thread).release_and_wait(opening=False)
 
 

@@ -14,12 +14,12 @@ from tool0.ur.urscript.values import Value
 from tool0.ur.urscript_errors import ValueProblem
 
 CONFIGURABLE: Final = 8
-"""Number of the first configurable pin among all digital ones."""
+"""Number of the first configurable pin when all digital pins are counted."""
 TOOL: Final = 16
 _CURRENT_RANGE: Final = (0.004, 0.020)
-"""Range of a current [A]."""
+"""Range of an analogue current [A]."""
 _VOLTAGE_RANGE: Final = (0.0, 10.0)
-"""Range of a voltage [V]."""
+"""Range of an analogue voltage [V]."""
 
 Standard: TypeAlias = Annotated[int, address_kind(8)]
 OfTool: TypeAlias = Annotated[int, address_kind(2)]
@@ -65,7 +65,7 @@ async def set_analog_out(thread: Thread, n: Analog, f: Number) -> None:
 
 
 async def set_analog_outputdomain(thread: Thread, port: Analog, domain: Analog) -> None:
-    """Make an analogue output a current, 0, or a voltage, 1."""
+    """Set an analogue output to current (0) or voltage (1)."""
     pin = thread.box.state.analog_outputs[port]
     request = SetAnalogOutput(
         arm=thread.box.arm,

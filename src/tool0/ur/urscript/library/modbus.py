@@ -1,4 +1,4 @@
-"""Signals of Modbus units.  Times are wall time, since units are other programs."""
+"""Signals of Modbus units; times are wall time, since units are other programs."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from tool0.ur.urscript_errors import ValueProblem
 MAX_NAME: Final = 20
 """Longest name of a signal [bytes]."""
 MAX_COUNT: Final = 123
-"""Most registers or bits of a signal."""
+"""Largest number of registers or bits in a signal."""
 _MAX_DATA: Final = 250
-"""Largest data of a custom command [bytes]."""
+"""Largest size of a custom command's data [bytes]."""
 
 
 def _range_kind(last: int, first: int = 0) -> Kind:
@@ -40,7 +40,7 @@ def _range_kind(last: int, first: int = 0) -> Kind:
 
 
 def _unit_address(value: Value) -> tuple[str, int]:
-    """Return host and port; Modbus's port, if none is given."""
+    """Return host and port; if no port is given, that of Modbus."""
     host, colon, port = value.partition(":") if isinstance(value, str) else ("", "", "")
     if not host or (colon and not (port.isdecimal() and 0 < int(port) < 1 << 16)):
         raise ValueProblem(
@@ -75,8 +75,9 @@ def _signal(thread: Thread, name: str) -> Signal:
 async def _add(thread: Thread, name: str, spec: SignalSpec) -> None:
     """Add a signal.
 
-    One of a unit that programs must not reach is invalid from the start: programs of
-    PolyScope add the signals of their installation, and may never use them.
+    If programs must not connect to its unit, the signal is invalid from the start
+    instead of raising an error: PolyScope's programs add the signals of their
+    installation, and may never use them.
     """
     is_allowed = True
     try:
@@ -100,7 +101,7 @@ async def modbus_add_signal(
     sequential_mode: Bool = False,
     register_count: Count = 1,
 ) -> None:
-    """Read or write a unit from now on; requests to it follow each other always."""
+    """Start to read or write a unit's signal; requests are always sequential."""
     del sequential_mode
     if signal_type not in set(SignalType) - {SignalType.REGISTERS_READ_AND_WRITTEN}:
         raise ValueProblem(f"the type is {signal_type}; it is 0, 1, 2, 3, 15 or 16")
@@ -126,7 +127,7 @@ async def modbus_add_rw_signal(
     signal_name: SignalName,
     sequential_mode: Bool = False,
 ) -> None:
-    """Read registers of a unit from now on; and write others, once they are set."""
+    """Start to read registers of a unit, and to write others once they are set."""
     del sequential_mode
     spec = SignalSpec(
         host=IP[0],
@@ -150,7 +151,7 @@ async def modbus_delete_signal(thread: Thread, signal_name: SignalName) -> None:
 def modbus_get_signal_status(
     thread: Thread, signal_name: SignalName, is_secondary_program: Bool = False
 ) -> Value:
-    """Return the newest value, or a list of them; an error if it is too old."""
+    """Return the newest value or list of values; raise an error if it is too old."""
     del is_secondary_program
     signal = _checked(thread, signal_name)
     values: tuple[int | bool, ...] = signal.values
@@ -160,7 +161,7 @@ def modbus_get_signal_status(
 
 
 def _checked(thread: Thread, name: str) -> Signal:
-    """Return a signal that is valid, or has been so a moment ago."""
+    """Return a signal that is valid, or was valid a moment ago."""
     signal = _signal(thread, name)
     if signal.invalid_for <= signal.watchdog:
         return signal
@@ -202,7 +203,7 @@ def modbus_set_output_signal(
     digital_value: AnyValue,
     is_secondary_program: Bool = False,
 ) -> None:
-    """Write a digital output, or the first of several."""
+    """Write a digital output, or the first one of several."""
     del is_secondary_program
     _write(thread, signal_name, digital_value, is_digital=True)
 
@@ -213,7 +214,7 @@ def modbus_set_output_register(
     register_value: AnyValue,
     is_secondary_program: Bool = False,
 ) -> None:
-    """Write an output register, or the first of several."""
+    """Write an output register, or the first one of several."""
     del is_secondary_program
     _write(thread, signal_name, register_value, is_digital=False)
 
@@ -221,19 +222,19 @@ def modbus_set_output_register(
 def modbus_set_signal_update_frequency(
     thread: Thread, signal_name: SignalName, update_frequency: Frequency
 ) -> None:
-    """Update with a frequency [wall Hz]; only on request, for 0 and -1."""
+    """Set the update rate [wall Hz]; 0 and -1 update on request only."""
     _signal(thread, signal_name).set_frequency(update_frequency)
 
 
 def modbus_request_update_signal_value(thread: Thread, signal_name: SignalName) -> None:
-    """Update soon."""
+    """Request an update."""
     _signal(thread, signal_name).update()
 
 
 def modbus_set_signal_watchdog(
     thread: Thread, signal_name: SignalName, new_timeout_in_sec: Number
 ) -> None:
-    """Set how long a signal may be invalid [wall s]."""
+    """Set for how long a signal may be invalid [wall s]."""
     if not 0.0 <= new_timeout_in_sec <= 300.0:
         raise ValueProblem(f"the timeout is {new_timeout_in_sec}; it is from 0 to 300")
     _signal(thread, signal_name).watchdog = new_timeout_in_sec
@@ -242,7 +243,7 @@ def modbus_set_signal_watchdog(
 def modbus_set_runstate_dependent_choice(
     thread: Thread, signal_name: SignalName, runstate_choice: Choice
 ) -> None:
-    """Set what a digital output is while no program runs."""
+    """Set the level of a digital output while no program runs."""
     signal = _signal(thread, signal_name)
     is_digital_output = signal.spec.kind.is_digital and signal.spec.kind.is_output
     if runstate_choice != WhenStopped.KEPT and not is_digital_output:
@@ -253,7 +254,7 @@ def modbus_set_runstate_dependent_choice(
 def modbus_set_digital_input_action(
     thread: Thread, signal_name: SignalName, action: Text
 ) -> None:
-    """Accept the default action."""
+    """Accept the default action only."""
     _signal(thread, signal_name)
     if action != "default":
         raise ValueProblem(f'inputs have no actions but "default", not "{action}"')
@@ -262,7 +263,7 @@ def modbus_set_digital_input_action(
 def modbus_get_error(
     thread: Thread, signal_name: SignalName, error_source: Source = 0
 ) -> int:
-    """Return the unit's exception, the connection's error, or 0: both, in halves."""
+    """Return the unit's exception, the connection's error, or both in 16 bits each."""
     signal = _signal(thread, signal_name)
     if error_source == 1:
         return signal.device_error
@@ -275,14 +276,14 @@ def modbus_get_error(
 def modbus_get_time_since_signal_invalid(
     thread: Thread, signal_name: SignalName
 ) -> float:
-    """Return how long a signal has been invalid [wall s]; 0 if it is valid."""
+    """Return for how long a signal has been invalid [wall s]; 0 if it is valid."""
     return _signal(thread, signal_name).invalid_for
 
 
 async def modbus_reset_connection(
     thread: Thread, connection_id: Unit, is_blocking: Bool = True
 ) -> None:
-    """Connect to a unit again; wait until its signals are valid."""
+    """Reconnect to a unit, and wait until its signals are valid."""
     modbus = thread.box.modbus
     signals = modbus.of_host(connection_id[0])
     if not signals:
@@ -301,7 +302,7 @@ async def modbus_send_custom_command(
     function_code: Annotated[int, _range_kind(127, 1)],
     data: AnyValue,
 ) -> None:
-    """Send a request; the response is not used."""
+    """Send a request, and ignore the response."""
     values = data if type(data) is tuple else ()
     if len(values) > _MAX_DATA or not all(
         type(item) is int and 0 <= item <= 255 for item in values

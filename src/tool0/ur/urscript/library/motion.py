@@ -1,7 +1,7 @@
 """Module motion: moves, servo and speed functions, stops.
 
-Joint moves: a [rad/s²] and v [rad/s] of the leading joint.  Moves of the tool: a [m/s²]
-and v [m/s].
+In joint moves, a [rad/s²] and v [rad/s] apply to the leading joint; in moves of the
+tool, a [m/s²] and v [m/s] apply to the TCP.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from tool0.ur.urscript.values import Pose
 from tool0.ur.urscript_errors import ValueProblem
 
 _LOOKAHEAD: Final = (0.03, 0.2)
-"""Range of a lookahead time [s]."""
+"""Range of the lookahead time [s]."""
 _GAIN: Final = (100.0, 2000.0)
 FASTEST_TOOL: Final = (1.0, 2.5)
-"""Largest speed and acceleration of OptiMove's lines [m/s, m/s²]: UR gives the speed as
-"typical tool speed" of its arms, and no acceleration."""
+"""Largest speed and acceleration of OptiMove's lines [m/s, m/s²]: UR specifies the
+speed as the "typical tool speed" of its arms, but no acceleration."""
 
 
 def _joints(thread: Thread, target: Target) -> Six:
-    """Return joint positions; those nearest to the setpoint, for a pose."""
+    """Return joint positions; for a pose, those nearest to the setpoint."""
     if not isinstance(target, Pose):
         thread.execution.waypoint = Pose(thread.box.forward(target))
         return target
@@ -39,14 +39,14 @@ def _joints(thread: Thread, target: Target) -> Six:
 
 
 def _pose(thread: Thread, target: Target) -> Sequence[float]:
-    """Return a pose of the TCP; that at joint positions, if they are given."""
+    """Return a pose of the TCP; for joint positions, the pose there."""
     pose = target if isinstance(target, Pose) else Pose(thread.box.forward(target))
     thread.execution.waypoint = pose
     return pose
 
 
 def _check(a: float, v: float, t: float = 0.0, r: float = 0.0) -> None:
-    """Raise ValueProblem for values that no motion could have."""
+    """Raise ValueProblem for values that are impossible in any motion."""
     if t < 0.0 or r < 0.0:
         raise ValueProblem("time and blend radius are not negative")
     if not t and not (a > 0.0 and v > 0.0):
@@ -54,10 +54,10 @@ def _check(a: float, v: float, t: float = 0.0, r: float = 0.0) -> None:
 
 
 async def _follow(thread: Thread, motion: Callable[[], Awaitable[None]]) -> None:
-    """Execute a motion along a path of the tool.
+    """Execute a motion that follows a path of the tool.
 
-    As on a robot, the arm stops protectively if the path cannot be followed; here, it
-    does so before it moves.
+    Like on a robot, a protective stop occurs if the arm cannot follow the path; here,
+    it occurs before the arm moves.
     """
     box = thread.box
     try:
@@ -87,7 +87,7 @@ async def movej(
 async def optimovej(
     thread: Thread, q: Target, a: Number = 0.3, v: Number = 0.3, r: Number = 0
 ) -> None:
-    """Move in joint space; a and v are fractions of what the joints can do."""
+    """Move in joint space; a and v are fractions of the joints' limits."""
     joints = thread.box.chain.joints
     acceleration = _fraction("a", a) * min(item.max_acceleration for item in joints)
     speed = _fraction("v", v) * min(item.max_velocity for item in joints)
@@ -97,7 +97,7 @@ async def optimovej(
 async def optimovel(
     thread: Thread, pose: Target, a: Number = 0.3, v: Number = 0.3, r: Number = 0
 ) -> None:
-    """Move the TCP on a line; a and v are fractions of what it does in moves."""
+    """Move the TCP on a line; a and v are fractions of ``FASTEST_TOOL``."""
     acceleration = _fraction("a", a) * FASTEST_TOOL[1]
     await movel(thread, pose, acceleration, _fraction("v", v) * FASTEST_TOOL[0], 0, r)
 
@@ -128,7 +128,7 @@ async def movel(
 async def movep(
     thread: Thread, pose: Target, a: Number = 1.2, v: Number = 0.25, r: Number = 0
 ) -> None:
-    """Move the TCP with constant speed and circular blends."""
+    """Move the TCP at constant speed, with circular blends."""
     _check(a, v, 0.0, r)
     goal = _pose(thread, pose)
     await _follow(thread, lambda: thread.moves.movep(goal, a, v, r))
@@ -143,7 +143,7 @@ async def movec(
     r: Number = 0,
     mode: Integer = 0,
 ) -> None:
-    """Move the TCP on a circular arc; mode 1 keeps its orientation to the arc."""
+    """Move the TCP on a circular arc; mode 1 fixes its orientation to the arc."""
     _check(a, v, 0.0, r)
     if mode not in {0, 1}:
         raise ValueProblem(f"mode is {mode}; it can be 0 or 1")
@@ -160,7 +160,7 @@ async def servoj(
     lookahead_time: Number = 0.1,
     gain: Number = 300,
 ) -> None:
-    """Follow joint positions that are given again and again; a and v are not used."""
+    """Follow a stream of joint positions; a and v are not used."""
     del a, v
     if t < 0.0:
         raise ValueProblem("the time is not negative")
@@ -172,7 +172,7 @@ async def servoj(
 async def servoc(
     thread: Thread, pose: Target, a: Number = 1.2, v: Number = 0.25, r: Number = 0
 ) -> None:
-    """Follow poses of the TCP on arcs."""
+    """Follow a stream of TCP poses along arcs."""
     _check(a, v, 0.0, r)
     goal = _pose(thread, pose)
     await _follow(thread, lambda: thread.moves.servoc(goal, a, v, r))
@@ -207,14 +207,14 @@ async def stopl(thread: Thread, a: Number = 20.0, aRot: Number | None = None) ->
 
 
 def motion_version_set(thread: Thread, version: Integer) -> None:
-    """Accept version 1 or 2 of movej and movel, which do not differ."""
+    """Accept version 1 or 2 of movej and movel; the versions do not differ."""
     if version not in {1, 2}:
         raise ValueProblem(f"version is {version}; it can be 1 or 2")
     thread.execution.motion_version = version
 
 
 def motion_version_get(thread: Thread) -> int:
-    """Return the version that was set; 1, if none was."""
+    """Return the version that was set; 1 if none was."""
     return thread.execution.motion_version
 
 

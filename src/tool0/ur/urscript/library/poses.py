@@ -20,7 +20,7 @@ from tool0.ur.urscript.values import Pose, Value
 
 
 def pose_trans(p_from: PoseLike, p_from_to: PoseLike) -> Pose:
-    """Return a pose that is given in another one."""
+    """Return the pose ``p_from_to``, which is given in the frame ``p_from``."""
     return Pose(pose_of(transform_of(p_from) @ transform_of(p_from_to)))
 
 
@@ -30,7 +30,7 @@ def pose_inv(p_from: PoseLike) -> Pose:
 
 
 def pose_add(p_1: PoseLike, p_2: PoseLike) -> Pose:
-    """Return the sum of the positions, with the product of the rotations."""
+    """Return the sum of the positions, and the product of the rotations."""
     return _pose(
         [a + b for a, b in zip(p_1[:3], p_2[:3], strict=True)],
         transform_of(p_1) @ transform_of(p_2),
@@ -38,7 +38,7 @@ def pose_add(p_1: PoseLike, p_2: PoseLike) -> Pose:
 
 
 def pose_sub(p_to: PoseLike, p_from: PoseLike) -> Pose:
-    """Return what ``pose_add`` adds to ``p_from`` to get ``p_to``."""
+    """Return the pose that ``pose_add`` adds to ``p_from`` to get ``p_to``."""
     return _pose(
         [a - b for a, b in zip(p_to[:3], p_from[:3], strict=True)],
         transform_of(p_from).inverse() @ transform_of(p_to),
@@ -51,18 +51,18 @@ def pose_dist(p_from: PoseLike, p_to: PoseLike) -> float:
 
 
 def point_dist(p_from: PoseLike, p_to: PoseLike) -> float:
-    """Return the distance of two positions [m]."""
+    """Return the distance between two positions [m]."""
     return math.dist(p_from[:3], p_to[:3])
 
 
 def interpolate_pose(p_from: PoseLike, p_to: PoseLike, alpha: Number) -> Pose:
-    """Return a pose on the straight line, with the rotation on its geodesic."""
+    """Return an interpolated pose: straight line, and rotation along the geodesic."""
     step = Pose(alpha * x for x in pose_sub(p_to, p_from))
     return pose_add(p_from, step)
 
 
 def wrench_trans(T_from_to: PoseLike, w_from: Spatial) -> Value:
-    """Return a wrench that is given in another frame and about its origin."""
+    """Return a wrench in another frame, with moments about its origin."""
     T = transform_of(T_from_to).inverse()
     fx, fy, fz, tx, ty, tz = w_from
     mx, my, mz = cross(transform_of(T_from_to).position, (fx, fy, fz))

@@ -12,7 +12,7 @@ from tool0.ur.urscript.values import Value, checked_struct, to_text
 from tool0.ur.urscript_errors import ValueProblem
 
 _MESSAGE: Final = 25
-"""Statements that a message counts as, so that clients can follow."""
+"""Number of statements that a message counts as, so that clients can keep up."""
 
 
 async def sleep(thread: Thread, t: Number) -> None:
@@ -33,7 +33,7 @@ def get_steptime(thread: Thread) -> float:
 
 
 def time(thread: Thread) -> Value:
-    """Return the simulated time as a struct: seconds, and nanoseconds beyond them."""
+    """Return the simulated time as a struct of seconds and remaining nanoseconds."""
     nanoseconds = round(thread.box.time * 1e9)
     return checked_struct(("sec", "nanosec"), divmod(nanoseconds, 10**9))
 
@@ -58,7 +58,7 @@ async def popup(
     error: Bool = False,
     blocking: Bool = False,
 ) -> None:
-    """Show a popup; a blocking one waits until it is closed."""
+    """Show a popup; if it is blocking, wait until it is closed."""
     del warning, error
     messages = thread.box.messages
     messages.show_popup(shown(to_text(s)), shown(title))
@@ -70,24 +70,24 @@ async def popup(
 async def interpreter_mode(
     site: Site, clearQueueOnEnter: Bool = True, clearOnEnd: Bool = True
 ) -> None:
-    """Execute what clients send to the interpreter's port until end_interpreter()."""
+    """Execute statements from the interpreter's port until end_interpreter()."""
     await site.frame.thread.execution.interpreter.run(
         site, clear_queue=clearQueueOnEnter, clear_on_end=clearOnEnd
     )
 
 
 def end_interpreter(thread: Thread) -> None:
-    """End interpreter_mode() after the statement that is executed."""
+    """End interpreter_mode() after the current statement."""
     thread.execution.interpreter.end()
 
 
 async def clear_interpreter(thread: Thread) -> None:
-    """Forget what was interpreted so far."""
+    """Forget everything that was interpreted so far."""
     await thread.execution.interpreter.clear()
 
 
 def shown(text: str) -> str:
-    """Return a string of bytes as people read it."""
+    """Return a string of bytes as readable text."""
     return text.encode("latin-1", "replace").decode("utf-8", "replace")
 
 

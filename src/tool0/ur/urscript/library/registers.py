@@ -1,4 +1,4 @@
-"""Registers, which programs share with RTDE clients."""
+"""Registers that programs share with RTDE clients."""
 
 from __future__ import annotations
 
@@ -32,21 +32,21 @@ Flag: TypeAlias = Annotated[int, address_kind(N_FLAGS)]
 
 
 def write_output_boolean_register(thread: Thread, address: Bit, value: Bool) -> None:
-    """Write a bit that RTDE clients read."""
+    """Write a bit that RTDE clients can read."""
     thread.box.registers.outputs.bits[address] = value
 
 
 def write_output_integer_register(
     thread: Thread, address: Address, value: Integer
 ) -> None:
-    """Write an integer that RTDE clients read."""
+    """Write an integer that RTDE clients can read."""
     thread.box.registers.outputs.integers[address] = value
 
 
 def write_output_float_register(
     thread: Thread, address: Address, value: Number
 ) -> None:
-    """Write a number that RTDE clients read."""
+    """Write a number that RTDE clients can read."""
     thread.box.registers.outputs.doubles[address] = float(value)
 
 

@@ -1,4 +1,4 @@
-"""Servers of functions: XML-RPC."""
+"""Servers with functions for programs: XML-RPC."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from tool0.ur.urscript.values import Value
 from tool0.ur.urscript_errors import ValueProblem
 
 MAX_SERVERS: Final = 64
-"""Handles of a program that are not closed."""
+"""Largest number of a program's handles that are not closed."""
 
 
 async def rpc_factory(thread: Thread, type_: Text, url: Text) -> Value:
-    """Return the handle of a server, whose functions are called as its methods."""
+    """Return the handle of a server; its methods are the server's functions."""
     if type_ != "xmlrpc":
         raise ValueProblem(f"the type is '{type_}'; there is 'xmlrpc'")
     if len(thread.execution.servers) >= MAX_SERVERS:

@@ -1,4 +1,4 @@
-"""Settings that programs of PolyScope make first, and that change nothing here."""
+"""Settings that PolyScope's programs make first, and that have no effect here."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _BAUD_RATES: Final = (*(9600, 19200, 38400, 57600, 115200, 1000000, 2000000, 500
 
 
 def set_input_actions_to_default() -> None:
-    """Accept: inputs have no actions."""
+    """Accept the setting; inputs have no actions."""
 
 
 def set_safety_mode_transition_hardness(type_: Integer) -> None:
@@ -20,7 +20,7 @@ def set_safety_mode_transition_hardness(type_: Integer) -> None:
 
 
 def _input_domain(port: Integer, domain: Integer) -> None:
-    """Accept: inputs are volts unless the simulation sets them as currents."""
+    """Accept the setting; inputs are voltages unless the simulation sets currents."""
 
 
 def _input_action(port: Integer, action: Text) -> None:
@@ -53,7 +53,7 @@ def set_tool_communication(
     rx_idle_chars: Number = 1.5,
     tx_idle_chars: Number = 3.5,
 ) -> None:
-    """Accept: programs that speak on the tool's serial line find the gripper's port."""
+    """Accept the setting; on the serial line, programs find the gripper's port."""
     del enabled
     if baud_rate not in _BAUD_RATES or parity not in {0, 1, 2}:
         raise ValueProblem(f"{baud_rate} baud with parity {parity} is not possible")

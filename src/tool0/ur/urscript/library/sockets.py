@@ -1,4 +1,4 @@
-"""TCP sockets.  Timeouts are wall time, since the peer is another program."""
+"""TCP sockets; timeouts are wall time, since the peer is another program."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ T = TypeVar("T")
 
 DEFAULT: Final = "socket_0"
 MAX_VALUES: Final = 30
-"""Numbers or bytes of one read."""
+"""Largest number of numbers or bytes in one read."""
 MAX_STRING: Final = 1024
-"""Longest string that is read [bytes]."""
+"""Longest string to read [bytes]."""
 TIMEOUT: Final = 2.0
 """Default timeout [wall s]."""
 _ESCAPES: Final = (("\\n", "\n"), ("\\r", "\r"), ("\\t", "\t"))
@@ -45,10 +45,11 @@ PortNumber: TypeAlias = Annotated[int, Kind("a port", _port)]
 async def socket_open(
     thread: Thread, address: Text, port: PortNumber, socket_name: Text = DEFAULT
 ) -> bool:
-    """Connect to a server within 2 s; return whether it worked.
+    """Connect to a server within 2 s; return whether this succeeded.
 
-    It takes a control period at least: servers that are opened one after another are
-    reached in that order, even where each accepts in a thread of its own.
+    The call takes at least a control period, so servers that are opened one after
+    another see the connections in this order, even if each accepts in a separate
+    thread.
     """
     is_open = await thread.execution.sockets.open(address, port, socket_name)
     await thread.pacer.wait(1.0 / thread.box.rate)
@@ -74,7 +75,7 @@ async def _receive(
     connection = thread.execution.sockets.find(name)
     if connection is None:
         return None
-    found = connection.take(find)  # others have no turn if the data are here
+    found = connection.take(find)  # if the data is here, others get no turn
     if found is not None:
         return found
     return await connection.receive(find, timeout)
@@ -104,7 +105,7 @@ async def socket_send_byte(
 async def socket_send_int(
     thread: Thread, value: Integer, socket_name: Text = DEFAULT
 ) -> bool:
-    """Send an integer of 32 bits in network byte order; return whether it was sent."""
+    """Send a 32-bit integer in network byte order; return whether it was sent."""
     return await _send(thread, struct.pack(">i", value), socket_name)
 
 
@@ -118,7 +119,7 @@ async def socket_set_var(
 async def socket_get_var(
     thread: Thread, name: Text, socket_name: Text = DEFAULT
 ) -> Value:
-    """Send ``GET <name>`` and return the integer of ``<name> <integer>``, or 0."""
+    """Send ``GET <name>``; return the integer in ``<name> <integer>``, or 0."""
     await _send(thread, f"GET {name}\n".encode("latin-1"), socket_name)
     line = await _receive(thread, socket_name, _line, TIMEOUT)
     match = re.fullmatch(r"\s*(\S+)\s+(-?[0-9]{1,10})\s*", line or "")
@@ -133,7 +134,7 @@ async def socket_read_ascii_float(
     socket_name: Text = DEFAULT,
     timeout: Number = TIMEOUT,
 ) -> Value:
-    """Return [n, a, b, …] of n numbers ``(a, b, …)``; [0, nan, …] if they fail."""
+    """Return n numbers ``(a, b, …)`` as [n, a, b, …]; [0, nan, …] on failure."""
     text = await _receive(thread, socket_name, _in_brackets, timeout)
     try:
         values = [float(word) for word in (text or "").split(",")]
@@ -164,7 +165,7 @@ async def socket_read_binary_integer(
     socket_name: Text = DEFAULT,
     timeout: Number = TIMEOUT,
 ) -> Value:
-    """Return [n, a, b, …] of n integers of 32 bits; [0, -1, …] if they fail."""
+    """Return n 32-bit integers as [n, a, b, …]; [0, -1, …] on failure."""
     return await _read_numbers(thread, socket_name, number, "i", timeout)
 
 
@@ -174,14 +175,14 @@ async def socket_read_byte_list(
     socket_name: Text = DEFAULT,
     timeout: Number = TIMEOUT,
 ) -> Value:
-    """Return [n, a, b, …] of n bytes; [0, -1, …] if they fail."""
+    """Return n bytes as [n, a, b, …]; [0, -1, …] on failure."""
     return await _read_numbers(thread, socket_name, number, "B", timeout)
 
 
 async def socket_read_line(
     thread: Thread, socket_name: Text = DEFAULT, timeout: Number = TIMEOUT
 ) -> str:
-    """Return a line without its end; an empty string if there is none in time."""
+    """Return a line without its end; an empty string if none arrives in time."""
     return await _receive(thread, socket_name, _line, timeout) or ""
 
 
@@ -193,7 +194,7 @@ async def socket_read_string(
     interpret_escape: Bool = False,
     timeout: Number = TIMEOUT,
 ) -> str:
-    """Return what is received, or what is between prefix and suffix; else ""."""
+    """Return the received text, or the part between prefix and suffix; "" if none."""
     if interpret_escape:
         for written, meant in _ESCAPES:
             prefix = prefix.replace(written, meant)

@@ -1,4 +1,4 @@
-"""The state of the arm.  Poses are in the base frame, angles in radians."""
+"""The state of the arm; poses are in the base frame, angles in radians."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def get_target_tcp_pose(thread: Thread) -> Value:
 
 
 def get_target_waypoint(thread: Thread) -> Value:
-    """Return where the last move was to go; the TCP's setpoint before the first."""
+    """Return the target of the last move; before the first, the TCP's setpoint."""
     return thread.execution.waypoint or get_target_tcp_pose(thread)
 
 
@@ -98,14 +98,14 @@ def force(thread: Thread) -> float:
 
 
 def get_joint_torques(thread: Thread) -> Value:
-    """Return the joint torques that the external wrench causes [N·m]."""
+    """Return the joint torques caused by the external wrench [N·m]."""
     return thread.box.posture().efforts(*thread.box.flange_wrench())
 
 
 def get_forward_kin(
     thread: Thread, q: Joints | None = None, tcp: PoseLike | None = None
 ) -> Value:
-    """Return the pose of the TCP at joint positions; the measured ones, if left out."""
+    """Return the pose of the TCP at joint positions (default: the measured ones)."""
     return Pose(thread.box.forward(thread.box.q if q is None else q, tcp))
 
 
@@ -117,7 +117,7 @@ def get_inverse_kin(
     maxOrientationError: Number = 1e-10,
     tcp: PoseLike | None = None,
 ) -> Value:
-    """Return the joint positions nearest to qnear, or to the measured ones."""
+    """Return the joint positions nearest to qnear (default: the measured ones)."""
     del maxPositionError, maxOrientationError  # the solutions are exact
     near = thread.box.q if qnear is None else qnear
     try:
@@ -161,10 +161,10 @@ def is_steady(thread: Thread) -> bool:
 
 
 def tool_contact(thread: Thread, direction: Spatial | None = None) -> Value:
-    """Return since how many control periods something touches the tool; 0 if nothing.
+    """Return for how many control periods the tool has had a contact; 0 if it has none.
 
-    The direction is that of the motion, in the base frame; zeros stand for any.  The
-    velocity of the TCP, if left out.
+    The direction is that of the motion, in the base frame; zeros stand for any
+    direction.  If it is left out, the velocity of the TCP is used.
     """
     motion = thread.box.tcp_speed() if direction is None else direction
     return thread.execution.history.contact(motion)

@@ -1,4 +1,4 @@
-"""All functions of the library by name."""
+"""All library functions by name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MODULES: Final = (
 
 @cache
 def modules() -> dict[str, tuple[Function, ...]]:
-    """Return the functions that programs can call, by the module that has them."""
+    """Return the functions that programs can call, grouped by their module."""
     return {
         name: import_module(f"tool0.ur.urscript.library.{name}").FUNCTIONS
         for name in _MODULES
