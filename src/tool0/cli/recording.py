@@ -235,7 +235,7 @@ def export(
         only_successes: Leave out demonstrations that failed.
         instruction: The task in words, for a LeRobot data set; if not given, the
             recorded description.
-        cameras: Cameras whose images each frame of a LeRobot data set contains.
+        cameras: Cameras whose images are included in each frame of a LeRobot data set.
     """
     if format == "lerobot":
         from tool0.collect.demonstrations import export_lerobot

@@ -244,7 +244,7 @@ def check_geometry(geometry: Geometry, of: str) -> None:
 
 
 def _check_scale(geometry: Geometry, of: str, *, is_fixed: bool) -> None:
-    """Raise ConfigError if the sizes must have been meant in another unit."""
+    """Raise ConfigError if the sizes are implausible in metres."""
     if isinstance(geometry, Mesh):  # in any unit: its scale says which
         return
     edges = extents(geometry)

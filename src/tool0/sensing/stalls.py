@@ -86,7 +86,7 @@ class StallMonitor:
         contacts: Callable[[], tuple[Contact, ...]],
         wanted: Callable[[], Mapping[str, float]],
     ) -> None:
-        """Take ``state`` into account; ``contacts`` is called while a joint pushes.
+        """Update the stalls from ``state``.
 
         ``contacts`` is called from the beginning of a push, because an engine may only
         record contacts after the first call.  ``wanted`` returns the setpoint of each

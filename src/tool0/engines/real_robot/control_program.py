@@ -70,8 +70,8 @@ LONGEST_VECTOR_PERIOD: Final = 0.004
 """Period that separates e-Series controllers (shorter) from CB3 controllers (longer)
 [s]."""
 FIRST_REGISTER: Final = 24
-"""First of the integer output registers that the program writes.  UR reserves the
-registers below for fieldbuses."""
+"""First of the integer output registers that the program writes; UR reserves the lower
+ones for fieldbuses."""
 REGISTERS: Final = tuple(f"output_int_register_{FIRST_REGISTER + k}" for k in range(3))
 """Registers for the periods since the program began (0 if it is not running), its
 ``ProgramMode``, and the ``StopCause`` if the arm came to rest."""

@@ -55,7 +55,7 @@ class RealArm(Arm):
         hardware: RobotHardware,
         manager: ControllerManager,
     ) -> None:
-        """Serve the arm of ``drives``; its gripper moves only if the arm may."""
+        """Serve the arm of ``drives``; its gripper moves only while the arm may."""
         box = ControlBox(name, parts.flange, model, hardware, drives)
         super().__init__(
             *(name, parts, box),

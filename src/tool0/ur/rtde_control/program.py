@@ -159,7 +159,7 @@ class _Watchdog:
             self._is_set.clear()
 
     def kick(self) -> None:
-        """Restart the time after a packet."""
+        """Restart the timeout when a packet arrives."""
         self._last = asyncio.get_running_loop().time()
 
     async def wait(self) -> None:
