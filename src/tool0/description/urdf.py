@@ -200,7 +200,8 @@ def _check_mimics(joints: Mapping[str, Joint], locations: _Locations) -> None:
             raise ModelError(
                 f"joint '{joint.name}' mimics '{leader.name}', which mimics "
                 f"'{leader.mimic.joint if leader.mimic else leader.name}'; "
-                "name the joint at the end of the chain, which must mimic none",
+                "mimic the joint at the end of the chain instead; that joint must not "
+                "mimic another",
                 location,
             )
         if not (leader.is_movable and joint.is_movable):

@@ -79,7 +79,7 @@ class Move:
         if (self.q is None) == (self.pose is None):
             raise ControlError(f"{self} needs joint positions or a pose, one of them")
         if (self.kind == "circular") != (self.via is not None):
-            raise ControlError("an arc needs a via pose, and nothing else has one")
+            raise ControlError("an arc needs a via pose; other moves must not have one")
         if self.mode not in {0, 1}:
             raise ControlError(f"{self}: mode must be 0 or 1, got {self.mode}")
         if not 0.0 <= self.t < math.inf or not 0.0 <= self.r < math.inf:

@@ -294,7 +294,9 @@ class PlanningGroup:
         """
         self.shared[:] = self.least - SLACK if is_check else self.least
         if self.clearances.at(start) == TILTED:
-            raise CollisionError("the start is tilted more than the motion may be")
+            raise CollisionError(
+                "the tool is tilted at the start, by more than the motion allows"
+            )
         found = self.clearances.distances(start, float(self.least.max(initial=0.0)))
         deepest = int(found.argmin()) if len(found) else FREE
         if not is_check and deepest >= 0 and found[deepest] < -PRESSED:

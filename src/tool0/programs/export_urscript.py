@@ -139,8 +139,8 @@ class _Writer:
         assert geometry is not None  # the opening is known
         if geometry.protocol != ROBOTIQ:
             raise ProgramError(
-                f"step {path_text(path)}: URScript has functions for Robotiq's "
-                "grippers, and this one does not name their protocol"
+                f"step {path_text(path)}: URScript has functions for Robotiq grippers "
+                "only, and the description of this one does not have their protocol"
             )
         speed = _percent(geometry.speed, step.speed)
         yield f"rq_set_speed_norm({speed:.6g})"
