@@ -126,8 +126,9 @@ class ArmActions:
             found = tool.steered(target, moves, self._lowest, self.limit)
         else:
             found = self.approach(target, self._tool_target(actions, target))
-        low = np.maximum(q - LEAD, self._lower)
-        high = np.minimum(q + LEAD, self._upper)
+        # A joint that a contact has pushed beyond a limit is commanded to the limit.
+        low = np.minimum(np.maximum(q - LEAD, self._lower), self._upper)
+        high = np.maximum(np.minimum(q + LEAD, self._upper), self._lower)
         return np.asarray(np.minimum(np.maximum(found, low), high))
 
     def approach(self, target: Array, pose: Frames) -> Array:
