@@ -22,7 +22,7 @@ class Mailbox(Generic[T]):
     def __init__(self) -> None:
         self._items: deque[T] = deque()
         self._arrival = threading.Lock()
-        """Released when an item arrives, and acquired by who waits for one."""
+        """Released when an item arrives; a thread that waits for one acquires it."""
         self._arrival.acquire()
 
     def __len__(self) -> int:

@@ -421,7 +421,7 @@ class RealRobotEngine(OwnDrives):
         self._show(is_enabled=enabled)
 
     def forgive(self) -> None:
-        """Follow again after the arm came to rest on its own and the user was told."""
+        """Resume after the arm stopped on its own and the user was informed."""
         self._failure = ""
         self._curve.restart()
 
