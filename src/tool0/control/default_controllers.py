@@ -83,7 +83,8 @@ def controllers_yaml(
 
     Raises:
         DescriptionError: If none fit, which can happen with the user's own robot file.
-        ConfigError: If a part's file is wrong.
+        ConfigError: If a part's file is wrong, or ``gripper_action`` is given for a
+            gripper without an effort interface.
     """
     nothing_fits = DescriptionError(
         f"there are no built-in controllers for '{description.source}'; "
@@ -119,7 +120,8 @@ def default_controllers(
     The result is empty if no built-in controllers fit the user's own robot file.
 
     Raises:
-        ConfigError: If a part's file is wrong.
+        ConfigError: If a part's file is wrong, or ``gripper_action`` is given for a
+            gripper without an effort interface.
     """
     if has_ros2_controllers(description, gripper_action=gripper_action):
         return ControllerConfig(built_in.built_in_tree(description, period), ROS2)
