@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import final
+from typing import TypeVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,11 +16,20 @@ from tool0.kinematics.chain import Array
 Which = Sequence[int] | Sequence[bool] | NDArray[np.integer] | NDArray[np.bool_] | int
 """Selection of copies: a mask of shape (n,), or their numbers."""
 Indices = NDArray[np.intp]
+Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 def are_finite(values: Array) -> bool:
     """Return whether all values are finite; tests the sum of squares first (fast)."""
     return math.isfinite(np.vdot(values, values)) or bool(np.isfinite(values).all())
+
+
+def chosen(values: NDArray[Scalar], rows: Indices) -> NDArray[Scalar]:
+    """Return the rows of ``values``, shape (n, …); it is not copied if all are chosen.
+
+    ``rows`` are distinct, increasing numbers of copies.
+    """
+    return values if len(rows) == len(values) else values[rows]
 
 
 @final

@@ -9,7 +9,7 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from tool0.batch.arguments import Indices
+from tool0.batch.arguments import Indices, chosen
 from tool0.batch.backend import BatchBackend
 from tool0.control.position_limits import check_position, position_range
 from tool0.control.ros1.goal_check import check_names
@@ -128,13 +128,13 @@ class Commands:
     ) -> None:
         """Raise GoalRejectedError for positions (n, m, k) beyond the joints' limits."""
         low, high = self._ranges(tuple(names))
-        chosen = positions[rows]
-        is_beyond = (chosen < low) | (chosen > high)
+        given = chosen(positions, rows)
+        is_beyond = (given < low) | (given > high)
         if np.count_nonzero(is_beyond):
             i, m, k = np.argwhere(is_beyond)[0].tolist()
             where = f"point {m} of copy {rows[i]}"
             joint = self._limited(names)[k]
-            check_position(joint, float(chosen[i, m, k]), where)
+            check_position(joint, float(given[i, m, k]), where)
 
     def _ranges(self, names: tuple[str, ...]) -> Array:
         """Return joints' lower and upper position limits [rad | m], shape (2, k)."""
@@ -226,7 +226,7 @@ class Commands:
         ):
             return
         effort = self._limits[joint].effort if has_force else None
-        ends = np.asarray(openings)[rows].tolist()
+        ends = chosen(np.asarray(openings), rows).tolist()
         if not is_followed:
             self._drive(rows, name, list(map(gripper.position, ends)), effort, bounds)
             return
@@ -282,8 +282,8 @@ class Commands:
             part.number,
             part.numbers,
             times=np.array([times] * len(rows)),
-            positions=positions[rows],
-            velocities=None if velocities is None else velocities[rows],
+            positions=chosen(positions, rows),
+            velocities=None if velocities is None else chosen(velocities, rows),
             lifts_limits=part.lifts_limits,
         )
 

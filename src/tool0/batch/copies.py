@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from tool0.batch.arguments import Indices
+from tool0.batch.arguments import Indices, chosen
 from tool0.batch.backend import (
     DeviceArrays,
     Names,
@@ -329,10 +329,10 @@ class Copies:
         if self._kernel is None or not self.load(rows):
             return False
         started, which = self._kernel.start(
-            self._kernel.robots[rows],
-            self._laws[controller][rows],
+            chosen(self._kernel.robots, rows),
+            chosen(self._laws[controller], rows),
             joints,
-            now=self.time[rows],
+            now=chosen(self.time, rows),
             times=times,
             positions=positions,
             velocities=velocities,
@@ -374,11 +374,11 @@ class Copies:
         """Move a gripper, in the kernel if possible; see ``BatchBackend.grip``."""
         if self._kernel is None or not self.load(rows):
             return False
-        laws = self._laws[controller][rows]
-        here = self._kernel.desired(laws, joint, self.time[rows])
+        laws = chosen(self._laws[controller], rows)
+        here = self._kernel.desired(laws, joint, chosen(self.time, rows))
         if here is None:
             return False
-        ends = np.asarray(openings)[rows].tolist()
+        ends = chosen(np.asarray(openings), rows).tolist()
         gripper, period = limits[0].gripper, self._period
         durations = [
             direct_duration(gripper, at, end, each.speed or gripper.speed[1], period)

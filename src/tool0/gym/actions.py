@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import final
 
@@ -42,9 +43,9 @@ class Actions:
     def __init__(self, arms: Sequence[ArmActions]) -> None:
         self.names = tuple(name for arm in arms for name in arm.names)
         """Names of the numbers, after the things that they move."""
-        ends = np.cumsum([len(arm.names) for arm in arms])
-        self._starts = ends[:-1].tolist()
-        self.grippers = tuple((ends - 1).tolist())
+        ends = np.cumsum([len(arm.names) for arm in arms]).tolist()
+        self._parts = [slice(*part) for part in itertools.pairwise([0, *ends])]
+        self.grippers = tuple(end - 1 for end in ends)
         """Indices of the numbers that are gripper openings."""
 
     def checked(self, actions: ArrayLike, n: int) -> Array:
@@ -76,7 +77,7 @@ class Actions:
 
     def of_arms(self, actions: Array) -> list[Array]:
         """Split checked actions by arm; each part has shape (n, m)."""
-        return np.split(actions, self._starts, axis=1)
+        return [actions[:, part] for part in self._parts]
 
 
 @final

@@ -279,6 +279,10 @@ class NativeStepper(NamedTuple):
     on_error: int
     """Address of the variable that holds the C function ``void on_error(const char
     *)``, which the engine calls on an error; 0 if there is no such variable."""
+    clock: int
+    """Address of the variable that holds the C function ``double clock(void)``, with
+    which the engine times its parts; 0 if there is no such variable.  It returns 0
+    while compiled code steps the engine, which takes less time."""
     model: int
     data: int
     position: int

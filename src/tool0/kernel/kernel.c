@@ -55,6 +55,15 @@ static void return_to_step(const char *message)
     exit(EXIT_FAILURE);
 }
 
+/* MuJoCo reads a clock at the start and the end of each part of a step, which takes a
+   twentieth of the time.  In the kernel, that clock stands still. */
+static double (*other_clock)(void);
+
+static double stopped_clock(void)
+{
+    return stepping ? 0.0 : other_clock();
+}
+
 /* Step the engine; return 0 on its error. */
 static int step_engine(Robot *robot)
 {
@@ -62,6 +71,10 @@ static int step_engine(Robot *robot)
     if (robot->on_error && *robot->on_error != return_to_step) {
         other_handler = *robot->on_error;
         *robot->on_error = return_to_step;
+    }
+    if (robot->clock && *robot->clock && *robot->clock != stopped_clock) {
+        other_clock = *robot->clock;
+        *robot->clock = stopped_clock;
     }
     stepping = &here;
     int is_error = setjmp(here);

@@ -234,6 +234,7 @@ class RobotStruct(Structure):
         ("period", c_double),
         ("step", c_size_t),
         ("on_error", c_size_t),
+        ("clock", c_size_t),
         ("model", c_size_t),
         ("data", c_size_t),
         ("position", c_size_t),

@@ -68,6 +68,7 @@ class RobotMemory:
         self._motor_joints = np.array(stepper.motor_joints, dtype=np.int32)
         struct = self.struct
         struct.step, struct.on_error = stepper.step, stepper.on_error
+        struct.clock = stepper.clock
         struct.model = stepper.model
         struct.data = stepper.data
         struct.position, struct.velocity = stepper.position, stepper.velocity
@@ -374,7 +375,8 @@ class TickProgram:
 
     def set_drive_limits(self, joint: int, limits: DriveLimits) -> None:
         """Limit the drive of a joint, given by its number, like ``RobotHardware``."""
-        if self._drives.drive_limits.get(joint) != limits:
+        before = self._drives.drive_limits.get(joint)
+        if before is not limits and before != limits:  # a comparison takes microseconds
             self._drives.set_drive_limits(joint, limits)
 
     def start_grip(

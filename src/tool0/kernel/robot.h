@@ -28,6 +28,7 @@ typedef struct {
     double dt, period;  /* of a step and of a tick [s] */
     void (*step)(const void *model, void *data); /* mj_step */
     void (**on_error)(const char *); /* what the engine calls on an error; may be null */
+    double (**clock)(void); /* what the engine calls to time its parts; may be null */
     const void *model;
     void *data;
     double *position, *velocity; /* of the engine */

@@ -46,9 +46,8 @@ class ObjectReader:
     def __init__(self, first: ObjectStates, n: int) -> None:
         """Prepare to read the objects that the ``first`` copy has."""
         self._names = first.names
-        self._movable = [
-            k for k, name in enumerate(first.names) if name in first.starts
-        ]
+        movable = [k for k, name in enumerate(first.names) if name in first.starts]
+        self._movable = np.array(movable, dtype=np.intp)  # takes less time than a list
         self._static: list[Mapping[str, ObjectState]] = []
         self._poses = np.zeros((n, len(first.names), 7))
         """Poses of the static objects; rows of movable objects are zero."""
@@ -66,7 +65,7 @@ class ObjectReader:
             self._note(static)
         poses = self._poses.copy()
         speeds = np.zeros((*poses.shape[:2], 6))
-        if self._movable:
+        if len(self._movable):
             shape = len(poses), len(self._movable), -1
             poses[:, self._movable] = q.reshape(shape)
             speeds[:, self._movable] = qd.reshape(shape)

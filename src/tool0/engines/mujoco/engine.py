@@ -227,6 +227,7 @@ class MujocoEngine:
         return NativeStepper(
             step=address_of(library.mj_step),
             on_error=variable_of(library, "mju_user_error"),
+            clock=variable_of(library, "mjcb_time"),
             model=model._address,
             data=data._address,
             position=data.qpos.ctypes.data,
