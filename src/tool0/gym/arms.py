@@ -6,10 +6,9 @@ from typing import final
 
 import numpy as np
 
-from tool0.batch.arguments import are_finite
 from tool0.batch.batch import Batch
 from tool0.gym.actions import ArmActions
-from tool0.gym.bounds import columns, finite
+from tool0.gym.bounds import columns, reading
 from tool0.gym.options import EnvOptions
 from tool0.gym.task import ArmState, Mask
 from tool0.gym.workspace import Workspace
@@ -30,7 +29,8 @@ class ArmCopies:
     ) -> None:
         """Take the arm of a workspace; ``has_wrench`` adds the wrench on its tool."""
         self.space, self.actions = space, ArmActions(space, options)
-        self._batch, self._options, self._has_wrench = batch, options, has_wrench
+        self._batch, self._has_wrench = batch, has_wrench
+        self._period = options.period
         names, gripper = batch.joint_names, space.gripper
         self._joints = columns([names.index(x) for x in space.chain.joint_names])
         self._drive = names.index(gripper.joint)
@@ -83,10 +83,10 @@ class ArmCopies:
 
         ``opening`` is the measured opening [m], shape (n,).
         """
-        batch, options = self._batch, self._options
+        batch = self._batch
         q = batch.position[:, self._joints]
         which = None
-        if not are_finite(q) or np.count_nonzero(batch.diverged):
+        if np.count_nonzero(batch.diverged):
             which = np.isfinite(q).all(axis=1) & ~batch.diverged
         self._last_opening = opening
         moved = self.actions.positions(actions, self.target, q)
@@ -95,7 +95,7 @@ class ArmCopies:
         self.target = moved
         batch.command(
             self.target,
-            duration=options.period,
+            duration=self._period,
             joints=self.space.chain.joint_names,
             which=which,
         )
@@ -114,16 +114,17 @@ class ArmCopies:
     def measure(self) -> ArmState:
         """Return the current measurements."""
         batch = self._batch
-        q = finite(batch.position[:, self._joints])
+        read = reading(batch.diverged)
+        q = read(batch.position[:, self._joints])
         pose = self.space.tool.pose(q)
-        opening = finite(batch.opening(self.space.gripper_name))
+        opening = read(batch.opening(self.space.gripper_name))
         return ArmState(
             q=q,
-            qd=finite(batch.velocity[:, self._joints]),
+            qd=read(batch.velocity[:, self._joints]),
             tcp_position=pose.position,
             tcp_rotation=pose.rotation,
             opening=opening,
-            opening_rate=(opening - self._last_opening) / self._options.period,
+            opening_rate=(opening - self._last_opening) / self._period,
             opening_target=self._opening_target.copy(),
             wrench=self._wrench(),
         )
@@ -131,4 +132,4 @@ class ArmCopies:
     def _wrench(self) -> Array:
         if not self._has_wrench:
             return np.empty((self._batch.n, 0))
-        return finite(self._batch.tool_wrench(self.space.arm))
+        return reading(self._batch.diverged)(self._batch.tool_wrench(self.space.arm))

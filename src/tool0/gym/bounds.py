@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import NDArray
 
 from tool0.batch.arguments import are_finite
 from tool0.kinematics.chain import Array
@@ -20,6 +23,14 @@ def finite(values: Array) -> Array:
     if are_finite(values):
         return values.copy()
     return np.nan_to_num(values, nan=0.0, posinf=FARTHEST, neginf=-FARTHEST)
+
+
+def reading(diverged: NDArray[np.bool_]) -> Callable[[Array], Array]:
+    """Return a function that copies measurements of all copies.
+
+    It is ``finite`` if a copy has diverged; otherwise, all measurements are finite.
+    """
+    return finite if np.count_nonzero(diverged) else np.ndarray.copy
 
 
 def columns(numbers: list[int]) -> slice | list[int]:

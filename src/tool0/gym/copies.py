@@ -14,7 +14,7 @@ from tool0.batch.batch import Batch
 from tool0.batch.saved import BatchState
 from tool0.gym.actions import Actions
 from tool0.gym.arms import ArmCopies
-from tool0.gym.bounds import FARTHEST, columns, finite
+from tool0.gym.bounds import FARTHEST, columns, reading
 from tool0.gym.checks import check_functions, check_objects, check_start
 from tool0.gym.held import grasped
 from tool0.gym.looks import Looks
@@ -41,6 +41,7 @@ class Copies:
         """
         self.n = n
         self.options = options
+        self._ticks = options.ticks
         self._task_class = of = task_class(task)
         spaces = workspaces(options, of.arms, of.distance_of_arms)
         self.workspace = next(iter(spaces.values()))
@@ -180,7 +181,7 @@ class Copies:
         given = self.actions.of_arms(actions)
         for arm, each, state in zip(self.arms, given, measured, strict=True):
             arm.act(each, state.opening)
-        self.batch.step(self.options.ticks)
+        self.batch.step(self._ticks)
         self._state = self._goals = None
 
     # ---- what there is --------------------------------------------------------------
@@ -201,11 +202,12 @@ class Copies:
 
     def _measure(self) -> State:
         batch = self.batch
+        read = reading(batch.diverged)
         return State(
             arms={arm.space.arm: arm.measure() for arm in self.arms},
-            object_position=finite(batch.object_position[:, self._objects]),
-            object_quat=finite(batch.object_quat[:, self._objects]),
-            object_velocity=finite(batch.object_linear[:, self._objects]),
+            object_position=read(batch.object_position[:, self._objects]),
+            object_quat=read(batch.object_quat[:, self._objects]),
+            object_velocity=read(batch.object_linear[:, self._objects]),
             object_size=self._sizes.extents,
             goal=self._goal.copy(),
         )
