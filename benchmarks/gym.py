@@ -28,6 +28,8 @@ class GymCost:
     same_threads: float
     """Steps/s ÷ the raw steps/s of as many threads at once: what a busy machine, whose
     processors do other things too, leaves to both."""
+    processor: float
+    """The same per second of processor time, which other programs disturb less."""
     python: float
     """Part of a step's time outside the physics."""
 
@@ -44,15 +46,18 @@ def cost(task: str = "Lift", n: int = N_COPIES, threads: int = THREADS) -> GymCo
     shape = (ACTIONS, *env.action_space.shape)
     batch = env.unwrapped.copies.batch
     engines = [core.engine for core in batch._cores]  # their models and states
-    ratios, same_threads, python = [], [], []
+    ratios, same_threads, processor, python = [], [], [], []
     for _ in range(ROUNDS):
         actions = rng.uniform(-1.0, 1.0, shape).astype(np.float32)
         copies = [(engine.model, engine.data) for engine in engines]
+        before = time.process_time()
         raw = ACTIONS * raw_seconds([copies])
+        raw_processor = ACTIONS * (time.process_time() - before)
         at_once = ACTIONS * raw_seconds([copies[k::threads] for k in range(threads)])
-        start = time.perf_counter()
+        start, before = time.perf_counter(), time.process_time()
         for action in actions:
             env.step(action)
+        processor.append(raw_processor / (time.process_time() - before))
         elapsed = time.perf_counter() - start
         start = time.perf_counter()
         batch.step(ACTIONS * TICKS)
@@ -64,6 +69,7 @@ def cost(task: str = "Lift", n: int = N_COPIES, threads: int = THREADS) -> GymCo
     return GymCost(
         statistics.median(ratios),
         statistics.median(same_threads),
+        statistics.median(processor),
         statistics.median(python),
     )
 
