@@ -1,4 +1,4 @@
-"""Sends URScript to a robot's controller over its primary interface."""
+"""Transmission of URScript to a robot's controller over its primary interface."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ PORT: Final = 30001
 
 
 def send_script(host: str, text: str, port: int = PORT, timeout: float = 2.0) -> None:
-    """Send a program, which replaces the one that is running.
+    """Send a program, which replaces the running program.
 
-    A ``sec`` program runs alongside the current program.  RTDE shows whether the
-    program has started.
+    A ``sec`` program runs alongside the current program instead. Check with RTDE
+    whether the program has started.
 
     Raises:
         TransportError: If the controller cannot be reached.
@@ -23,7 +23,8 @@ def send_script(host: str, text: str, port: int = PORT, timeout: float = 2.0) ->
         with socket.create_connection((host, port), timeout) as connection:
             connection.sendall(text.encode() + b"\n")
             connection.shutdown(socket.SHUT_WR)
-            # The controller reads until the end; its own packets do not matter here.
+            # The controller reads until the end of the data. Its own packets are not
+            # used.
             connection.settimeout(timeout)
             connection.recv(1)
     except OSError as error:
