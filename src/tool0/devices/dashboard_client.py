@@ -65,7 +65,7 @@ class DashboardClient:
             raise ControlError(f"the robot refuses '{command}': {answer}")
 
     def find(self, command: str) -> str:
-        """Return the answer to a command; empty if the server does not support it."""
+        """Return the answer to a command; empty if the command is not supported."""
         answer = self.ask(command)
         unknown = ("could not understand", "error")
         return "" if answer.lower().startswith(unknown) else answer

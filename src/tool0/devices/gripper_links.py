@@ -48,7 +48,7 @@ class GripperReading(NamedTuple):
 
 
 class GripperLink(Protocol):
-    """A connection to a gripper; all methods raise TransportError if it is lost."""
+    """A connection to a gripper; a lost connection raises TransportError."""
 
     def read(self) -> GripperReading | None:
         """Return the gripper's status; None if the gripper has no power."""

@@ -16,7 +16,7 @@ from tool0.errors import TransportError
 logger = logging.getLogger(__name__)
 
 PERIOD: Final = 0.016
-"""Period of the readings [s]. The URCap is hardly faster."""
+"""Period of the readings [s]. The URCap does not support much shorter periods."""
 RETRY: Final = 1.0
 """Delay between attempts to connect [s]."""
 _ACTIVE: Final = CommandRegisters(activate=True)
@@ -46,7 +46,7 @@ class PolledGripper:
         self._last = _ACTIVE
         """Last command that was sent to the gripper."""
         self.is_sent = True
-        """Whether the newest command has been sent and a reading has followed it."""
+        """Whether the newest command has been sent and followed by a reading."""
         self._thread = threading.Thread(
             target=self._run, name=f"tool0 {name}", daemon=True
         )

@@ -32,7 +32,8 @@ class ObjectStatus(IntEnum):
     MET_OPENING = 1
     MET_CLOSING = 2
     ARRIVED = 3
-    """The fingers are at the requested position. There is no object, or it was lost."""
+    """The fingers are at the requested position. There is no object, or the object was
+    lost."""
 
 
 class Fault(IntEnum):

@@ -1,16 +1,17 @@
 """Closed-form inverse kinematics of UR-like arms, with all postures for a pose.
 
-The first axis of such an arm is vertical. The next three axes are parallel, so that the
-links between them move in a plane. The fifth axis lies in this plane. The sixth axis is
-perpendicular to the fifth axis and intersects it at the *center of the wrist*. The
-lengths are computed from the joint axes, so any arm of this geometry is supported. The
-steps follow K. P. Hawkins, Analytic Inverse Kinematics for the Universal Robots
-UR-5/UR-10 Arms (2013), http://hdl.handle.net/1853/50782, but use vectors instead of
-Denavit-Hartenberg parameters.
+The first axis of a UR-like arm is vertical. The second, third and fourth axes are
+parallel, so that the links between them move in a plane, the *plane of the arm*. The
+fifth axis lies in the plane of the arm. The sixth axis is perpendicular to the fifth
+axis and intersects it at the *center of the wrist*. The lengths are computed from the
+joint axes, so any arm with this geometry is supported. The steps follow K. P. Hawkins,
+Analytic Inverse Kinematics for the Universal Robots UR-5/UR-10 Arms (2013),
+http://hdl.handle.net/1853/50782, but use vectors instead of Denavit-Hartenberg
+parameters.
 
 In the coordinates of this module, z is the first axis and y is the second axis. The
-plane of the arm is spanned by z and x. Angles in this plane are measured from z to x,
-in the direction in which the joints turn.
+plane of the arm is spanned by z and x. Angles in the plane of the arm are measured from
+z to x, in the direction in which the joints turn.
 """
 
 from __future__ import annotations
@@ -111,8 +112,8 @@ class ArmGeometry:
         Args:
             T_base_tip: Target pose of the flange, shape (n, 4, 4).
             sixth: Position of the sixth joint [rad], shape (n,), for singular poses,
-                which do not determine this position. If it is specified, all solutions
-                have this position.
+                which do not determine this position. If ``sixth`` is specified, all
+                solutions have this position of the sixth joint.
 
         Returns:
             Joint positions [rad], without whole turns, shape (n, 8, 6).
@@ -178,7 +179,7 @@ class ArmGeometry:
         return np.asarray(np.arctan2(self._root(1.0 - cosine**2, 1.0), cosine))
 
     def _root(self, square: Array, scale: Array | float) -> Array:
-        """Return the square root; NaN if ``square`` is below the tolerance."""
+        """Return the square root; NaN if ``square`` is too far below 0."""
         within = square > -self._slack * scale
         return np.asarray(np.sqrt(np.where(within, np.abs(square), np.nan)))
 

@@ -1,7 +1,7 @@
 """Forward kinematics of a single posture of an arm, computed with Python floats.
 
-``ArmChain.forward`` is efficient for many postures. For a single posture, it would
-spend most of its time on numpy's overhead.
+``ArmChain.forward`` is efficient for many postures. For a single posture,
+``ArmChain.forward`` would spend most of its time on numpy's overhead.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class ScalarPosture(NamedTuple):
     ) -> tuple[Vector3, Vector3]:
         """Return the linear velocity of a point and the angular velocity [m/s, rad/s].
 
-        Both velocities are those of the link after the first ``n_joints`` joints. The
+        The velocities are those of the link after the first ``n_joints`` joints. The
         point is given in the fixed frame.
         """
         x, y, z = point
@@ -50,8 +50,8 @@ class ScalarPosture(NamedTuple):
     def efforts(self, force: Vector3, torque: Vector3) -> tuple[float, ...]:
         """Return the joint torques that a wrench on the flange causes [N·m].
 
-        The wrench acts at the flange's origin. Its components are in the axes of the
-        fixed frame.
+        The wrench acts at the flange's origin. The components of the wrench are in the
+        axes of the fixed frame.
         """
         fx, fy, fz = force
         tx, ty, tz = torque

@@ -2,9 +2,9 @@
 
 A pose near the waypoint is described by six numbers relative to the waypoint: the
 displacement, and the rotation vector from the waypoint's orientation. A blend is a
-cubic Hermite curve of these numbers over time. It has the same pose and velocity as
-each path at the transition points. Between two lines with equal speeds, the blend is a
-parabola with constant acceleration.
+cubic Hermite curve of these numbers over time. The curve has the same pose and velocity
+as each path at the transition points. Between two lines with equal speeds, the blend is
+a parabola with constant acceleration.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class BlendPath:
             start: State of the tool where it leaves the first path.
             end: State of the tool where it enters the second path.
             T_base_waypoint: Pose of the tool at which the two paths meet.
-            is_arc: Whether the tool follows a circular arc. In this case, s is the
+            is_arc: Whether the tool follows a circular arc. For an arc, s is the
                 fraction of the arc's length, and start and end must lie on straight
                 lines at equal distances from the waypoint.
         """

@@ -9,14 +9,15 @@ The rules follow the URScript manual (e-Series 5.x; the rules of CB3 3.x are the
   ``a``. The slower of translation and rotation determines the duration
   (https://forum.universal-robots.com/t/movel-tool-angular-speed/15912).
 * The speed is a trapezoid or a triangle over time. A time ``t`` replaces ``a`` and
-  ``v``. The manual does not specify how; in tool0, each ramp from rest or to rest takes
-  a quarter of ``t``.
+  ``v``. The manual does not specify the profile for ``t``; in tool0, each ramp from
+  rest or to rest takes a quarter of ``t``.
 * A move with a radius ``r`` ends where the distance of the tool from its target becomes
-  ``r``. The next move starts at most at this distance from the target. The speed at the
-  start of the blend does not depend on the next move, so the arm can still stop at the
-  target. It stops there if there is no next move.
+  ``r``. The next move starts at a distance of at most ``r`` from this target. The speed
+  at the start of the blend does not depend on the next move, so the arm can still stop
+  at the target. If there is no next move, the arm stops at the target.
 * Between two movej, the blend is a smooth curve of the joints. Between two movep, the
-  blend is an arc at constant speed. Otherwise, it is a smooth curve of the tool.
+  blend is an arc at constant speed. In other cases, the blend is a smooth curve of the
+  tool.
 * If blends overlap, UR skips the waypoint with a warning. In tool0, both blends become
   smaller, also with a warning.
 * If a joint would be too fast, the whole move is slower than requested.
@@ -57,8 +58,7 @@ class Move:
 
     kind: MoveKind
     q: Sequence[float] | None = None
-    """Target positions of the joints [rad]. Specify either these positions or a
-    pose."""
+    """Target positions of the joints [rad]. Specify either ``q`` or ``pose``."""
     pose: Sequence[float] | None = None
     """Target pose of the TCP."""
     via: Sequence[float] | None = None
@@ -68,16 +68,16 @@ class Move:
     v: float
     """Speed of the leading joint [rad/s], or of the TCP [m/s]."""
     t: float = 0.0
-    """Duration [s]. If it is greater than 0, it replaces ``a`` and ``v``."""
+    """Duration [s]. A duration greater than 0 replaces ``a`` and ``v``."""
     r: float = 0.0
     """Blend radius [m]."""
     w: float | None = None
     """Angular speed of the tool along a line [rad/s]; by default, TURN_RATIO times
     ``v``."""
     mode: int = 0
-    """Orientation along an arc. In mode 0, it is interpolated to the target's
-    orientation. In mode 1, it keeps a constant angle to the arc, and the target's
-    orientation is ignored."""
+    """Orientation along an arc. In mode 0, the orientation is interpolated to the
+    target's orientation. In mode 1, the orientation keeps a constant angle to the arc,
+    and the target's orientation is ignored."""
 
     def __post_init__(self) -> None:
         if (self.q is None) == (self.pose is None):

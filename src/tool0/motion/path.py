@@ -21,9 +21,9 @@ _QUINTIC = np.array(
         [0, 0, 0, 0.5, -1, 0.5],
     ]
 )
-"""Quintics over 0 … 1. Each has one end value of 1 and five end values of 0. The end
-values are position, velocity and acceleration at the start, then at the end. The
-coefficients are ordered from u⁰ to u⁵."""
+"""Quintics over 0 … 1. Each quintic has one end value of 1 and five end values of 0.
+The end values are position, velocity and acceleration at the start, then at the end.
+The coefficients are ordered from u⁰ to u⁵."""
 _POWERS = np.arange(6)
 
 
@@ -35,7 +35,7 @@ class Cubics(NamedTuple):
     q: Array
     """Joint positions [rad], shape (n, n_joints)."""
     qd: Array
-    """Joint velocities [rad/s] or derivatives by the path parameter, shape (n,
+    """Joint velocities [rad/s], or derivatives by the path parameter, shape (n,
     n_joints)."""
 
     def at(self, times: Array) -> Cubics:

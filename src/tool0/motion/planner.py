@@ -79,7 +79,7 @@ class MovePlanner:
     ) -> MovePlan | None:
         """Return the motion that leaves ``plan`` at a path time to blend into moves.
 
-        The new motion starts at time 0 at this point. The path time must be within the
+        Time 0 of the new motion is this path time. The path time must be within the
         last blend radius of the plan. The result is None if it is too late for a blend;
         the moves then start from rest at the end of the plan.
 
@@ -218,8 +218,8 @@ class MovePlanner:
     ) -> tuple[list[Cubics], TimedSegment] | None:
         """Return the blend from a tail into a segment, and the segment after the blend.
 
-        The result is None if the joints cannot follow any blend. The arm then stops at
-        the waypoint.
+        The result is None if the joints cannot follow any blend, so that the arm must
+        stop at the waypoint.
         """
         is_arc = (
             tail.kind in _CONSTANT_SPEED

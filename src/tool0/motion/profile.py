@@ -27,7 +27,7 @@ class Phase(NamedTuple):
 
 @final
 class SpeedProfile:
-    """The distance x along a path as a function of time, which never decreases.
+    """The distance x along a path as a non-decreasing function of time.
 
     Distances are in meters or radians, like the distances of the path.
     """
@@ -87,7 +87,7 @@ class SpeedProfile:
         return np.asarray(np.minimum(self.times[k] + t, self.times[-1]))
 
     def _phase(self, distances: Array) -> tuple[NDArray[np.intp], Array]:
-        """Return the phase at each distance x, and the distance since its start."""
+        """Return the phase at each distance x, and the distance from its start."""
         phases = np.searchsorted(self.distances, distances, side="right") - 1
         k = np.clip(phases, 0, len(self._accelerations) - 1)
         return k, np.maximum(distances - self.distances[k], 0.0)
@@ -100,11 +100,11 @@ def trapezoid(
     before: float = 0.0,
     after: float = 0.0,
 ) -> SpeedProfile:
-    """Return the fastest profile over ``length`` within the limits of both rates.
+    """Return the fastest profile over ``length`` within ``speed`` and ``acceleration``.
 
-    The limits are ``speed`` and ``acceleration``. The profile starts with the speed
-    ``before`` and ends with the speed ``after``, which must be reachable: |after² -
-    before²| <= 2 acceleration length. A short profile is a triangle.
+    The profile starts with the speed ``before`` and ends with the speed ``after``,
+    which must be reachable: |after² - before²| <= 2 acceleration length. A short
+    profile is a triangle.
     """
     top = math.sqrt(acceleration * length + (before**2 + after**2) / 2.0)
     top = max(min(speed, top), before, after)
@@ -125,8 +125,8 @@ def trapezoid(
 def braking(length: float, speed: float, acceleration: float) -> SpeedProfile:
     """Return the profile that decelerates from ``speed`` to rest over ``length``.
 
-    The deceleration starts as late as ``acceleration`` allows. If this would be too
-    late, the deceleration is higher.
+    The deceleration starts as late as ``acceleration`` allows. If ``acceleration`` is
+    too low for ``length``, the deceleration is higher.
     """
     if speed <= 0.0:
         return trapezoid(length, math.sqrt(acceleration * length), acceleration)
@@ -143,9 +143,9 @@ def ramp(length: float, before: float, after: float) -> SpeedProfile:
 def smoothed(profile: SpeedProfile, duration: float) -> SpeedProfile:
     """Return a profile from rest to rest without sudden changes of acceleration.
 
-    The result is the mean of copies that are delayed by 0 … ``duration`` [s]. It is
-    longer by ``duration``, its speed is not higher, and its acceleration changes in
-    small steps.
+    The result is the mean of copies that are delayed by 0 … ``duration`` [s]. The
+    smoothed profile is longer by ``duration``, its speed is not higher, and its
+    acceleration changes in small steps.
     """
     delays = np.linspace(0.0, duration, _COPIES)
     times = np.sort((profile.times + delays[:, None]).ravel())

@@ -24,7 +24,8 @@ class MoveRules:
     """Distance between poses for which inverse kinematics is solved [m]. The distance
     is smaller where the joints require it."""
     step_angle: float
-    """Rotation of the tool between these poses [rad]."""
+    """Rotation of the tool between poses for which inverse kinematics is solved
+    [rad]."""
     tolerance: float
     """Maximum distance of the flange from its path between two solved poses [m]."""
     unchecked_steps: int

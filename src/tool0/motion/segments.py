@@ -19,8 +19,8 @@ from tool0.motion.profile import SpeedProfile
 from tool0.motion.tool_path import PathFollower, ToolOfArm, ToolPath
 
 MAX_STEPS = 20_000
-"""Maximum number of poses of a path. It corresponds to 80 m, far beyond any arm's
-reach."""
+"""Maximum number of poses of a path. The number corresponds to a path of 80 m, far
+beyond any arm's reach."""
 _ROUNDS = 6
 _SAME = 1e-9
 """Difference, relative to the length, below which two distances are considered

@@ -54,7 +54,7 @@ class ArmLimits:
         (6,)."""
 
     def excess(self, motion: Cubics) -> tuple[float, float, int]:
-        """Return maximum velocity and acceleration over limits, and the worst joint."""
+        """Return velocity and acceleration relative to limits, and the worst joint."""
         times, q, qd = motion
         ratios = (np.abs(qd) / self.fastest).max(axis=0)
         h = np.diff(times)

@@ -16,7 +16,7 @@ from tool0.motion.rules import MoveRules
 
 MAX_JOINT_STEP = 0.3
 """Rotation of a joint in one step above which it is considered a jump [rad]. At 2 mm
-per step, this is 150 rad/m, so a line at 20 mm/s would need the joint's maximum
+per step, the value is 150 rad/m, so a line at 20 mm/s would need the joint's maximum
 velocity."""
 
 

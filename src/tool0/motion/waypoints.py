@@ -1,4 +1,4 @@
-"""Smooth motions of joints through waypoints; blends cut the corners inside."""
+"""Smooth motions of joints through waypoints, with blends that cut the corners."""
 
 from __future__ import annotations
 
@@ -62,8 +62,8 @@ class SmoothWay:
 
         Args:
             poses: Waypoints [rad | m], shape (n, n_joints). Consecutive waypoints must
-                differ, unless all waypoints are equal. In this case, the joints remain
-                at rest.
+                differ, unless all waypoints are equal. If all waypoints are equal, the
+                joints remain at rest.
             deviations: Maximum distance of the path from each corner [rad | m], shape
                 (n - 2,). At a corner with distance 0, the motion stops.
         """
@@ -146,9 +146,9 @@ def time_way(joints: Sequence[Joint], way: SmoothWay, *, speed: float) -> Path:
     """Return a fast motion along a path, from rest to rest.
 
     The curvature and the changes of speed each use a fraction of the acceleration
-    limits. The fastest motion with these fractions is smoothed over
-    ``TIME_TO_FULL_ACCELERATION``. The complete motion is slowed down if a joint would
-    exceed its velocity, acceleration or jerk limit.
+    limits. The fastest motion is smoothed over ``TIME_TO_FULL_ACCELERATION``. The
+    complete motion is slowed down if a joint would exceed its velocity, acceleration or
+    jerk limit.
 
     Args:
         joints: Joints whose positions are specified, with their limits.

@@ -36,7 +36,7 @@ _TRIES: Final = 60
 _CUT: Final = 0.2
 """Initial distance from a corner at which the motion starts to cut it [rad]."""
 _STOP: Final = 0.002
-"""Distance below which the motion stops at the corner instead [rad]."""
+"""Distance below which the motion stops at the corner instead of cutting it [rad]."""
 _CHORDS: Final = 16
 _TURN: Final = 2.0 * math.pi
 _SAME: Final = 1e-9

@@ -85,7 +85,7 @@ class CollisionWorld:
             ground: Height of the ground in the frame of the robot's root [m]; None if
                 there is no ground.
             usual: Joint → position in the default pose [rad | m]. Links that overlap in
-                this pose are assumed to touch by construction.
+                the default pose are assumed to touch by construction.
             apart: Pairs of links that need no collision check, such as the pairs of an
                 SRDF.
         """
@@ -290,8 +290,8 @@ class PlanningGroup:
     def begin(self, start: Array, *, is_check: bool = False) -> None:
         """Allow bodies that are close at the start to remain as close.
 
-        A search keeps SLACK in addition. A check does not keep it, so that the check is
-        as exact as the steps along the motion.
+        A search keeps SLACK in addition. A check does not keep SLACK, so that the check
+        is as exact as the steps along the motion.
 
         Raises:
             CollisionError: If bodies collide at the start (except in a check), or if
@@ -333,7 +333,7 @@ class PlanningGroup:
         )
 
     def clearance(self, poses: Array) -> tuple[float, str]:
-        """Return the minimum distance in some poses, up to 1 m, and its two bodies [m].
+        """Return the minimum distance in some poses, up to 1 m, and the two bodies [m].
 
         Pairs that are allowed to touch are ignored.
         """
@@ -354,8 +354,7 @@ def _turns_about_normals(
 ) -> dict[Shape, list[int]]:
     """Return the indices of the joints that turn about each plane's normal.
 
-    Such joints are at the base of an arm. They do not move any body closer to the
-    plane.
+    Such joints are at the base of an arm and do not move any body closer to the plane.
     """
     steady = {list(found)[-1] for found in above.values() if found}
     found: dict[Shape, list[int]] = {}

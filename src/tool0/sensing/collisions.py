@@ -31,7 +31,7 @@ TOUCH = 0.0005
 """Depth above which shapes are considered to collide [m]. Links that rest on each other
 also overlap by about 0.1 mm in the physics engines."""
 STEP = 0.02
-"""Maximum motion of a joint between two checked points of a path [rad | m]. It
+"""Maximum motion of a joint between two checked points of a path [rad | m]. The value
 corresponds to 2 cm at the end of an arm with a length of 1 m."""
 MAX_PENETRATION = 0.002
 """Maximum depth by which links may overlap a body when a user places the robot or an
@@ -40,7 +40,7 @@ object [m]. The physics engine separates the bodies without a jerk."""
 
 @final
 class CollisionFinder:
-    """Detects collisions of one robot in any pose. Any thread may use it."""
+    """Detects collisions of one robot in any pose. Any thread may use the finder."""
 
     def __init__(self, model: RobotModel, ground: float | None) -> None:
         """Prepare the finder; shapes are not compiled before collisions are requested.
@@ -55,8 +55,8 @@ class CollisionFinder:
         self._beside_lock = Lock()
         self._beside: OverlapFinder | None = None
         """Finder for single objects in the thread of the tick. With a separate finder,
-        this thread does not wait for path checks and does not recompile the scene for
-        each object."""
+        the thread of the tick does not wait for path checks and does not recompile the
+        scene for each object."""
 
     def on_way(
         self, state: Snapshot, positions: Mapping[str, float]
@@ -195,7 +195,7 @@ class CollisionFinder:
     def _fitting(
         self, finder: OverlapFinder | None, objects: tuple[SceneObject, ...]
     ) -> OverlapFinder:
-        """Return ``finder`` or a new finder, which contains these objects."""
+        """Return ``finder`` or a new finder, prepared for these objects."""
         from tool0.engines.mujoco.gl import import_mujoco
 
         import_mujoco()
@@ -280,7 +280,7 @@ def _require_apart(found: Iterable[tuple[str, str, float]], text: str) -> None:
 
 
 def _robot_first(pair: Pair, moving: Collection[str]) -> Pair:
-    """Return the pair with the element that the robot moves in the first place."""
+    """Return the pair, starting with the element that the robot moves."""
     first, second = pair
     return pair if first in moving else (second, first)
 

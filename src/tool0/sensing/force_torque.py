@@ -1,4 +1,4 @@
-"""Force-torque sensors: single sensors that the tick samples, and all of a robot's."""
+"""A force-torque sensor that the tick samples, and the sensors of a robot."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Contacts = Callable[[frozenset[str]], tuple[Contact, ...]]
 RATES = (50.0, 1000.0)
 """Minimum and maximum sampling rate [Hz]."""
 DEFAULT_RATE = 125.0
-"""Default sampling rate [Hz], which is a UR's rate, if it divides the control rate."""
+"""Default sampling rate if it divides the control rate; it is the rate of a UR [Hz]."""
 READINGS_KEPT = 4096
 """Number of samples that are kept for slow readers: four seconds at 1 kHz."""
 
@@ -89,7 +89,7 @@ class ForceTorqueSensor:
         self._left -= ticks
 
     def subtract(self, payloads: Mapping[str, Payload]) -> None:
-        """Subtract payloads by flange, as a UR does; call this in the tick's thread."""
+        """Subtract payloads by flange, like a UR; call this in the tick's thread."""
         self._meter.subtract(payloads)
 
     def restart(
@@ -155,7 +155,7 @@ class ForceTorqueSensor:
 
 @final
 class ForceTorqueSensors:
-    """Starts, stops and finds sensors. Any thread may use it.
+    """Starts, stops and finds sensors. Any thread may use this object.
 
     A sensor is not sampled until it is started. The first reading starts the sensor.
     """
@@ -235,12 +235,12 @@ class ForceTorqueSensors:
 def measured_link(description: RobotDescription, name: str | None) -> str:
     """Return the link at which to measure for the name of a link or sensor.
 
-    By default, it is the robot's only link ``tool0``.
+    By default, the result is the robot's only link ``tool0``.
 
     Raises:
         ModelError: If there is no link or sensor with this name.
-        ControlError: If no name is specified and the robot has no link ``tool0`` or
-            several.
+        ControlError: If no name is specified, and the robot does not have exactly one
+            link ``tool0``.
     """
     model = description.model
     if name is not None:

@@ -1,10 +1,10 @@
 """Grasps: gripper motion, held objects, parallel pads and grasp assist.
 
-Grasp assist fixes gripped objects to the gripper. It is off by default, because no real
-gripper does this. It is intended for users who study the task after a grasp, regardless
-of friction and force. An object that both pads touch is fixed to the gripper's base as
-soon as the gripper holds the object. It is released when the gripper is commanded to
-open or the pads move.
+Grasp assist fixes gripped objects to the gripper. Grasp assist is off by default,
+because no real gripper fixes objects. Grasp assist is intended for users who study the
+task after a grasp, regardless of friction and force. An object that both pads touch is
+fixed to the gripper's base as soon as the gripper holds the object. The object is
+released when the gripper is commanded to open or the pads move.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ STILL = 0.1
 considered to be at rest. With weak gains, pads creep to their target at twice this
 fraction."""
 CREEP = 2.5 * STILL
-"""Fraction like ``STILL`` for pads that push firmly. It is larger because the object
+"""Fraction like ``STILL`` for pads that push firmly, which is larger because the object
 yields."""
 MOVED = 2.0 * CREEP
 """Fraction like ``STILL`` above which pads at rest are considered to move again."""
@@ -179,13 +179,13 @@ WARNING = (
     "which no real gripper does"
 )
 PADS_MOVED = 0.002
-"""Change of the opening that releases the object [m]. It is larger than the change that
-a stronger grip causes."""
+"""Change of the opening that releases the object [m], which is larger than the change
+that a stronger grip causes."""
 
 
 @final
 class GraspAssist:
-    """Attaches and detaches objects.  Only the thread that owns the tick may use it."""
+    """Attaches and detaches objects in the thread that owns the tick."""
 
     def __init__(self, model: RobotModel, engine: Engine) -> None:
         """Start without held objects and log a warning.

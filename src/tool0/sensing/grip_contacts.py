@@ -24,7 +24,7 @@ GRACE = 0.1
 
 @final
 class GripContacts:
-    """Checks the contacts of all grippers. Only the thread of the tick may use it."""
+    """Checks the contacts of all grippers in the thread of the tick."""
 
     def __init__(self, model: RobotModel, joint_names: Sequence[str]) -> None:
         """Start without grips; ``joint_names`` is the order of joints in the states."""

@@ -13,7 +13,8 @@ class SecondOrder(NamedTuple):
     """A second-order Butterworth low-pass filter.
 
     The transfer function is H(s) = 1 / (s² + √2 s + 1), with s in units of the cutoff.
-    It is discretized by the bilinear transform with frequency prewarping at the cutoff:
+    The filter is discretized by the bilinear transform with frequency prewarping at the
+    cutoff:
 
         y = b0 x + 2 b0 x' + b0 x" - a1 y' - a2 y",  K = tan(π cutoff / rate),
         b0 = K² / d,  a1 = 2 (K² - 1) / d,  a2 = (1 - √2 K + K²) / d,  d = 1 + √2 K + K²

@@ -22,8 +22,8 @@ STALL_TIME = 0.5
 stalled [s]."""
 LARGEST_LAG = 0.05
 """Maximum distance between the measured position and its setpoint [s at full speed].
-The value is an estimate, because UR does not publish its bound. For a UR5, it is 0.16
-rad."""
+The value is an estimate, because UR does not publish its bound. For a UR5, the distance
+is 0.16 rad."""
 LAG_PERIOD = 0.1
 """Simulated time between two comparisons of the joints with their setpoints [s]. A
 comparison takes about 20 µs."""
@@ -61,7 +61,7 @@ def external_contacts(
 
 @final
 class StallMonitor:
-    """Detects stalled joints. Only the thread that owns the tick may use it.
+    """Detects stalled joints. Only the thread that owns the tick may use the monitor.
 
     The drives of grippers are ignored, because they are meant to push without moving.
     """
@@ -162,7 +162,7 @@ class _Drive:
         return Stall(self.joint, state.effort[self.index], contacts)
 
     def lags(self, state: JointState, wanted: Mapping[str, float]) -> bool:
-        """Return whether the joint is far from its setpoint; record since when."""
+        """Return whether the joint is far from its setpoint; record the start time."""
         position = state.position[self.index]
         self.lag = abs(wanted.get(self.joint, position) - position)
         if self.lag <= self._most:
@@ -174,7 +174,7 @@ class _Drive:
         return True
 
     def pushes(self, state: JointState) -> bool:
-        """Return whether the joint pushes; record when this started at its position."""
+        """Return whether the joint pushes; record when the push started."""
         effort, time = state.effort[self.index], state.time
         if abs(effort) < self.limit:
             return time - self.last < CHATTER_TIME

@@ -54,8 +54,8 @@ CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
 """Arms with a CB3 control box. All other arms have an e-Series box."""
 E_SERIES_VERSION: Final = (5, 25, 1)
 """Software version that an e-Series box reports: the first version whose
-``direct_torque`` has friction scales. UR's driver uses torque control with this version
-and later ones."""
+``direct_torque`` has friction scales. UR's driver uses torque control with this and
+later versions."""
 CB3_VERSION: Final = (3, 15, 8)
 _FIELDS: Final[tuple[StateField, ...]] = (
     *("joint_names", "position", "velocity", "effort", "control_boxes", "arms"),
@@ -87,7 +87,7 @@ class UrControlBox:
         Args:
             channel: The connection to the bring-up.
             arm: Name of the arm in ``list_arms``.
-            first: The first state that ``box_states`` subscribes to.
+            first: The first state of the subscription that ``box_states`` requests.
             limits: Limits of each driven joint; by default, the URDF's limits.
             allow_sockets: Whether programs may connect to other machines.
         """
@@ -136,8 +136,8 @@ class UrControlBox:
         """Callbacks for updates. If several updates are received together, the
         callbacks are called only for the newest update."""
         self.when_shown: set[Callable[[], None]] = set()
-        """Callbacks that send data. They are called for every update, in order, even if
-        several updates are received together."""
+        """Callbacks that send data. The callbacks are called for every update, in
+        order, even if several updates are received together."""
         index = {name: k for k, name in enumerate(first.joint_names)}
         self._indices = [index[name] for name in self.chain.joint_names]
         self._waiting: list[asyncio.Future[None]] = []
@@ -212,7 +212,7 @@ class UrControlBox:
         await future
 
     async def until(self, condition: Callable[[], bool]) -> None:
-        """Wait until a condition holds; it is checked now and at each update."""
+        """Wait until a condition is true, which is checked now and at each update."""
         while not condition():
             await self.next_update()
 
@@ -244,7 +244,7 @@ class UrControlBox:
             self.report(error)
 
     def report(self, error: Tool0Error) -> None:
-        """Report an error to clients and in the log."""
+        """Report an error to the clients and in the log."""
         logger.warning("%s: %s", self.arm, error)
         if isinstance(error, URScriptError):
             self.messages.exception(error)
@@ -265,7 +265,7 @@ class UrControlBox:
 
     @property
     def stopped(self) -> str:
-        """Reason why programs cannot move the arm; empty if they can."""
+        """Reason why programs cannot move the arm; empty if the arm can move."""
         state = self.state
         if state.protective_stop:
             return f"protective stop: {state.protective_stop}"
@@ -302,7 +302,7 @@ class UrControlBox:
 
     @property
     def target_q(self) -> Six:
-        """Joint setpoint [rad]; the measured positions if nothing moves the arm."""
+        """Joint setpoint [rad]; equal to the measured positions without a motion."""
         return _six(self._setpoint.positions)
 
     @property

@@ -1,8 +1,8 @@
 """Dynamics of an arm, which the arm's control box computes for programs.
 
-The model is the one that the drives use: the robot's description, with the declared
-payload instead of the tool. Joints are ordered from base to flange. Matrices are tuples
-of rows.
+The model is the same as the model of the drives: the robot's description with the
+declared payload instead of the tool. Joints are ordered from base to flange. Matrices
+are tuples of rows.
 """
 
 from __future__ import annotations

@@ -98,7 +98,7 @@ class Port:
         """Prepare a port without opening it.
 
         Args:
-            name: Name of the port for messages, such as ``RTDE``.
+            name: Name of the port in messages, such as ``RTDE``.
             serve: Function that serves one client and returns when the client has
                 disconnected.
             limit: Maximum length of a line that a client may send [bytes].
@@ -123,7 +123,7 @@ class Port:
                 self._accept, host, port, limit=self._limit, reuse_address=True
             )
         except OSError as error:
-            # asyncio's own text repeats the address
+            # asyncio's error text repeats the address
             reason = os.strerror(error.errno) if error.errno else str(error)
             raise TransportError(
                 f"cannot listen on {host}:{port} ({self.name}): {reason}; "

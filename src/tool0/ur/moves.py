@@ -2,7 +2,7 @@
 
 Moves are planned in this process and sent as paths. A move with a blend radius returns
 shortly before the tool enters this radius around the target. The next move then
-replaces the path from this point. If no move is received in time, the arm stops at the
+replaces the remaining path. If no move is received in time, the arm stops at the
 target.
 """
 
@@ -41,7 +41,7 @@ LEAD: Final = (0.012, 0.03, 0.1)
 sending the next move: minimum, initial and maximum value [s]. The time adapts to the
 measured duration of planning and sending."""
 _MARGIN: Final = 0.01
-"""Time between the last update and the time at which a path is replaced [s]. It
+"""Time between the last update and the time at which a path is replaced [s]. The time
 increases after failures."""
 _FIRST_KNOT: Final = 0.002
 """Time of the first knot of a path that replaces another one [s]."""
@@ -51,9 +51,9 @@ _ATTEMPTS: Final = 4
 _SHOWN_WARNINGS: Final = 5
 _ROUNDING: Final = 1e-9
 OWN_STREAM: Final = 1e6
-"""Timeout of streams of the control box's own programs [wall s]. It is practically
-infinite, because a program may pause between two commands, and no external client can
-disconnect."""
+"""Timeout of streams of the control box's own programs [wall s]. The timeout is
+practically infinite, because a program may pause between two commands, and no external
+client can disconnect."""
 MAX_ACCELERATION: Final = 1000.0
 """Maximum acceleration that requests accept [rad/s², m/s²]."""
 STOP: Final = 4.0
@@ -89,19 +89,19 @@ class Moves:
         """Execute moves one after another, with blends.
 
         The first move is blended with the previous move if that move has a blend
-        radius. Any other motion is stopped first. If this call is canceled while it
-        waits, the arm decelerates to rest.
+        radius. Any other motion ends before the first move starts. If this call is
+        canceled while it waits, the arm decelerates to rest.
 
         Args:
-            moves: At least one move. If one of the moves is impossible, the arm does
-                not move.
+            moves: Moves to execute, at least one. If one of the moves is impossible,
+                the arm does not move.
             wait: Whether to return when the last move has ended or is about to be
                 blended; otherwise, return as soon as the motion is accepted.
 
         Raises:
-            UnreachableError: If a move is impossible; the message contains its number
-                and the reason.
-            ControlError: If the arm may not move.
+            UnreachableError: If a move is impossible; the message contains the number
+                of the move and the reason.
+            ControlError: If the arm is not allowed to move.
         """
         self._running = running = await self._start(tuple(moves))
         plan = running.plan
@@ -272,7 +272,7 @@ class Moves:
         await self._rest()
 
     async def stopl(self, a: float = 20.0, a_rot: float | None = None) -> None:
-        """Stop in the time that the TCP needs with deceleration ``a`` [m/s²]."""
+        """Decelerate to rest in the stopping time of the TCP at ``a`` [m/s²]."""
         fastest = float(np.abs(self._box.target_qd).max())
         duration = _duration(
             np.array(self._box.tcp_speed(target=True)), _above_0(a), a_rot
@@ -396,7 +396,7 @@ async def _planned(plan: Callable[[], T], moves: Sequence[Move]) -> T:
 
 
 def _above_0(acceleration: float) -> float:
-    """Return an acceleration that requests accept; raise ControlError if it is <= 0."""
+    """Limit an acceleration for requests; raise ControlError if it is not positive."""
     if not acceleration > 0.0:
         raise ControlError(f"an acceleration must be above 0, got {acceleration}")
     return min(acceleration, MAX_ACCELERATION)

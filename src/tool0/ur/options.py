@@ -55,7 +55,7 @@ class UrOptions:
         return ipaddress.IPv4Address(self.host) not in LOOPBACK
 
     def host_of(self, number: int) -> str:
-        """Return the address of an arm; ``number`` counts from 0.
+        """Return the address of an arm; ``number`` starts at 0.
 
         The address 0.0.0.0 stands for all interfaces, so it can serve only one arm.
         """

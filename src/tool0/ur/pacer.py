@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 CATCH_UP: Final = 0.1
-"""Maximum delay of a step with which its interval still starts at the end of the last
-interval [s]."""
+"""Maximum delay of a step for which the step's interval starts at the end of the
+previous interval [s]."""
 AT_ONCE: Final = 0.02
 """Maximum time between two steps of a program that waits only for its intervals [s]."""
 _ROUNDING: Final = 1e-9
@@ -24,7 +24,7 @@ class Pacer:
     Some programs, such as programs that follow splines, measure time in control
     periods. On a real robot, each step takes exactly one period. In tool0, the program
     and the simulation are separate processes, and the program may receive an update
-    late. The next steps of the program are then shorter.
+    late. After a late update, the next steps of the program are shorter.
     """
 
     def __init__(self, box: UrControlBox) -> None:

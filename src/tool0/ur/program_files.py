@@ -14,8 +14,8 @@ LOG: Final = "log_history.txt"
 SUFFIX: Final = ".script"
 """Suffix of URScript programs; PolyScope's ``.urp`` files are not read."""
 ROOTS: Final = ("/programs", "/ursim/programs")
-"""Program folders of a UR and of UR's simulator. In tool0, both names refer to the
-dashboard server's folder."""
+"""Program folders of a UR and of UR's simulator. In tool0, both program folders refer
+to the dashboard server's folder."""
 
 
 @final

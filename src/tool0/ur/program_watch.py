@@ -16,12 +16,12 @@ PATH_DEVIATION: Final = 153
 
 @final
 class ProgramWatch:
-    """Pauses the program while its arm is paused, and ends it when the arm is lost.
+    """Pauses the program while its arm is paused; ends it when it must release the arm.
 
-    It also reports to the clients why the arm stopped, even if no program is running.
-    On a real UR, a protective stop pauses the program, which may continue afterwards.
-    In tool0, a protective stop ends the program, which must be restarted from the
-    beginning.
+    The watch also reports to the clients why the arm stopped, even if no program is
+    running. On a real UR, a protective stop pauses the program, which may continue
+    afterwards. In tool0, a protective stop ends the program, which must be restarted
+    from the beginning.
     """
 
     def __init__(self, box: UrControlBox) -> None:
@@ -56,7 +56,7 @@ class ProgramWatch:
 
     @property
     def _reason(self) -> str:
-        """Reason why the arm stopped without a command; empty if it did not."""
+        """Reason for a stop without a command; empty if there was no such stop."""
         return self._box.state.protective_stop or self._box.state.motion_failure
 
     def _tell(self) -> None:

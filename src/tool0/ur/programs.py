@@ -42,7 +42,7 @@ class Holder(Protocol):
         """Send a request without waiting for the response."""
 
     def report(self, error: Tool0Error) -> None:
-        """Report an error to clients and in the log."""
+        """Report an error to the clients and in the log."""
 
 
 BoxT = TypeVar("BoxT", bound=Holder)
@@ -116,7 +116,7 @@ class ProgramSlot(Generic[BoxT]):
             n_stops: The value of ``self.n_stops`` when the program was sent.
 
         Raises:
-            ControlError: If the arm cannot move, or was stopped in the meantime.
+            ControlError: If the arm cannot move or has been stopped in the meantime.
         """
         arm = self._box.arm
         async with self._changing:
@@ -138,7 +138,7 @@ class ProgramSlot(Generic[BoxT]):
             self._task = asyncio.create_task(self._run(program))
 
     def stop(self) -> Coroutine[Any, Any, None]:
-        """Discard programs that were sent earlier; when awaited, stop program and arm.
+        """Discard earlier programs; when awaited, stop the program and the arm.
 
         Programs that are sent after this call start normally, even if the returned
         coroutine has not been awaited.
@@ -209,7 +209,7 @@ class ProgramSlot(Generic[BoxT]):
             logger.exception("the program '%s' failed", program.name)
             self._box.messages.error(f"{program.name}: {error!r}")
         async with self._changing:
-            self._task = None  # it can no longer be canceled
+            self._task = None  # the task can no longer be canceled
             await self._release()
             self._box.messages.program("")
 

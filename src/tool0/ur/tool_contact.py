@@ -1,8 +1,8 @@
 """Detection of tool contacts for URScript's ``tool_contact``, with a history.
 
-UR does not publish its criterion. In tool0, a contact is an external force at the tool
-of at least ``CONTACT_FORCE``. The contact starts when the force exceeds
-``START_FORCE``.
+UR does not publish the criterion for a contact. In tool0, a contact is an external
+force at the tool of at least ``CONTACT_FORCE``. The contact starts when the force
+exceeds ``START_FORCE``.
 """
 
 from __future__ import annotations

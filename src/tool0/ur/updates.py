@@ -2,9 +2,9 @@
 
 If the process is delayed, it receives several states together. Programs react only to
 the newest state. RTDE and the real-time interface send packets for each state before
-any program reacts. The time for these packets is limited. A process that is permanently
-too slow skips states, because the delay of its programs would otherwise increase
-without limit.
+any program reacts. The time for sending packets of older states is limited. A process
+that is permanently too slow skips states, because the delay of its programs would
+otherwise increase without limit.
 """
 
 from __future__ import annotations
@@ -23,9 +23,11 @@ MOST_TIME: Final = 0.05
 """Maximum time that is spent consecutively on the states before the newest state [wall
 s]. The time is sufficient for a quarter of a second of states at 500 Hz for clients
 that read everything. A longer time would be a disadvantage for clients that compute
-targets from the robot's time, because they receive that time with this delay."""
+targets from the robot's time, because these clients receive the robot's time with the
+same delay."""
 SHARE: Final = 0.1
-"""Maximum fraction of time that is permanently spent on these states."""
+"""Maximum fraction of time that is permanently spent on the states before the newest
+state."""
 _REPORT_PERIOD: Final = 10.0
 """Minimum time between two warnings [wall s]."""
 

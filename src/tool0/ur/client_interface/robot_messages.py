@@ -53,7 +53,7 @@ _UNSIGNED_DATA: Final = 1
 
 
 def version_message(version: Sequence[int], build_date: str) -> bytes:
-    """Return the first packet of a connection, with the three version numbers."""
+    """Return the first packet of a connection, which contains the version numbers."""
     name = b"URControl"
     major, minor, bugfix = version
     numbers = Struct(f">b{len(name)}sBBii").pack(
@@ -113,5 +113,5 @@ def _message(
 
 
 def _cut(text: str, limit: int = MAX_TEXT) -> bytes:
-    """Return a text in UTF-8, truncated to ``limit`` bytes between two characters."""
+    """Return a UTF-8 text of at most ``limit`` bytes, without split characters."""
     return text.encode(errors="replace")[:limit].decode(errors="ignore").encode()

@@ -1,8 +1,8 @@
 """The robot state packet, which the primary and secondary interfaces send at 10 Hz.
 
 A packet of type 16 consists of sub-packages. Each sub-package starts with its size and
-type. The layouts are those of software 5.9 and later and, where the CB3 differs, those
-of software 3.5 and later. Source:
+type. The layouts are those of UR's software 5.9 and later. Where the layouts of a CB3
+differ, those of software 3.5 and later are used. Source:
 https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/primary-secondary-guide.html
 """
 
@@ -79,7 +79,7 @@ ROBOT_TYPES: Final = {
     "UR30": 8,
     "UR15": 9,
 }
-"""UR's type numbers of the arm models."""
+"""UR's type number for each arm model."""
 MASTERBOARD_VERSION, BOX_TYPE, SUB_TYPE = 6, 4, 3
 """Types of the master board and the control box that UR's own simulator reports for an
 e-Series robot."""

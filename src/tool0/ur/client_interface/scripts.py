@@ -1,7 +1,7 @@
 """Extraction of programs from the text that clients send.
 
-A program is a block or a single line. A block starts with ``def`` or ``sec``, ends at
-the matching ``end``, and contains all blocks in between. Any other line is a separate
+A program is a block or a single line. A block starts with ``def`` or ``sec`` and ends
+at the matching ``end``, including all nested blocks. Any other line is a separate
 program. A line that only calls the preceding block is ignored, because the block has
 already been started as a program. The text may be received in chunks of any size.
 """
@@ -20,7 +20,7 @@ kB."""
 MAX_LINE: Final = 1 << 16
 """Maximum length of a line [bytes]."""
 UNNAMED: Final = "unnamed"
-"""Name of a program that does not start with ``def``."""
+"""Name that is used for a program that consists of a single line."""
 _CODE: Final = re.compile(r"\"[^\"]*\"?|'[^']*'?|#.*|[^\W\d]\w*")
 """Pattern of the strings, comments and words in a line."""
 _OPENING: Final = frozenset({"def", "sec", "thread", "if", "while", "for", "switch"})

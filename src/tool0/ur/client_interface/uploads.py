@@ -27,7 +27,7 @@ logger = logging.getLogger(__name__)
 MAX_WAITING: Final = 32
 """Maximum number of queued programs. A program that is received when the queue is full
 replaces the oldest queued program. The start of the new program would end the oldest
-one anyway."""
+program anyway."""
 MAX_SECONDARY: Final = 16
 """Maximum number of secondary programs that run at the same time."""
 
@@ -96,7 +96,7 @@ class Uploads:
             await self._attempt(script, self._execute(script, n_stops))
 
     async def _attempt(self, script: Script, execution: Awaitable[object]) -> None:
-        """Execute a script and report its errors, so that other scripts continue."""
+        """Execute a script and report its errors; other scripts are not affected."""
         try:
             await execution
         except Tool0Error as error:

@@ -17,7 +17,7 @@ DISCONNECTED: Final = -2
 
 @final
 class DeviceError(Exception):
-    """Raised if a unit refuses a request; contains the Modbus exception code."""
+    """Raised if a unit refuses a request; the code is a Modbus exception code."""
 
     def __init__(self, code: int) -> None:
         self.code = code

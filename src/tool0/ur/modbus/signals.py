@@ -1,7 +1,7 @@
 """Signals of Modbus units, which are updated periodically for programs.
 
-A signal is stored in the control box. It remains until it is deleted or replaced, even
-if the program that added it ends. URCaps rely on this.
+A signal remains in the control box until it is deleted or replaced, even if the program
+that added it has ended, because URCaps depend on this behavior.
 """
 
 from __future__ import annotations
@@ -143,7 +143,7 @@ class Signal:
         self._due.set()
 
     def set_frequency(self, frequency: float) -> None:
-        """Set the update rate [wall Hz]; update only on request if it is not > 0."""
+        """Set the update rate [wall Hz]; 0 or less means an update only on request."""
         self._frequency = frequency
         self._due.set()
 
@@ -253,7 +253,7 @@ class Signals:
         self._signals[name] = Signal(spec, client, self._is_running)
 
     def find(self, name: str) -> Signal | None:
-        """Return the signal with a name, or None."""
+        """Return the signal with this name, or None."""
         return self._signals.get(name)
 
     def of_host(self, host: str) -> list[Signal]:

@@ -35,7 +35,7 @@ MOVED: Final = 0.0005
 lose an object, for example, close further."""
 STILL: Final = 0.0001
 """Change of the opening between two polls below which fingers near their goal are at
-rest [m]. It is a third of a position count."""
+rest [m]. The change is a third of a position count."""
 ELSEWHERE: Final = 0.002
 """Distance from the requested opening above which another client must have moved the
 fingers [m]."""
@@ -67,9 +67,9 @@ class GripperLink(Protocol):
 class RobotiqGripper:
     """A gripper whose clients share one set of registers, like on a real gripper.
 
-    The gripper uses the same requests as every other client of the bring-up. It reports
-    the simulation's measurements, regardless of which client moves the fingers. Use it
-    only in the event loop.
+    The gripper uses the same requests as every other client of the bring-up. The
+    gripper reports the simulation's measurements, regardless of which client moves the
+    fingers. Use the gripper only in the event loop.
     """
 
     def __init__(
@@ -277,7 +277,7 @@ class RobotiqGripper:
             self._link.report(error)
 
     async def _activate(self) -> None:
-        """Close and open, like a real gripper that searches the ends of its stroke."""
+        """Close and open, like a real gripper, to find the ends of the stroke."""
         for count in (FULL, 0):
             await self._grip(self.counts.opening(count), speed=FULL, force=0)
             await self._settle()
@@ -377,7 +377,7 @@ class RobotiqGripper:
     # ---- power and time -------------------------------------------------------------
 
     def _reset(self) -> None:
-        """Deactivate and stop moving fingers; fingers at rest keep their grip."""
+        """Deactivate: moving fingers stop, and fingers at rest keep their grip."""
         is_moving = (
             self._task is not None
             and not self._task.done()

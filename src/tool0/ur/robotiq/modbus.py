@@ -18,8 +18,8 @@ COMMAND: Final = 1000
 STATUS: Final = 2000
 """First status register, 0x07D0."""
 REGISTERS: Final = BLOCK_BYTES // 2
-"""Number of registers in each block. The last five are reserved: reading them returns
-0, and writing to them has no effect."""
+"""Number of registers in each block. The last five registers are reserved: reading them
+returns 0, and writing to them has no effect."""
 MAX_READ: Final = 125
 MAX_WRITTEN: Final = 123
 MAX_WRITTEN_AND_READ: Final = 121
@@ -47,7 +47,8 @@ def respond(gripper: RobotiqGripper, request: bytes, *, is_tcp: bool = False) ->
 
     Args:
         gripper: The gripper.
-        request: Request of at least one byte. Its length has not been checked yet.
+        request: Request of at least one byte; the length of the request has not been
+            checked.
         is_tcp: Whether the command and status blocks are also available at register 0,
             like in Robotiq's grippers with built-in Modbus TCP.
     """

@@ -118,8 +118,8 @@ class ModbusRtu:
     def open(self) -> None:
         """Open the terminal."""
         ours, theirs = self._ends = os.openpty()
-        # Our end remains open, too, because reading fails if no client has opened the
-        # file.
+        # Both ends remain open, because reading fails if no process has opened the
+        # client's end.
         tty.setraw(theirs)
         os.set_blocking(ours, False)
         self.link.unlink(missing_ok=True)
@@ -141,8 +141,8 @@ class ModbusRtu:
     def _read(self, ours: int, theirs: int) -> None:
         if self._timer is not None:
             self._timer.cancel()
-        # A client may request exclusive access, which would remain after the client
-        # closes.
+        # A client may request exclusive access, which would remain after the client has
+        # closed the file.
         fcntl.ioctl(theirs, termios.TIOCNXCL)
         self._send(ours, self._receiver.take(os.read(ours, MAX_FRAME)))
         loop = asyncio.get_running_loop()
@@ -151,6 +151,6 @@ class ModbusRtu:
         )
 
     def _send(self, ours: int, answers: bytes) -> None:
-        # Unread data is lost, as on a serial line.
+        # Unread data is lost, like on a serial line.
         with contextlib.suppress(BlockingIOError):
             os.write(ours, answers)

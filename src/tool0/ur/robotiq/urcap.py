@@ -74,7 +74,7 @@ def answer(gripper: RobotiqGripper, line: str, *, is_short: bool = False) -> str
     Args:
         gripper: The gripper.
         line: The command.
-        is_short: Whether to answer with the value only.
+        is_short: Whether the answer contains only the value.
     """
     match line.split():
         case []:

@@ -90,7 +90,7 @@ INPUTS: Final[dict[str, str]] = {
 
 @final
 class InputClaims:
-    """Keeps track of which connection may send which fields."""
+    """Records which connection may send which fields."""
 
     def __init__(self) -> None:
         self._owners: dict[str, object] = {}

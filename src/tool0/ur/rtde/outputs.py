@@ -60,7 +60,7 @@ def _read_double(bank: Bank, k: int) -> Read:
 
 
 def _registers(direction: str) -> dict[str, OutputField]:
-    """Return the fields of the registers of a direction; clients can read them all."""
+    """Return the register fields of a direction; clients can read both directions."""
     bank = _BANKS[direction]
     fields = {
         f"{direction}_bit_registers{start}_to_{start + 31}": OutputField(

@@ -1,8 +1,9 @@
 """Quantities that a control box reports but that tool0 does not measure.
 
-The simulation has no motors, voltages or temperatures. Quantities that depend on these
-are nominal constants or are computed from the drive efforts with the rules below. Each
-docstring states the rule.
+The simulation has no motors, voltages or temperatures. Quantities that depend on
+motors, voltages or temperatures are nominal constants or are computed from the drive
+efforts with the rules below. Each docstring states whether the quantity is a constant
+or computed.
 """
 
 from __future__ import annotations
@@ -23,15 +24,15 @@ TORQUE_PER_AMPERE: Final = 10.0
 """Torque of a joint per ampere of its motor current [N·m/A].
 
 The value is a convention. UR does not publish the torque constants of its motors, which
-differ between joints. With a gear ratio of 101, they have this order of magnitude. The
-product of a reported current and this value is the torque of the drive.
+differ between joints. With a gear ratio of 101, the torque constants have this order of
+magnitude. The product of a reported current and this value is the torque of the drive.
 """
 SUPPLY_VOLTAGE: Final = 48.0
 """Nominal supply voltage of the control box, the arm and its motors [V]."""
 ROOM_TEMPERATURE: Final = 25.0
 """Temperature of the joints, which is constant in the simulation [°C]."""
 GRAVITY: Final = 9.80665
-"""Standard gravity; it acts along the base's z axis of an upright arm [m/s²]."""
+"""Standard gravity, which acts along the z axis of an upright arm's base [m/s²]."""
 
 _STEP: Final = 1e-5
 """Time step for finite differences of velocities [s]."""
@@ -74,7 +75,7 @@ def currents(box: UrControlBox) -> Six:
 
 
 def robot_current(box: UrControlBox) -> float:
-    """Return the arm's supply current, which is mechanical power over voltage [A]."""
+    """Return the arm's supply current: mechanical power divided by voltage [A]."""
     pairs = zip(box.effort, box.qd, strict=True)
     return sum(abs(effort * speed) for effort, speed in pairs) / SUPPLY_VOLTAGE
 

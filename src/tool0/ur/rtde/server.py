@@ -34,8 +34,8 @@ byte."""
 MAX_UNREAD: Final = 1 << 15
 """Amount of unread data above which no more data is sent to a client [bytes]."""
 SLOW_TIMEOUT: Final = 5.0
-"""Time above this amount of unread data after which a client is disconnected [wall
-s]."""
+"""Time with more unread data than ``MAX_UNREAD`` after which a client is disconnected
+[wall s]."""
 HEARTBEAT: Final = 0.1
 """Period at which data is sent while there are no updates [wall s]. The simulation may
 be paused, and clients interpret a lack of data as a lost connection."""

@@ -34,9 +34,9 @@ UPRIGHT: Final = math.radians(1.0)
 Action = Callable[[], Awaitable[None] | None]
 DYNAMICS: Final = frozenset({66, 67, 68, 69, 70, 71})
 STREAMED: Final = DYNAMICS | {6, 9, 10, 11, 12, 24, 25, 26, 27, 38, 55, 58, 99}
-"""Commands that are executed every time they are written. They include ``servoC`` (12),
-``setExternalForceTorque`` (55) and ``kickWatchdog`` (99), because the client does not
-wait for these commands either."""
+"""Commands that are executed every time they are written. The commands include
+``servoC`` (12), ``setExternalForceTorque`` (55) and ``kickWatchdog`` (99), because the
+client does not wait for these commands either."""
 POLLED: Final = DYNAMICS | {25, 26, 27, 38, 58}
 """Commands that are executed again at every update: queries that the client does not
 wait for, whose answers must stay up to date, and ``directTorque``, which continues
@@ -123,7 +123,7 @@ class Commands:
             64: lambda: exchange.answer_integer(motions.contact_steps),
             65: self._set_payload,
             66: self._drive_torques,
-            # As in the original program, the client's arguments are ignored, and the
+            # Like in the original program, the client's arguments are ignored, and the
             # answer is for the current posture.
             67: lambda: exchange.answer_matrix(box.dynamics.mass_matrix()),
             68: lambda: exchange.answer(box.dynamics.velocity_torques()),

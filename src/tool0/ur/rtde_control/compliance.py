@@ -79,7 +79,7 @@ class Compliance:
             self._box.send(self._force)
 
     async def start_teaching(self) -> None:
-        """Start to guide the arm by hand: teach_mode."""
+        """Start to guide the arm manually: teach_mode."""
         await self._box.call(StartFreedrive(arm=self._box.arm))
 
     async def start_freedrive(self) -> None:

@@ -118,7 +118,8 @@ class Exchange:
         """Show the progress of an asynchronous motion: first 0, and None at the end.
 
         Bits 0 … 14 contain the progress. Bit 15 is set while the motion is active. Bits
-        16 … 22 count the values that are written here. Bits 24 … 30 count the motions.
+        16 … 22 count the values that this method writes. Bits 24 … 30 count the
+        motions.
         """
         self._writes = (self._writes + 1) % _COUNTS
         if progress == 0:

@@ -113,8 +113,8 @@ class Motions:
         """Execute moves, and show the index of the current move as progress.
 
         Raises:
-            ControlError: If the arm has stopped. The command is then not reported as
-                done.
+            ControlError: If the arm has stopped. After a stop, the command is not
+                reported as done.
         """
         await self._moves.move(moves, wait=False)
         shown = 0

@@ -1,8 +1,9 @@
 """The control program of ur_rtde, which is a server for commands in registers.
 
 The client writes a command and its arguments in one RTDE packet. A command is executed
-once. The state is then DONE until the client writes 0, which sets the state to READY.
-Streamed commands are executed every time they are written, and the state remains READY.
+once, and its state is then DONE until the client writes 0, which sets the state to
+READY. Streamed commands are executed every time they are written, and the state remains
+READY.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Detection of the program that ur_rtde's RTDEControlInterface uploads.
 
-The program is a server for commands that are received through RTDE registers. It is
-always the same, except for the offset of its registers and the path of ``moveJ(path)``,
-``moveL(path)`` and ``movePath``, which the client inserts as lines of URScript. The
-script itself is not interpreted; ``program.py`` executes the commands.
+The program is a server for commands that are received through RTDE registers. The
+program is always the same, except for the offset of its registers and the path of
+``moveJ(path)``, ``moveL(path)`` and ``movePath``, which the client inserts as lines of
+URScript. The script itself is not interpreted; ``program.py`` executes the commands.
 """
 
 from __future__ import annotations

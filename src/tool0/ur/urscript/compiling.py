@@ -66,7 +66,7 @@ class Compiler:
         return code
 
     def extended(self) -> Compiler:
-        """Return a compiler with these definitions, which keeps new ones separate."""
+        """Return a copy of the compiler, which keeps new definitions separate."""
         return Compiler(INTERPRETER, dict(self._codes))
 
     def interpreted(self, text: str, scope: Scope) -> Interpreted:

@@ -11,10 +11,10 @@ class CriticalSection:
     """While a thread is in the section, no other thread executes a statement.
 
     A thread leaves the section while it waits for an action that takes time. UR
-    documents neither this behavior nor the order of the threads, but the program of
-    UR's driver relies on it: the program executes trajectories and reads sockets inside
-    the section. In tool0, ready threads run before another thread enters the section,
-    even if that thread has just left the section.
+    documents neither this behavior nor the order of the threads. The program of UR's
+    driver depends on this behavior, because it executes trajectories and reads sockets
+    inside the section. In tool0, ready threads run before another thread enters the
+    section, even if that thread has just left the section.
     """
 
     def __init__(self) -> None:

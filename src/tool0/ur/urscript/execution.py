@@ -69,7 +69,7 @@ class Interpreting(Protocol):
         """End ``run``."""
 
     async def clear(self) -> None:
-        """Remove everything that was interpreted."""
+        """Remove all definitions and variables of interpreted statements."""
 
     def close(self) -> None:
         """Reject the queued statements."""
@@ -139,7 +139,7 @@ class Thread:
         return value
 
     async def hold(self) -> None:
-        """Wait while the program is paused or another thread is in the section."""
+        """Wait while the program is paused or the critical section is occupied."""
         await self.execution.gate()
         await self.execution.critical.wait(self)
 
@@ -211,7 +211,7 @@ class Execution:
         self.mover: Thread | None = None
         """Thread that currently moves the robot."""
         self.interpreter: Interpreting
-        """Interpreter of statements that clients send. It is set before the program
+        """Interpreter of statements that clients send, which is set before the program
         runs."""
         self._motion: asyncio.Task[None] | None = None
         """Current motion, which can be aborted."""

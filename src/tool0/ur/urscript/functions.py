@@ -57,14 +57,14 @@ class Function:
     takes_thread: bool
     """Whether the first argument is the calling thread."""
     takes_site: bool
-    """Whether the first argument is the location of the call. This is possible only for
-    coroutine functions."""
+    """Whether the first argument is the location of the call. Only coroutine functions
+    can receive this location."""
     is_physical: bool
-    """Whether the function takes robot time. Secondary programs must not call such
-    functions."""
+    """Whether the function takes robot time, so that secondary programs must not call
+    it."""
     cost: int = 0
-    """Number of additional statements that are charged for a call. Each statement
-    stands for 4 µs of processor time."""
+    """Number of additional statements that are charged for a call. Each additional
+    statement stands for 4 µs of processor time."""
 
     @property
     def signature(self) -> str:

@@ -162,7 +162,7 @@ class Interpreter:
         self._is_ready.set()
 
     async def clear(self) -> None:
-        """Remove everything that was interpreted before.
+        """Remove all definitions and variables of interpreted statements.
 
         Raises:
             ValueProblem: If the program is not in the interpreter mode.
@@ -203,7 +203,7 @@ class Interpreter:
         self._arrived.set()
 
     async def _interpret(self, session: _Session) -> None:
-        """Compile received statements; wait for a queued statement that clears them."""
+        """Compile received statements, except while a clear is queued."""
         while True:
             is_clearing = self._is_clearing or any(item.clears for item in self._ready)
             if is_clearing or not self._received:

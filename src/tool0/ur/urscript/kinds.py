@@ -1,7 +1,7 @@
 """The kinds of values that library functions accept, for use in annotations.
 
-A kind converts a value for the implementation. If it cannot convert the value, it
-raises an error that states which values are accepted.
+A kind converts a value for the implementation. If a value cannot be converted, the kind
+raises an error that states the accepted values.
 """
 
 from __future__ import annotations

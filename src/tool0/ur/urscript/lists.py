@@ -40,7 +40,7 @@ class ListMethod(NamedTuple):
     call: Callable[..., Outcome]
     n_arguments: int
     changes: bool
-    """Whether the method changes the list; the list must then be a variable."""
+    """Whether the method changes the list, which must be a variable in this case."""
 
     def apply(self, items: Items, arguments: Sequence[Value]) -> tuple[Items, Value]:
         """Return the list after the call and the return value of the method.
@@ -117,7 +117,7 @@ LIST_METHODS: Final = {
 
 
 def list_method(name: str, n_arguments: int) -> ListMethod:
-    """Return the list method with a name.
+    """Return the list method with this name.
 
     Raises:
         ValueProblem: If there is no such method with this number of arguments.

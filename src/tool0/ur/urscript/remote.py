@@ -122,11 +122,11 @@ class RemoteServer:
         self._turn = asyncio.Lock()
 
     async def call(self, name: str, arguments: Sequence[object]) -> object:
-        """Return the result of a server's function, with values of xmlrpc.client.
+        """Return the result of a server's function as a value of xmlrpc.client.
 
         Raises:
-            ValueProblem: If the function cannot be called, or if it fails. The error
-                contains the reason.
+            ValueProblem: If the function cannot be called or fails; the error contains
+                the reason.
         """
         given = cast("Any", tuple(arguments))
         body = xmlrpc.client.dumps(given, name).encode()

@@ -1,9 +1,9 @@
 """Scopes of variables and functions (URScript manual, "Scoping rules").
 
 Variables at the program's first level are global. In a function or thread, a name is
-global if the program has a global variable with this name. Otherwise, or after
-``local``, the name is local. Functions and threads are visible in the body that defines
-them and in the bodies inside it.
+global if the program has a global variable with this name. A name is local if there is
+no such global variable, or if it is declared with ``local``. Functions and threads are
+visible in the body that defines them and in the bodies inside it.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ class Scope:
     def output_call(self, statement: s.Assign) -> s.Evaluate | None:
         """Return the call that ``digital_out[n] = b`` stands for; None for a variable.
 
-        The assignment is the oldest form of ``set_digital_out(n, b)``. urx still sends
-        it.
+        The assignment is the oldest form of ``set_digital_out(n, b)``, which urx still
+        sends.
         """
         name, at = statement.name, statement.at
         if name != _OUTPUTS or len(statement.indexes) != 1:

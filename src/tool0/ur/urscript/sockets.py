@@ -18,12 +18,13 @@ T = TypeVar("T")
 
 MAX_SOCKETS: Final = 16
 OPEN_TIMEOUT: Final = 2.0
-"""Maximum time to wait for a connection, or for a peer that does not read [wall s]. It
-is the same as on a real robot."""
+"""Maximum time to wait for a connection, or for a peer that does not read [wall s]. The
+time is the same as on a real robot."""
 MAX_BUFFER: Final = 1 << 16
 """Maximum amount of unread data from a peer [bytes]."""
 OWN_GRIPPER: Final = ("127.0.0.1", 63352)
-"""Address at which programs expect their gripper; the gripper may use another one."""
+"""Address at which programs expect their gripper; the gripper may use a different
+address."""
 _LOOPBACK: Final = ipaddress.ip_network("127.0.0.0/8")
 
 
@@ -82,8 +83,8 @@ class Connection(asyncio.Protocol):
     def take(self, find: Callable[[bytearray], T | None]) -> T | None:
         """Find a value in the received bytes, remove its bytes and return the value.
 
-        ``find`` must remove the bytes of the value from the buffer. It returns None if
-        the buffer contains no complete value.
+        ``find`` must remove the bytes of the value from the buffer. ``find`` returns
+        None if the buffer contains no complete value.
         """
         found = find(self._buffer)
         if len(self._buffer) > MAX_BUFFER and found is None:
@@ -126,7 +127,7 @@ class Sockets:
     """The connections of one run of a program, by name."""
 
     def __init__(self, box: UrControlBox) -> None:
-        """Allow only connections to this machine, unless the box allows others."""
+        """Allow connections to other machines only if the box allows them."""
         self._box = box
         self._connections: dict[str, Connection] = {}
 
@@ -185,7 +186,7 @@ class Sockets:
         return made is not None
 
     def find(self, name: str) -> Connection | None:
-        """Return the open connection with a name, or None."""
+        """Return the open connection with this name, or None."""
         return self._connections.get(name)
 
     def close(self, name: str) -> None:

@@ -36,7 +36,7 @@ RangeNumber: TypeAlias = Annotated[int, address_kind(len(ENCODER_RANGES))]
 def rtde_set_watchdog(
     thread: Thread, variable_name: Text, min_frequency: Number, action: Text = "pause"
 ) -> None:
-    """Pause or stop the program if a client writes an input below a rate [wall Hz]."""
+    """Pause or stop the program if an input is written too slowly [wall Hz]."""
     if variable_name not in INPUTS:
         raise ValueProblem(f"RTDE has no input '{variable_name}'")
     if not min_frequency > 0.0:
@@ -77,7 +77,7 @@ def get_tool_temp(thread: Thread) -> float:
 
 
 def get_tool_accelerometer_reading(thread: Thread) -> Value:
-    """Return the reading of an accelerometer in the tool due to gravity [m/s²]."""
+    """Return the gravity reading of an accelerometer in the tool [m/s²]."""
     return tool_accelerometer(thread.box)
 
 

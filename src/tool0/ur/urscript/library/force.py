@@ -32,8 +32,8 @@ from tool0.ur.urscript.values import Pose, Value, described
 from tool0.ur.urscript_errors import ValueProblem
 
 STANDARD_GRAVITY: Final = 9.82
-"""Gravity in UR's programs [m/s²]. Its difference from standard gravity is within the
-tolerance."""
+"""Gravity in UR's programs [m/s²]. The difference from standard gravity is within the
+tolerance of ``set_gravity``."""
 _TOLERANCE: Final = 0.1
 _ALL: Final = (True,) * 6
 _SCREW: Final = (0.1, 0.1, 0.0, 0.17, 0.17, 0.17)
@@ -58,7 +58,7 @@ async def force_mode(
     type_: Integer,
     limits: Spatial,
 ) -> None:
-    """Press with forces along some axes of a frame; move along the other axes."""
+    """Apply forces along some axes of a frame; move along the other axes."""
     if type_ not in {1, 2, 3}:
         raise ValueProblem(f"type is {type_}; it can be 1, 2 or 3")
     if min(limits) < 0.0:

@@ -214,7 +214,7 @@ def modbus_set_output_register(
     register_value: AnyValue,
     is_secondary_program: Bool = False,
 ) -> None:
-    """Write an output register, or the first register of a signal with several ones."""
+    """Write an output register, or the first register if a signal has several."""
     del is_secondary_program
     _write(thread, signal_name, register_value, is_digital=False)
 

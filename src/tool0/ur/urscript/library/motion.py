@@ -27,7 +27,7 @@ speed as the "typical tool speed" of its arms, but does not specify an accelerat
 
 
 def _joints(thread: Thread, target: Target) -> Six:
-    """Return joint positions; for a pose, the solution nearest to the setpoint."""
+    """Return a target's joint positions; for a pose, the ones nearest the setpoint."""
     if not isinstance(target, Pose):
         thread.execution.waypoint = Pose(thread.box.forward(target))
         return target
@@ -39,7 +39,7 @@ def _joints(thread: Thread, target: Target) -> Six:
 
 
 def _pose(thread: Thread, target: Target) -> Sequence[float]:
-    """Return a pose of the TCP; joint positions are converted to this pose."""
+    """Return the TCP's pose for a target that is a pose or joint positions."""
     pose = target if isinstance(target, Pose) else Pose(thread.box.forward(target))
     thread.execution.waypoint = pose
     return pose
@@ -57,7 +57,7 @@ async def _follow(thread: Thread, motion: Callable[[], Awaitable[None]]) -> None
     """Execute a motion that follows a path of the tool.
 
     Like on a real robot, a protective stop occurs if the arm cannot follow the path. In
-    tool0, this stop occurs before the arm moves.
+    tool0, the protective stop occurs before the arm moves.
     """
     box = thread.box
     try:
@@ -181,7 +181,7 @@ async def servoc(
 async def speedj(
     thread: Thread, qd: Joints, a: Number = 1.4, t: Number | None = None
 ) -> None:
-    """Accelerate to joint velocities; return after t, or when these are reached."""
+    """Accelerate to joint velocities; return after t, or when they are reached."""
     await thread.moving(lambda: thread.moves.speedj(qd, a, t))
 
 

@@ -20,7 +20,7 @@ from tool0.ur.urscript.values import Pose, Value
 
 
 def pose_trans(p_from: PoseLike, p_from_to: PoseLike) -> Pose:
-    """Return the product of two poses: ``p_from_to`` is given in ``p_from``."""
+    """Return the product of the transforms ``p_from`` and ``p_from_to``."""
     return Pose(pose_of(transform_of(p_from) @ transform_of(p_from_to)))
 
 
@@ -56,7 +56,7 @@ def point_dist(p_from: PoseLike, p_to: PoseLike) -> float:
 
 
 def interpolate_pose(p_from: PoseLike, p_to: PoseLike, alpha: Number) -> Pose:
-    """Return a pose between two poses, on a straight line and a geodesic rotation."""
+    """Interpolate between two poses: linearly, and along the geodesic rotation."""
     step = Pose(alpha * x for x in pose_sub(p_to, p_from))
     return pose_add(p_from, step)
 

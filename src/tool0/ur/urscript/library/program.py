@@ -70,7 +70,7 @@ async def popup(
 async def interpreter_mode(
     site: Site, clearQueueOnEnter: Bool = True, clearOnEnd: Bool = True
 ) -> None:
-    """Execute statements from the interpreter's port until end_interpreter()."""
+    """Execute statements of clients until end_interpreter() is called."""
     await site.frame.thread.execution.interpreter.run(
         site, clear_queue=clearQueueOnEnter, clear_on_end=clearOnEnd
     )
@@ -82,7 +82,7 @@ def end_interpreter(thread: Thread) -> None:
 
 
 async def clear_interpreter(thread: Thread) -> None:
-    """Remove everything that has been interpreted."""
+    """Remove all definitions and variables of interpreted statements."""
     await thread.execution.interpreter.clear()
 
 

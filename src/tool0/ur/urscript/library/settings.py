@@ -53,7 +53,7 @@ def set_tool_communication(
     rx_idle_chars: Number = 1.5,
     tx_idle_chars: Number = 3.5,
 ) -> None:
-    """Accept the setting without effect; the gripper's port is on the serial line."""
+    """Accept the setting without effect; the gripper's port does not depend on it."""
     del enabled
     if baud_rate not in _BAUD_RATES or parity not in {0, 1, 2}:
         raise ValueProblem(f"{baud_rate} baud with parity {parity} is not possible")

@@ -21,7 +21,7 @@ def get_actual_joint_positions(thread: Thread) -> Value:
 
 
 def get_actual_joint_positions_history(thread: Thread, steps: Integer = 0) -> Value:
-    """Return the measured joint positions some control periods ago [rad]."""
+    """Return the measured joint positions ``steps`` control periods ago [rad]."""
     return thread.execution.history.positions(steps)
 
 
@@ -105,7 +105,7 @@ def get_joint_torques(thread: Thread) -> Value:
 def get_forward_kin(
     thread: Thread, q: Joints | None = None, tcp: PoseLike | None = None
 ) -> Value:
-    """Return the pose of the TCP at joint positions; by default, the measured ones."""
+    """Return the TCP's pose at joint positions (by default, the measured ones)."""
     return Pose(thread.box.forward(thread.box.q if q is None else q, tcp))
 
 
@@ -117,7 +117,7 @@ def get_inverse_kin(
     maxOrientationError: Number = 1e-10,
     tcp: PoseLike | None = None,
 ) -> Value:
-    """Return the solution nearest to qnear; by default, to the measured positions."""
+    """Return the solution nearest to qnear (by default, the measured positions)."""
     del maxPositionError, maxOrientationError  # the solutions are exact
     near = thread.box.q if qnear is None else qnear
     try:
@@ -161,7 +161,7 @@ def is_steady(thread: Thread) -> bool:
 
 
 def tool_contact(thread: Thread, direction: Spatial | None = None) -> Value:
-    """Return the number of control periods since a tool contact started; 0 without one.
+    """Return the number of control periods since a tool contact started, or 0.
 
     The direction is the direction of the motion in the base frame; zeros stand for any
     direction. If the direction is omitted, the velocity of the TCP is used.
