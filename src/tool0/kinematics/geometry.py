@@ -28,7 +28,8 @@ ROUNDING = 1e-6
 """Tolerance at the boundary of the workspace, relative to the squared length."""
 INEXACT = 20.0
 """Additional tolerance per radian of deviation from the ideal geometry. Solutions
-within this tolerance are refined and are discarded if they do not reach the pose."""
+within the additional tolerance are refined and are discarded if they do not reach the
+pose."""
 SINGULAR = 1e-5
 """Sine of the fifth joint's angle below which only the sum of the fourth and sixth
 joint positions determines the pose."""
@@ -37,7 +38,7 @@ MAX_INEXACT = 0.1
 
 
 class Signs(NamedTuple):
-    """Functions of a posture whose zeros are the singularities between two branches."""
+    """Functions of a posture that are zero at the singularity between two branches."""
 
     shoulder: Array
     """Distance of the wrist center in front of the shoulder [m]; it is negative behind
@@ -112,8 +113,8 @@ class ArmGeometry:
         Args:
             T_base_tip: Target pose of the flange, shape (n, 4, 4).
             sixth: Position of the sixth joint [rad], shape (n,), for singular poses,
-                which do not determine this position. If ``sixth`` is specified, all
-                solutions have this position of the sixth joint.
+                which do not determine the position of the sixth joint. If ``sixth`` is
+                specified, all solutions have this position of the sixth joint.
 
         Returns:
             Joint positions [rad], without whole turns, shape (n, 8, 6).

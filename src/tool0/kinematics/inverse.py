@@ -59,7 +59,7 @@ class InverseKinematics:
             branch: Branch of the postures to return; by default, all branches.
 
         Raises:
-            UnreachableError: If there is no such posture; the message contains the
+            UnreachableError: If no posture reaches the pose; the message contains the
                 reason.
         """
         if not isinstance(branch, Branch | None):

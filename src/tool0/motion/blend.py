@@ -2,9 +2,9 @@
 
 A pose near the waypoint is described by six numbers relative to the waypoint: the
 displacement, and the rotation vector from the waypoint's orientation. A blend is a
-cubic Hermite curve of these numbers over time. The curve has the same pose and velocity
-as each path at the transition points. Between two lines with equal speeds, the blend is
-a parabola with constant acceleration.
+cubic Hermite curve of the six numbers over time. The curve has the same pose and
+velocity as each path at the transition points. Between two lines with equal speeds, the
+blend is a parabola with constant acceleration.
 """
 
 from __future__ import annotations
@@ -174,7 +174,7 @@ class _Arc:
 
 
 def has_arc(entry: Array, exit: Array) -> bool:
-    """Return whether an arc joins two lines with these directions.
+    """Return whether an arc joins two lines with the given directions.
 
     At sharper corners, an arc needs much more acceleration than a parabola.
     """

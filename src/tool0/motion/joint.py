@@ -28,7 +28,7 @@ _ROUNDING = 1e-6
 velocity limit."""
 _LEAST_ROOM = 0.01
 """Fraction by which a joint may exceed its velocity limit while its acceleration
-decreases. Without this fraction, the jerk would be infinite."""
+decreases. Without a positive fraction, the jerk would be infinite."""
 _MARGIN = 1.01
 """Factor that prevents planned motions from exactly reaching a limit, where the
 planner's equations have no numerical solution."""
@@ -120,7 +120,7 @@ def require_speed(speed: float) -> None:
 
 
 def import_planner() -> None:
-    """Import the planner in advance, because this takes a few milliseconds."""
+    """Import the planner in advance, because the import takes a few milliseconds."""
     import ruckig  # noqa: F401
 
 
@@ -154,7 +154,7 @@ def _within_limits(
 def _joints_outside(
     joints: Sequence[Joint], start: MovingJoints, motion: ruckig.Trajectory
 ) -> list[int]:
-    """Return the joints that would exceed their limits, or exceed them further."""
+    """Return the joints that would exceed their limits, or increase an excess."""
     return [
         k
         for k, (joint, extremes) in enumerate(
@@ -224,8 +224,8 @@ def _jerk_to_stay_below(limit: float, qd: float, qdd: float) -> float:
     """Return the jerk that ends an acceleration before the velocity becomes too high.
 
     The acceleration of a user's goal may be much higher than that of a planned motion.
-    If such an acceleration ended with the usual jerk, the speed of the joint would
-    increase by qdd² / (2 jerk) during this time.
+    If a very high acceleration ended with the usual jerk, the speed of the joint would
+    increase by qdd² / (2 jerk) before the acceleration is 0.
     """
     most = max(limit, abs(qd))
     room = max(most - math.copysign(qd, qd * qdd), _LEAST_ROOM * most)

@@ -11,15 +11,16 @@ The rules follow the URScript manual (e-Series 5.x; the rules of CB3 3.x are the
 * The speed is a trapezoid or a triangle over time. A time ``t`` replaces ``a`` and
   ``v``. The manual does not specify the profile for ``t``; in tool0, each ramp from
   rest or to rest takes a quarter of ``t``.
-* A move with a radius ``r`` ends where the distance of the tool from its target becomes
-  ``r``. The next move starts at a distance of at most ``r`` from this target. The speed
-  at the start of the blend does not depend on the next move, so the arm can still stop
-  at the target. If there is no next move, the arm stops at the target.
+* A move with a radius ``r`` ends where the distance of the tool from the move's target
+  becomes ``r``. The next move starts at a distance of at most ``r`` from the target of
+  the first move. The speed at the start of the blend does not depend on the next move,
+  so the arm can still stop at the target. If there is no next move, the arm stops at
+  the target.
 * Between two movej, the blend is a smooth curve of the joints. Between two movep, the
   blend is an arc at constant speed. In other cases, the blend is a smooth curve of the
   tool.
-* If blends overlap, UR skips the waypoint with a warning. In tool0, both blends become
-  smaller, also with a warning.
+* If blends overlap, UR skips the waypoint with a warning. In tool0, overlapping blends
+  become smaller, also with a warning.
 * If a joint would be too fast, the whole move is slower than requested.
 """
 

@@ -29,7 +29,7 @@ _ENTRY_SPEEDS = (1.0, 0.7, 0.4, 0.2)
 _EXCESS = 1.0 + 1e-6
 _ROUNDING = 1e-6
 _SAME_TIME = 1e-7
-"""Time between two knots below which they are merged [s]."""
+"""Time between two knots below which the knots are merged [s]."""
 _BLEND_KNOTS = 9
 _CONSTANT_SPEED = ("process", "servo_circular")
 
@@ -79,9 +79,10 @@ class MovePlanner:
     ) -> MovePlan | None:
         """Return the motion that leaves ``plan`` at a path time to blend into moves.
 
-        Time 0 of the new motion is this path time. The path time must be within the
-        last blend radius of the plan. The result is None if it is too late for a blend;
-        the moves then start from rest at the end of the plan.
+        Time 0 of the new motion is the path time at which the motion leaves ``plan``.
+        The path time must be within the last blend radius of the plan. The result is
+        None if it is too late for a blend; the moves then start from rest at the end of
+        the plan.
 
         Raises:
             UnreachableError: If a move is impossible; the error contains the move's

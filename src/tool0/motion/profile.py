@@ -13,7 +13,7 @@ from tool0.kinematics.chain import Array
 
 _NOTHING = 1e-12
 _COPIES = 8
-"""Number of delayed copies whose mean is the smoothed profile."""
+"""Number of delayed copies that are averaged for a smoothed profile."""
 
 
 class Phase(NamedTuple):
@@ -144,8 +144,8 @@ def smoothed(profile: SpeedProfile, duration: float) -> SpeedProfile:
     """Return a profile from rest to rest without sudden changes of acceleration.
 
     The result is the mean of copies that are delayed by 0 … ``duration`` [s]. The
-    smoothed profile is longer by ``duration``, its speed is not higher, and its
-    acceleration changes in small steps.
+    smoothed profile is longer by ``duration``. The speed of the profile is not higher,
+    and the acceleration changes in small steps.
     """
     delays = np.linspace(0.0, duration, _COPIES)
     times = np.sort((profile.times + delays[:, None]).ravel())

@@ -10,7 +10,7 @@ from tool0.description.model import Joint
 
 TIME_TO_FULL_ACCELERATION: Final = 0.1
 """Time to reach full acceleration if the jerk is limited [s]. The value is a guess:
-with a shorter time the arm vibrates, and with a longer time it feels slow."""
+with a shorter time the arm vibrates, and with a longer time the motion feels slow."""
 
 
 @final
@@ -22,7 +22,7 @@ class MoveRules:
     """Maximum accelerations of the joints [rad/s²], shape (6,)."""
     step: float
     """Distance between poses for which inverse kinematics is solved [m]. The distance
-    is smaller where the joints require it."""
+    is smaller where the joints require more poses."""
     step_angle: float
     """Rotation of the tool between poses for which inverse kinematics is solved
     [rad]."""

@@ -33,8 +33,8 @@ _SPEED_SHARE = 0.999
 """Fraction of a joint's maximum velocity that plans use. The joint may be slightly
 faster between two knots."""
 _SHORTEST = 2e-4
-"""Minimum length of an interval whose acceleration is checked [s]. In shorter
-intervals, rounding errors are too large."""
+"""Minimum length of an interval for a check of the acceleration [s]. Rounding errors
+are too large in shorter intervals."""
 
 
 @final

@@ -24,7 +24,7 @@ _KNOT: Final = 0.02
 """Time between two knots of the motion [s]."""
 _STILL: Final = 1e-9
 _LEAST: Final = 1e-8
-"""Displacement of each joint in a motion whose start and end are equal [rad | m]."""
+"""Displacement of each joint in a motion without distinct start and end [rad | m]."""
 
 
 @final
@@ -151,7 +151,7 @@ def time_way(joints: Sequence[Joint], way: SmoothWay, *, speed: float) -> Path:
     jerk limit.
 
     Args:
-        joints: Joints whose positions are specified, with their limits.
+        joints: Joints of the positions, with their limits.
         way: Path of the joints.
         speed: Fraction of each joint's maximum velocity.
     """

@@ -85,9 +85,9 @@ def plan_free_motion(
     """Return the fastest collision-free motion to any goal that the planner finds.
 
     Args:
-        group: Collision checks for these joints.
+        group: Collision checks for the joints of the motion.
         joints: The joints that move, with their limits.
-        start: Start positions of these joints [rad | m], shape (n_joints,).
+        start: Start positions of the joints [rad | m], shape (n_joints,).
         goals: Target positions within the limits, shape (n, n_joints), n >= 1.
         options: Options of the search.
         cancelled: Flag that another thread can set to cancel the search.

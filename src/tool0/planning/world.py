@@ -30,7 +30,7 @@ OWN_CLEARANCE: Final = 0.005
 a UR5 are never more than 8.2 mm apart."""
 SLACK: Final = 0.0005
 """Distance that the search keeps in addition to the clearance [m]. Between two checks
-along a motion, the distance of two shapes decreases by at most this value."""
+along a motion, the distance of two shapes decreases by at most the slack."""
 TOUCH: Final = 0.0005
 """Depth above which shapes are considered to collide [m]. In the physics engines,
 shapes that rest on each other also overlap by about 0.1 mm."""

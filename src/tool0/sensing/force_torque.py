@@ -25,7 +25,8 @@ Contacts = Callable[[frozenset[str]], tuple[Contact, ...]]
 RATES = (50.0, 1000.0)
 """Minimum and maximum sampling rate [Hz]."""
 DEFAULT_RATE = 125.0
-"""Default sampling rate if it divides the control rate; it is the rate of a UR [Hz]."""
+"""Default sampling rate [Hz], which is the same as a UR's. If the rate does not divide
+the control rate, the next lower divisor is used."""
 READINGS_KEPT = 4096
 """Number of samples that are kept for slow readers: four seconds at 1 kHz."""
 
@@ -85,7 +86,7 @@ class ForceTorqueSensor:
             self._sample(before, after, contacts)
 
     def skip(self, ticks: int) -> None:
-        """Count ``ticks`` without a sample, which must be fewer than ``ticks_left``."""
+        """Count ``ticks`` without a sample, at most ``ticks_left`` - 1."""
         self._left -= ticks
 
     def subtract(self, payloads: Mapping[str, Payload]) -> None:

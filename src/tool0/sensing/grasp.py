@@ -33,7 +33,7 @@ pads have started to push the object."""
 STILL = 0.1
 """Fraction of the travel at the slowest speed within the window below which pads are
 considered to be at rest. With weak gains, pads creep to their target at twice this
-fraction."""
+fraction of the travel."""
 CREEP = 2.5 * STILL
 """Fraction like ``STILL`` for pads that push firmly, which is larger because the object
 yields."""
@@ -46,11 +46,11 @@ or more."""
 _ROUNDING = 1e-6  # [s]
 TOLERANCE = 0.001
 """Maximum steady-state error of pads that have reached their target [m]. An object that
-is squeezed by less than this error is not detected."""
+is squeezed by less than the steady-state error is not detected."""
 PUSH = 0.05
 """Fraction of the minimum grip force above which the drive is considered to push. If
-the pads are free, the weight and friction of the fingers need less force: on a 2F-85,
-0.8 N, whereas this fraction is 1 N."""
+the pads are free, the weight and friction of the fingers need less force than this
+fraction. On a 2F-85, the fingers need 0.8 N, and the fraction is 1 N."""
 FIRM = 0.5
 """Fraction of the minimum grip force above which the drive is considered to push
 firmly."""
@@ -68,9 +68,8 @@ class _Sample(NamedTuple):
 class GraspDetector:
     """Detects the state of one gripper from consecutive snapshots.
 
-    Pads have met an object if the following conditions are true: they are at rest away
-    from the controller's setpoint, the drive pushes them, and a body presses on both
-    fingers.
+    Pads have met an object if they are at rest away from the controller's setpoint, the
+    drive pushes them, and a body presses on both fingers.
     """
 
     def __init__(self, geometry: ParallelGripper) -> None:

@@ -1,4 +1,4 @@
-"""Detection of fingers that press on an object from both sides, as in a grip."""
+"""Detection of fingers that press on an object from both sides, like in a grip."""
 
 from __future__ import annotations
 

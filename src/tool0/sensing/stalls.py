@@ -22,7 +22,7 @@ STALL_TIME = 0.5
 stalled [s]."""
 LARGEST_LAG = 0.05
 """Maximum distance between the measured position and its setpoint [s at full speed].
-The value is an estimate, because UR does not publish its bound. For a UR5, the distance
+The value is an estimate, because UR does not publish the limit. For a UR5, the distance
 is 0.16 rad."""
 LAG_PERIOD = 0.1
 """Simulated time between two comparisons of the joints with their setpoints [s]. A

@@ -37,7 +37,7 @@ class ToolMeter:
 
     @property
     def links(self) -> frozenset[str]:
-        """Links whose contacts are included."""
+        """Links with contacts that are included in the wrench."""
         return self._dynamics.links
 
     def subtract(self, payloads: Mapping[str, Payload]) -> None:
@@ -58,7 +58,7 @@ class ToolMeter:
         """Return the force [N] and torque [N·m] during the step between two states.
 
         The wrench acts at the flange in the flange's axes. ``contacts`` are all
-        contacts of this step.
+        contacts of the step.
         """
         was, velocity = before.velocity, after.velocity
         if self._kernel is None:

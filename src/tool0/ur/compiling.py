@@ -16,7 +16,7 @@ KEPT: Final = 8
 
 
 async def compiled(text: str, name: str) -> RunnableProgram[UrControlBox]:
-    """Compile a program in another thread, because this may take some time.
+    """Compile a program in another thread, because compiling may take some time.
 
     The program that ur_rtde uploads is recognized and executed natively.
 

@@ -1,6 +1,6 @@
 """The control box, which all ports share: the arm, registers, messages and program.
 
-This module may only be used in the event loop of the UR process.
+The module may be used only in the event loop of the UR process.
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ R = TypeVar("R")
 CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
 """Arms with a CB3 control box. All other arms have an e-Series box."""
 E_SERIES_VERSION: Final = (5, 25, 1)
-"""Software version that an e-Series box reports: the first version whose
-``direct_torque`` has friction scales. UR's driver uses torque control with this and
-later versions."""
+"""Software version that an e-Series box reports: the first version in which
+``direct_torque`` has friction scales. UR's driver uses torque control starting with the
+same version."""
 CB3_VERSION: Final = (3, 15, 8)
 _FIELDS: Final[tuple[StateField, ...]] = (
     *("joint_names", "position", "velocity", "effort", "control_boxes", "arms"),
@@ -123,7 +123,7 @@ class UrControlBox:
         self.messages = Messages()
         self.programs = ProgramSlot(self)
         self.rtde_sensor = RtdeSensor()
-        """Force sensor whose readings are sent by an RTDE client."""
+        """Force sensor with readings that an RTDE client sends."""
         self.encoders: dict[int, tuple[range, float]] = {}
         """Range and tick count of each conveyor encoder that programs have set, by
         encoder number."""

@@ -63,7 +63,7 @@ class Messages:
         self._send(Message(MessageKind.ERROR, text, code=code, is_warning=is_warning))
 
     def exception(self, error: URScriptError) -> None:
-        """Send a program's error, in UR's wording if clients depend on this wording."""
+        """Send a program's error, with UR's wording if clients depend on it."""
         if error.key:
             self.text(error.message)
         text = error.key or error.message

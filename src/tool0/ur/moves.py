@@ -37,9 +37,9 @@ logger = logging.getLogger(__name__)
 T = TypeVar("T")
 
 LEAD: Final = (0.012, 0.03, 0.1)
-"""Time between the return of a move and its blend, which is available for planning and
-sending the next move: minimum, initial and maximum value [s]. The time adapts to the
-measured duration of planning and sending."""
+"""Time from the return of a move to its blend, during which the next move is planned
+and sent: minimum, initial and maximum value [s]. The time adapts to the measured
+duration of planning and sending."""
 _MARGIN: Final = 0.01
 """Time between the last update and the time at which a path is replaced [s]. The time
 increases after failures."""
@@ -308,7 +308,7 @@ class Moves:
     async def _blend(
         self, running: _Running, moves: tuple[Move, ...]
     ) -> _Running | None:
-        """Replace the end of a path; return None if this is not possible."""
+        """Replace the end of a path; return None if a replacement is not possible."""
         box, plan, planner = self._box, running.plan, self._planner()
         margin, start = _MARGIN, self._box.time
         for _ in range(_ATTEMPTS):

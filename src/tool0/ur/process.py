@@ -18,11 +18,11 @@ MODULE: Final = "tool0.ur"
 
 @final
 class UrController(Companion):
-    """Presents a robot like Universal Robots' control boxes; it is a context manager.
+    """Context manager that presents a robot like Universal Robots' control boxes.
 
     Each arm has an address with the ports of a real robot: RTDE, the dashboard server,
     the primary, secondary and real-time interfaces, and the gripper's ports. A separate
-    process serves these ports.
+    process serves the ports.
     """
 
     title, kind, unavailable = "UR", "interface", TransportError

@@ -26,7 +26,7 @@ class ProgramFile:
     name: str
     """Name that the client specified, without folders."""
     text: str | None
-    """Text of the program; None for External Control, whose text is requested from UR's
+    """Text of the program; None for External Control, which requests the text from UR's
     driver."""
 
 

@@ -80,7 +80,7 @@ class Reporter:
 
 
 def _set_registers(bank: RegisterBank) -> Iterator[tuple[str, bool | int | float]]:
-    """Yield the registers whose values are neither zero nor infinite."""
+    """Yield the registers with values that are neither zero nor infinite."""
     kinds = (("bit", bank.bits), ("int", bank.integers), ("double", bank.doubles))
     for kind, values in kinds:
         for number, value in enumerate(values):

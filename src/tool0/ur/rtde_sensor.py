@@ -1,4 +1,4 @@
-"""A client's force-torque sensor, whose readings are received through RTDE."""
+"""A client's force-torque sensor, with readings that are received through RTDE."""
 
 from __future__ import annotations
 

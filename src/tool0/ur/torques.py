@@ -1,7 +1,7 @@
 """Torques of a program, which apply for one control period, like on a real robot.
 
 A program sets torques in every control period; otherwise, the arm returns to position
-control and decelerates to rest. Programs run in another process, so they may receive
+control and decelerates to rest. Programs run in a separate process, so they may receive
 updates late and miss a period. Torque control therefore ends after the second period
 without torques. If the program hangs, the simulation ends torque control.
 """

@@ -26,6 +26,6 @@ async def within(action: Coroutine[Any, Any, T], timeout: float | None) -> T | N
 
 
 def seen(task: asyncio.Future[Any]) -> None:
-    """Retrieve the error of an action that no task awaits any more."""
+    """Retrieve the error of an action that no task awaits anymore."""
     if not task.cancelled():
         task.exception()

@@ -50,7 +50,7 @@ class ScriptReader:
 
     @property
     def unfinished(self) -> str:
-        """Name of the block whose ``end`` is missing; empty if no block is open."""
+        """Name of the block that has no ``end`` yet; empty if no block is open."""
         return "" if self._block is None else self._block.name
 
     def read(self, data: bytes) -> Iterator[Script]:

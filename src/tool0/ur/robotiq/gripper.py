@@ -65,7 +65,7 @@ class GripperLink(Protocol):
 
 @final
 class RobotiqGripper:
-    """A gripper whose clients share one set of registers, like on a real gripper.
+    """A gripper with one set of registers for all clients, like a real gripper.
 
     The gripper uses the same requests as every other client of the bring-up. The
     gripper reports the simulation's measurements, regardless of which client moves the
@@ -190,7 +190,7 @@ class RobotiqGripper:
 
     @property
     def is_motion_complete(self) -> bool:
-        """Whether the fingers have reached their goal or an object has stopped them."""
+        """Whether the fingers have reached their goal or met an object."""
         return self._object is not ObjectStatus.MOVING
 
     @property
@@ -344,7 +344,7 @@ class RobotiqGripper:
 
         The call first waits for the response to the previous motion request, even if
         that motion was replaced. Fast commands therefore cannot fill the request queue
-        of this process.
+        of the UR process.
         """
         if self._asked is not None:
             await asyncio.wait({self._asked})

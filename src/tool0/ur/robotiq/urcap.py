@@ -43,7 +43,7 @@ _WRITABLE: Final[dict[str, tuple[str, Callable[[int], int | bool]]]] = {
 }
 """Variables, each with its command register and the conversion to the register's value.
 ARD 0 opens the gripper in the URCap's functions and in ur_rtde, unlike the register
-rARD. robotiq_gripper.py uses the name ADR for this variable."""
+rARD. In robotiq_gripper.py, the variable ARD is named ADR."""
 _READABLE: Final[
     dict[str, tuple[int, Callable[[CommandRegisters, StatusRegisters], int]]]
 ] = {
@@ -121,7 +121,7 @@ def _set(gripper: RobotiqGripper, words: list[str]) -> str:
 
 @final
 class UrcapSocket:
-    """The URCap's port, whose clients share one gripper."""
+    """The URCap's port, at which all clients share one gripper."""
 
     def __init__(self, gripper: RobotiqGripper) -> None:
         self._gripper = gripper

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 NOT_FOUND: Final = "NOT_FOUND"
 FIRST_SINGLE_BIT: Final = 64
-"""First boolean register that has a field. Lower registers are sent in groups of 32."""
+"""First boolean register that has a field. Lower boolean registers are sent in groups
+of 32."""
 
 
 Read = Callable[["UrControlBox"], Any]

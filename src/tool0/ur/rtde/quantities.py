@@ -23,9 +23,10 @@ Three = tuple[float, float, float]
 TORQUE_PER_AMPERE: Final = 10.0
 """Torque of a joint per ampere of its motor current [N·m/A].
 
-The value is a convention. UR does not publish the torque constants of its motors, which
-differ between joints. With a gear ratio of 101, the torque constants have this order of
-magnitude. The product of a reported current and this value is the torque of the drive.
+The value is a convention. The torque constants of UR's motors are not published and
+differ between joints. With a gear ratio of 101, the torque constants have the same
+order of magnitude as the value. The product of a reported current and the value is the
+torque of the drive.
 """
 SUPPLY_VOLTAGE: Final = 48.0
 """Nominal supply voltage of the control box, the arm and its motors [V]."""

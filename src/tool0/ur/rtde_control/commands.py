@@ -38,9 +38,9 @@ STREAMED: Final = DYNAMICS | {6, 9, 10, 11, 12, 24, 25, 26, 27, 38, 55, 58, 99}
 ``servoC`` (12), ``setExternalForceTorque`` (55) and ``kickWatchdog`` (99), because the
 client does not wait for these commands either."""
 POLLED: Final = DYNAMICS | {25, 26, 27, 38, 58}
-"""Commands that are executed again at every update: queries that the client does not
-wait for, whose answers must stay up to date, and ``directTorque``, which continues
-until the next command."""
+"""Commands that are executed again at every update: queries with answers that must stay
+up to date without a request, and ``directTorque``, which continues until the next
+command."""
 
 
 @final

@@ -23,7 +23,7 @@ PROGRESS: Final = 2
 
 _LOWER: Final = 24
 _UPPER: Final = 36
-"""First register of a matrix's last 12 values; its first 24 values start at register
+"""First register of a matrix's last 12 values; the first 24 values start at register
 0."""
 _COUNTS: Final = 128
 """Number of values of a progress counter, which has seven bits."""

@@ -88,7 +88,7 @@ class _CommandServer:
             self._box.when_updated.discard(self._look)
 
     async def serve(self) -> None:
-        """Execute commands until the client or its watchdog stops the program."""
+        """Execute commands until the client or the watchdog stops the program."""
         serving = asyncio.create_task(self._serve())
         watching = asyncio.create_task(self._watchdog.wait())
         tasks = {serving, watching}
@@ -151,7 +151,7 @@ class _Watchdog:
         self._last = 0.0
 
     def start(self, min_frequency: float) -> None:
-        """Expect packets at least at this rate [Hz]; 0 disables the watchdog."""
+        """Expect packets at a minimum rate [Hz]; 0 disables the watchdog."""
         self.kick()
         if min_frequency > 0.0:
             self._timeout = 1.0 / min_frequency

@@ -44,8 +44,9 @@ class Checker:
 
         Args:
             program: Name of the program, for error messages.
-            has_servers: Whether the program may contain handles of XML-RPC servers. A
-                method that lists do not have may then be a function of a server.
+            has_servers: Whether the program may contain handles of XML-RPC servers.
+                With such handles, a method that lists do not have may be a function of
+                a server.
         """
         self._program = program
         self._has_servers = has_servers

@@ -16,7 +16,7 @@ from tool0.ur.urscript_errors import Place, ValueProblem
 _LONG: Final = 5
 """Length of a list above which the work for the list is charged as statements."""
 _PER_STATEMENT: Final = 10
-"""Number of list elements whose work is charged as one statement."""
+"""Number of list elements that are charged as one statement."""
 
 
 @final
@@ -130,7 +130,7 @@ class Code:
 
 
 async def not_compiled(frame: CallFrame) -> Outcome:
-    """Raise an error; this is the placeholder of a body that is not compiled yet."""
+    """Raise an error, as the placeholder of a body that is not compiled yet."""
     raise AssertionError(frame)
 
 

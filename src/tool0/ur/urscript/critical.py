@@ -10,11 +10,12 @@ from typing import final
 class CriticalSection:
     """While a thread is in the section, no other thread executes a statement.
 
-    A thread leaves the section while it waits for an action that takes time. UR
-    documents neither this behavior nor the order of the threads. The program of UR's
-    driver depends on this behavior, because it executes trajectories and reads sockets
-    inside the section. In tool0, ready threads run before another thread enters the
-    section, even if that thread has just left the section.
+    A thread leaves the section while it waits for an action that takes time. UR does
+    not document when a thread leaves the section or in which order threads enter it.
+    The program of UR's driver executes trajectories and reads sockets inside the
+    section, so the driver depends on threads that leave the section while they wait. In
+    tool0, ready threads run before another thread enters the section, even if that
+    thread has just left the section.
     """
 
     def __init__(self) -> None:

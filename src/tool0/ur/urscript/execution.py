@@ -125,7 +125,8 @@ class Thread:
         await self.hold()
 
     async def timed(self, action: Awaitable[T]) -> T:
-        """Wait for an action that takes time and then for permission to continue."""
+        """Wait for an action that takes time, and then until the thread may
+        continue."""
         self._spun = 0
         critical = self.execution.critical
         was_inside = critical.is_inside(self)
@@ -194,7 +195,7 @@ class Execution:
         self.torques = Torques(box)
         self.sockets = Sockets(box)
         self.servers: set[RemoteServer] = set()
-        """Servers whose functions the program can call."""
+        """Servers with functions that the program can call."""
         self.watchdogs = Watchdogs(box, self._finish)
         self.history = ToolHistory(box)
         self._is_secondary = is_secondary
@@ -266,7 +267,7 @@ class Execution:
         return Handle(code.name, self._start(code))
 
     async def end_threads(self, codes: Collection[object]) -> None:
-        """End the threads that were started from these definitions."""
+        """End the threads that were started from the given definitions."""
         tasks = {task for task, code in self._tasks.items() if code in codes}
         for task in tasks:
             task.cancel()

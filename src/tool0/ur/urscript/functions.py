@@ -58,7 +58,7 @@ class Function:
     """Whether the first argument is the calling thread."""
     takes_site: bool
     """Whether the first argument is the location of the call. Only coroutine functions
-    can receive this location."""
+    can receive the location of the call."""
     is_physical: bool
     """Whether the function takes robot time, so that secondary programs must not call
     it."""

@@ -47,7 +47,7 @@ class Layout(PostLex):
         is_fresh = True
         n_tokens = 0  # in this statement
         last: Token | None = None
-        askew: Token | None = None  # start of a block whose 'end' is not aligned
+        askew: Token | None = None  # start of a block with an 'end' that is not aligned
         for token in stream:
             kind = token.type
             if kind == "_NL":

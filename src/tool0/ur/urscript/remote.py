@@ -1,4 +1,4 @@
-"""XML-RPC servers, whose functions a program can call over HTTP.
+"""XML-RPC servers with functions that a program can call over HTTP.
 
 A call waits in a separate thread, because the server, such as a camera, may need any
 amount of time. If the program is stopped during the call, the connection is closed,
@@ -31,7 +31,7 @@ _CHUNK: Final = 1 << 16
 
 @final
 class _Connection(http.client.HTTPConnection):
-    """A connection with a timeout for the connection, but without one for replies."""
+    """A connection with a timeout for connecting and no timeout for replies."""
 
     is_abandoned = False
 
@@ -105,7 +105,7 @@ class _Transport(xmlrpc.client.Transport):
 
 @final
 class RemoteServer:
-    """A handle of ``rpc_factory``, whose methods are the functions of a server."""
+    """A handle that ``rpc_factory`` returns; the methods are functions of a server."""
 
     def __init__(self, url: str, when_closed: Callable[[RemoteServer], object]) -> None:
         """Create a handle without connecting to the server.

@@ -1,9 +1,10 @@
 """Scopes of variables and functions (URScript manual, "Scoping rules").
 
 Variables at the program's first level are global. In a function or thread, a name is
-global if the program has a global variable with this name. A name is local if there is
-no such global variable, or if it is declared with ``local``. Functions and threads are
-visible in the body that defines them and in the bodies inside it.
+global if the program has a global variable with this name. A name is local if the
+program has no global variable with this name, or if the name is declared with
+``local``. Functions and threads are visible in the body that defines them and in all
+bodies inside that body.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ class Scope:
         return own + (self.parent.visible_functions() if self.parent else [])
 
     def extended(self, block: s.Block) -> Scope:
-        """Return this scope with the names of additional statements of its body.
+        """Return the scope with the names of additional statements of the body.
 
         New variables are global at the program's first level and local in a function.
         """
@@ -83,7 +84,7 @@ class Scope:
         )
 
     def inner(self, definition: s.Definition) -> Scope:
-        """Return the scope of a definition inside the body of this scope."""
+        """Return the scope of a definition inside the body of the scope."""
         return _scope(definition, self, self.globals)
 
 

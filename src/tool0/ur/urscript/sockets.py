@@ -19,7 +19,7 @@ T = TypeVar("T")
 MAX_SOCKETS: Final = 16
 OPEN_TIMEOUT: Final = 2.0
 """Maximum time to wait for a connection, or for a peer that does not read [wall s]. The
-time is the same as on a real robot."""
+maximum time is the same as on a real robot."""
 MAX_BUFFER: Final = 1 << 16
 """Maximum amount of unread data from a peer [bytes]."""
 OWN_GRIPPER: Final = ("127.0.0.1", 63352)

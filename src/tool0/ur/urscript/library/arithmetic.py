@@ -47,7 +47,7 @@ def atan(f: Number) -> float:
 
 
 def atan2(x: Number, y: Number) -> float:
-    """Return the angle whose tangent is x / y [rad]."""
+    """Return the arc tangent of x / y in the correct quadrant [rad]."""
     return math.atan2(x, y)
 
 
@@ -172,7 +172,7 @@ def integer_to_binary_list(x: Integer) -> Value:
 
 
 def binary_list_to_integer(l_: ListLike) -> Value:
-    """Return the integer with these bits (at most 32), least significant bit first."""
+    """Convert a list of up to 32 bits to an integer, least significant bit first."""
     bits = l_[:_BITS]
     if not all(isinstance(bit, bool) for bit in bits):
         raise ValueProblem("a list of booleans is needed")
@@ -181,7 +181,7 @@ def binary_list_to_integer(l_: ListLike) -> Value:
 
 
 def transpose(m: ListLike) -> Value:
-    """Return a matrix whose rows and columns are swapped."""
+    """Return the transpose of a matrix."""
     if not m or not isinstance(m[0], tuple):
         raise ValueProblem("a matrix is needed")
     return tuple(zip(*cast("tuple[tuple[Value, ...], ...]", m), strict=True))

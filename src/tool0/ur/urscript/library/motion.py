@@ -22,8 +22,8 @@ _LOOKAHEAD: Final = (0.03, 0.2)
 """Range of the lookahead time [s]."""
 _GAIN: Final = (100.0, 2000.0)
 FASTEST_TOOL: Final = (1.0, 2.5)
-"""Maximum speed and acceleration of OptiMove's lines [m/s, m/s²]. UR specifies this
-speed as the "typical tool speed" of its arms, but does not specify an acceleration."""
+"""Maximum speed and acceleration of OptiMove's lines [m/s, m/s²]. UR specifies the
+speed as the "typical tool speed" of UR arms, but does not specify an acceleration."""
 
 
 def _joints(thread: Thread, target: Target) -> Six:

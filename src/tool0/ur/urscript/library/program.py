@@ -87,7 +87,7 @@ async def clear_interpreter(thread: Thread) -> None:
 
 
 def shown(text: str) -> str:
-    """Return a string whose characters are bytes as readable text."""
+    """Convert a string with one character per byte to readable text."""
     return text.encode("latin-1", "replace").decode("utf-8", "replace")
 
 

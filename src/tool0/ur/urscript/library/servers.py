@@ -1,4 +1,4 @@
-"""Functions for XML-RPC servers, whose functions programs can call."""
+"""Functions that give programs access to XML-RPC servers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MAX_SERVERS: Final = 64
 
 
 async def rpc_factory(thread: Thread, type_: Text, url: Text) -> Value:
-    """Return the handle of a server; its methods call the server's functions."""
+    """Return a handle of a server, with methods that call the server's functions."""
     if type_ != "xmlrpc":
         raise ValueProblem(f"the type is '{type_}'; there is 'xmlrpc'")
     if len(thread.execution.servers) >= MAX_SERVERS:

@@ -48,8 +48,8 @@ async def socket_open(
     """Connect to a server within 2 s; return whether the connection was opened.
 
     The call takes at least one control period. Servers therefore accept consecutive
-    connections in the order of the calls, even if each server accepts in a separate
-    thread.
+    connections in the order in which the calls are made, even if each server accepts in
+    a separate thread.
     """
     is_open = await thread.execution.sockets.open(address, port, socket_name)
     await thread.pacer.wait(1.0 / thread.box.rate)

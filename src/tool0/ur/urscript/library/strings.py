@@ -1,4 +1,4 @@
-"""Functions for strings, whose characters are bytes; indexes start at 0."""
+"""Functions for strings of bytes; indexes start at 0."""
 
 from __future__ import annotations
 
