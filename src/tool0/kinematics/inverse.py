@@ -164,7 +164,7 @@ class InverseKinematics:
         )
 
     def _turned(self, q: Array, near: Array) -> Array:
-        """Return ``q`` shifted by whole turns near ``near``; NaN outside the limits."""
+        """Return ``q`` shifted by whole turns to be nearest to ``near``, or NaN."""
         nearest = near + wrapped(q - near)
         turn = 2 * np.pi
         lower, upper = self.lower - _LIMIT_ROUNDING, self.upper + _LIMIT_ROUNDING

@@ -141,7 +141,7 @@ class _Painter:
         return self._thread.submit(draw, self, view)
 
     def close(self) -> None:
-        """End the thread after the images that the thread has started."""
+        """End the thread after rendering the images that have been started."""
         if self._thread is not None:
             ended = self._thread.submit(self._end)
             self._thread.shutdown()

@@ -195,7 +195,7 @@ class CollisionFinder:
     def _fitting(
         self, finder: OverlapFinder | None, objects: tuple[SceneObject, ...]
     ) -> OverlapFinder:
-        """Return ``finder`` or a new finder, prepared for these objects."""
+        """Return ``finder`` or a new finder, prepared for the given objects."""
         from tool0.engines.mujoco.gl import import_mujoco
 
         import_mujoco()

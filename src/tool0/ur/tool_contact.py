@@ -1,4 +1,4 @@
-"""Detection of tool contacts for URScript's ``tool_contact``, with a history.
+"""Detection of tool contacts for ``tool_contact``, and storage of past positions.
 
 UR does not publish the criterion for a contact. In tool0, a contact is an external
 force at the tool of at least ``CONTACT_FORCE``. The contact starts when the force
