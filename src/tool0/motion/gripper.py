@@ -12,8 +12,8 @@ from tool0.motion.path import Path
 
 RAMP_TIME = 1.0 / 15.0
 """Time in which the pads accelerate from rest to full speed or decelerate to rest [s].
-The value is a guess, because datasheets do not specify this time. The time prevents the
-fingers from overshooting."""
+The value is a guess, because datasheets do not specify the ramp time. The time prevents
+the fingers from overshooting."""
 SPACING = 0.005
 """Maximum distance between the knots of a planned motion [m]."""
 

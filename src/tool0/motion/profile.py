@@ -144,8 +144,8 @@ def smoothed(profile: SpeedProfile, duration: float) -> SpeedProfile:
     """Return a profile from rest to rest without sudden changes of acceleration.
 
     The result is the mean of copies that are delayed by 0 … ``duration`` [s]. The
-    smoothed profile is longer by ``duration``. The speed of the profile is not higher,
-    and the acceleration changes in small steps.
+    smoothed profile is longer by ``duration``. The speed is not higher than in the
+    original profile, and the acceleration changes in small steps.
     """
     delays = np.linspace(0.0, duration, _COPIES)
     times = np.sort((profile.times + delays[:, None]).ravel())

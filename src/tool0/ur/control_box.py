@@ -179,7 +179,7 @@ class UrControlBox:
     def show(self, snapshot: Snapshot) -> None:
         """Apply an update that is immediately followed by another update.
 
-        Data is sent for this update, but programs react only to the last update.
+        Data is sent for every update, but programs react only to the last one.
         """
         self._show(snapshot)
         _call(self.when_shown)

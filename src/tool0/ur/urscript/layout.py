@@ -1,4 +1,4 @@
-"""Token processing between lexer and parser: new lines, nesting, unclosed blocks."""
+"""Token processing between lexer and parser: new lines, nesting and unclosed blocks."""
 
 from __future__ import annotations
 
