@@ -117,7 +117,7 @@ class ArmGeometry:
                 specified, all solutions have this position of the sixth joint.
 
         Returns:
-            Joint positions [rad], without whole turns, shape (n, 8, 6).
+            Joint positions modulo whole turns [rad], shape (n, 8, 6).
         """
         R6 = self._R @ (T_base_tip @ self._T_tip_wrist)[:, :3, :3]
         centre = self.wrist_centre(T_base_tip)

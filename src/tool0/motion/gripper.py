@@ -25,7 +25,7 @@ def opening_path(
 
     The knots are closely spaced, because a linkage converts a constant opening speed to
     a variable joint speed. ``start`` and ``end`` are distances between the pads [m];
-    ``end`` must be within 0 … ``geometry.max_opening``. ``speed`` is the closing speed
+    ``end`` must be within 0 … ``geometry.max_opening``. ``speed`` is the relative speed
     of the pads [m/s].
     """
     widest, longest_ramp = geometry.max_opening, geometry.speed[1] * RAMP_TIME / 2.0
@@ -73,7 +73,7 @@ def direct_duration(
         start: Current setpoint of the joint [rad | m].
         end: Distance between the pads at the end [m], within 0 …
             ``geometry.max_opening``.
-        speed: Closing speed of the pads [m/s].
+        speed: Relative speed of the pads [m/s].
         shortest: Minimum duration that is returned [s].
     """
     distance = abs(end - geometry.opening(start))

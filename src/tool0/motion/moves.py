@@ -153,7 +153,7 @@ class Tail(NamedTuple):
     """Distance from the target in units of the segment's x."""
     speed: float
     acceleration: float
-    """Acceleration of the move in units of the segment's x [1/s²]."""
+    """Acceleration along the segment [rad/s² | m/s²]."""
     T_tip_tool: Array
     """Pose of the tool in the flange's frame, shape (4, 4)."""
     entry: float

@@ -349,7 +349,7 @@ class Moves:
     # ---- waiting --------------------------------------------------------------------
 
     async def _until(self, running: _Running, time: float) -> None:
-        """Wait until a path reaches ``time`` [s] or its end, or is canceled.
+        """Wait until a path reaches ``time`` [s] or its end, or is no longer followed.
 
         Raises:
             ControlError: If the arm has stopped.
@@ -376,7 +376,7 @@ class Moves:
         return update.path_time if update.path == running.number else 0.0
 
     def _has_ended(self, running: _Running) -> bool:
-        """Return whether a path has reached its end or was canceled."""
+        """Return whether a path has reached its end or is no longer followed."""
         update = self._box.arm_sample
         if update.path == running.number:
             return update.is_done or update.mode != "path"

@@ -59,7 +59,7 @@ class Torques:
         viscous_scale: Six = VISCOUS_SCALE,
         coulomb_scale: Six = COULOMB_SCALE,
     ) -> None:
-        """Apply torques to the joints [N·m] and return immediately.
+        """Apply torques to the joints [N·m] without waiting for a control period.
 
         Raises:
             ControlError: If the arm cannot be controlled with torques.

@@ -132,7 +132,7 @@ async def rq_move_and_wait_mm(
 async def rq_set_pos(
     thread: Thread, pos: Count, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Set the requested position without starting a motion."""
+    """Set the requested position of the fingers."""
     await _command(thread, lambda gripper: gripper.change(position=pos))
 
 
