@@ -1,1 +1,1 @@
-"""Clients for the interfaces of robots and grippers, and frames for both sides."""
+"""Clients for robots and grippers, and message formats for clients and servers."""

@@ -1,6 +1,6 @@
-"""A client of UR's dashboard server: each command and answer is a line.
+"""A client of UR's dashboard server; each command and each answer is one line.
 
-Commands and answers follow UR's documentation; see ``ur/dashboard.py``.
+The commands and answers follow UR's documentation; see ``ur/dashboard.py``.
 """
 
 from __future__ import annotations
@@ -19,20 +19,21 @@ _MOST_ANSWER: Final = 1 << 16
 
 @final
 class DashboardClient:
-    """Sends commands to a dashboard server from any thread, connecting when needed."""
+    """Sends commands to a dashboard server from any thread; connects when necessary."""
 
     def __init__(self, host: str, port: int = PORT, timeout: float = 5.0) -> None:
-        """Prepare to connect; ``timeout`` is the longest wait for an answer [s]."""
+        """Prepare a client; ``timeout`` is the maximum wait for an answer [s]."""
         self._address, self._timeout = (host, port), timeout
         self._lock = threading.Lock()
         self._socket: socket.socket | None = None
         self._received = bytearray()
 
     def ask(self, command: str) -> str:
-        """Send a command, and return the answer.
+        """Send a command and return the answer.
 
         Raises:
-            TransportError: If the server cannot be reached, or does not answer in time.
+            TransportError: If the server cannot be reached, or does not answer within
+                the timeout.
         """
         with self._lock:
             try:
@@ -52,10 +53,11 @@ class DashboardClient:
                 ) from None
 
     def order(self, command: str, accepted: str) -> None:
-        """Send a command, whose answer begins with ``accepted`` if the robot obeys.
+        """Send a command; the answer starts with ``accepted`` if the robot executes it.
 
         Raises:
-            ControlError: If the robot refuses; the message contains its answer.
+            ControlError: If the robot refuses the command; the message contains the
+                answer.
             TransportError: See ``ask``.
         """
         answer = self.ask(command)
@@ -63,7 +65,7 @@ class DashboardClient:
             raise ControlError(f"the robot refuses '{command}': {answer}")
 
     def find(self, command: str) -> str:
-        """Return the answer to a command; empty if the server does not know it."""
+        """Return the answer to a command; empty if the command is not supported."""
         answer = self.ask(command)
         unknown = ("could not understand", "error")
         return "" if answer.lower().startswith(unknown) else answer
@@ -87,7 +89,7 @@ class DashboardClient:
     def _has_ended(self) -> bool:
         """Return whether the server has closed the connection since the last answer."""
         assert self._socket is not None
-        return bool(select.select([self._socket], [], [], 0.0)[0])  # it speaks unasked
+        return bool(select.select([self._socket], [], [], 0.0)[0])  # unsolicited
 
     def _line(self) -> str:
         assert self._socket is not None

@@ -1,4 +1,4 @@
-"""Connections to Robotiq grippers: the URCap's socket, Modbus TCP and Modbus RTU."""
+"""Connections to Robotiq grippers by the URCap's socket, Modbus TCP or Modbus RTU."""
 
 from __future__ import annotations
 
@@ -26,29 +26,29 @@ URCAP_PORT: Final = 63352
 _COMMAND_REGISTER: Final = 1000
 _STATUS_REGISTER: Final = 2000
 _REGISTERS: Final = 3
-"""Number of registers of a command, and of a status (six bytes each)."""
+"""Number of registers of a command and of a status, which have six bytes each."""
 _UNIT: Final = 9
 """The gripper's factory-set Modbus address."""
 _ANSWER: Final = re.compile(rb"([A-Z]{3}) (\d{1,3})\n")
 _BAUD: Final = termios.B115200
-"""Baud rate (Robotiq's instruction manual, "Modbus RTU communication")."""
+"""Baud rate (from Robotiq's instruction manual, "Modbus RTU communication")."""
 
 
 class GripperReading(NamedTuple):
-    """Status of a gripper."""
+    """Status of a gripper at one reading."""
 
     position: int
-    """Position count: 0 open … 255 closed."""
+    """Position count: 0 is open, 255 is closed."""
     object_status: ObjectStatus
     activation: Activation
     fault: int
-    """Fault code (gFLT); 0 if there is none."""
+    """Fault code (gFLT); 0 if there is no fault."""
     current: int
     """Motor current [10 mA]."""
 
 
 class GripperLink(Protocol):
-    """A connection to a gripper; all methods raise TransportError if it is lost."""
+    """A connection to a gripper; a lost connection raises TransportError."""
 
     def read(self) -> GripperReading | None:
         """Return the gripper's status; None if the gripper has no power."""
@@ -65,10 +65,11 @@ class UrcapLink:
     """A connection through the socket of Robotiq's URCap on the robot's controller."""
 
     def __init__(self, host: str, port: int = URCAP_PORT, timeout: float = 1.0) -> None:
-        """Connect.
+        """Connect to the URCap's socket.
 
         Raises:
-            TransportError: If the port is closed because the URCap is not installed.
+            TransportError: If the connection fails, for example because the URCap is
+                not installed.
         """
         self._peer = f"the gripper's URCap at {host}:{port}"
         try:
@@ -77,7 +78,7 @@ class UrcapLink:
             raise TransportError(f"{self._peer}: {error}") from None
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._slow: tuple[int, int] = (Activation.RESET, 0)
-        """Activation and fault, which are read only every eighth time."""
+        """Activation and fault, which are read only at every eighth reading."""
         self._reads = 0
 
     def read(self) -> GripperReading | None:
@@ -130,12 +131,12 @@ class UrcapLink:
 
 
 class _Transport(Protocol):
-    """Sends requests to a Modbus unit, and receives its responses."""
+    """Sends requests to a Modbus unit and receives the unit's responses."""
 
     peer: str
 
     def exchange(self, request: bytes, length: int) -> bytes:
-        """Return the response to a request; ``length`` is its length on success."""
+        """Return the response to a request; ``length`` is a valid response's length."""
 
     def close(self) -> None: ...
 
@@ -182,10 +183,10 @@ class ModbusLink:
 
 @final
 class ModbusTcp:
-    """Modbus TCP, as spoken by gateways and some grippers."""
+    """Modbus TCP, which gateways and some grippers support."""
 
     def __init__(self, host: str, port: int = 502, timeout: float = 1.0) -> None:
-        """Connect, or raise TransportError."""
+        """Connect to the unit, or raise TransportError."""
         self.peer = f"the gripper at {host}:{port} (Modbus TCP)"
         self._number = 0
         try:

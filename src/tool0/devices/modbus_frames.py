@@ -1,7 +1,7 @@
-"""Modbus for clients and servers: header, checksum, functions and exceptions.
+"""Modbus frames for clients and servers: header, checksum, functions and exceptions.
 
-"MODBUS Application Protocol Specification V1.1b3" and "MODBUS Messaging on TCP/IP
-Implementation Guide V1.0b", "MODBUS over Serial Line Specification V1.02"
+Sources: "MODBUS Application Protocol Specification V1.1b3", "MODBUS Messaging on TCP/IP
+Implementation Guide V1.0b" and "MODBUS over Serial Line Specification V1.02"
 (https://modbus.org).
 """
 
@@ -13,16 +13,16 @@ from functools import cache
 from typing import Final
 
 HEADER: Final = struct.Struct(">HHHB")
-"""Header of a frame: transaction, protocol (0), length of the rest including the unit,
-and unit."""
+"""Header of a frame: transaction, protocol (0), number of the remaining bytes including
+the unit, and unit."""
 MAX_LENGTH: Final = 254
-"""Largest size of the unit together with a request or a response [bytes]."""
+"""Maximum size of the unit and a request or response together [bytes]."""
 ERROR: Final = 0x80
-"""Value added to the function code in an exception response."""
+"""Value that is added to the function code in an exception response."""
 
 
 class ModbusFunction(IntEnum):
-    """Modbus function codes in use."""
+    """Modbus function codes that tool0 uses."""
 
     READ_COILS = 1
     READ_DISCRETE_INPUTS = 2
@@ -36,7 +36,7 @@ class ModbusFunction(IntEnum):
 
 
 class Refusal(IntEnum):
-    """Reasons to refuse a request: Modbus's exception codes."""
+    """Reasons to refuse a request, with Modbus's exception codes."""
 
     ILLEGAL_FUNCTION = 1
     ILLEGAL_ADDRESS = 2
@@ -47,7 +47,7 @@ class Refusal(IntEnum):
 
 @cache
 def _table() -> tuple[int, ...]:
-    """Return the table of the checksum: its change for each value of a byte."""
+    """Return the table of the change of the checksum for each byte value."""
     table = []
     for byte in range(256):
         crc = byte

@@ -1,4 +1,4 @@
-"""A gripper that a thread polls and sends the newest command to."""
+"""A gripper that a thread polls and to which the thread sends the newest command."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from tool0.errors import TransportError
 logger = logging.getLogger(__name__)
 
 PERIOD: Final = 0.016
-"""Period of readings [s]; the URCap is hardly faster."""
+"""Period of the readings [s]. The URCap does not support much shorter periods."""
 RETRY: Final = 1.0
-"""Pause between attempts to connect [s]."""
+"""Delay between attempts to connect [s]."""
 _ACTIVE: Final = CommandRegisters(activate=True)
 
 
@@ -26,26 +26,27 @@ _ACTIVE: Final = CommandRegisters(activate=True)
 class PolledGripper:
     """Reads and commands a gripper in a dedicated thread.
 
-    After the connection, power or activation is lost, no earlier command is sent again.
+    After the connection, the power or the activation is lost, earlier commands are not
+    sent again.
     """
 
     def __init__(self, connect: Callable[[], GripperLink], name: str) -> None:
-        """Start the thread, which retries if ``connect`` raises TransportError."""
+        """Start the thread, which tries again if ``connect`` raises TransportError."""
         self._connect, self._name = connect, name
         self._wanted: CommandRegisters | None = None
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._is_closing = False
         self.reading: GripperReading | None = None
-        """Newest reading; None if there is none."""
+        """Newest reading; None if there is no reading."""
         self.read_at = 0.0
-        """Time at which that reading arrived, on the monotonic clock [s]."""
+        """Time at which the newest reading was received, on the monotonic clock [s]."""
         self.problem = "it was not read yet"
-        """Reason why the gripper is not ready; empty if it is."""
+        """Reason why the gripper is not ready; empty if the gripper is ready."""
         self._last = _ACTIVE
-        """Newest command that was sent to the gripper."""
+        """Last command that was sent to the gripper."""
         self.is_sent = True
-        """Whether the newest command has been sent and a reading has followed it."""
+        """Whether the newest command has been sent and followed by a reading."""
         self._thread = threading.Thread(
             target=self._run, name=f"tool0 {name}", daemon=True
         )
@@ -63,13 +64,13 @@ class PolledGripper:
         self._wake.set()
 
     def stop(self) -> None:
-        """Stop the fingers where they are."""
+        """Stop the fingers at their current position."""
         with self._lock:
             self._wanted, self.is_sent = replace(self._last, go_to=False), False
         self._wake.set()
 
     def activate(self) -> None:
-        """Activate the gripper, which opens and closes it."""
+        """Activate the gripper; the activation opens and closes the gripper."""
         with self._lock:
             self._wanted, self.is_sent = _ACTIVE, False
         self._wake.set()
@@ -118,7 +119,7 @@ class PolledGripper:
             self.is_sent = self._wanted is None
 
     def _note_loss(self, problem: str) -> None:
-        """Discard the command, so that nothing moves without a new command."""
+        """Discard the command, so that the fingers move only after a new command."""
         if problem != self.problem:
             logger.warning("%s: %s", self._name, problem)
         with self._lock:

@@ -1,4 +1,4 @@
-"""Conversions between a gripper's quantities and the bytes of its registers."""
+"""Conversions between a gripper's quantities and its register counts."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from tool0.description.model import LinearOpening, ParallelGripper
 
 FULL: Final = 255
 TOP_CURRENT: Final = 1.0
-"""Motor current at the strongest grip [A]: the peak value in the 2F-85's data sheet."""
+"""Motor current at the maximum grip force [A], which is the peak value in the 2F-85's
+data sheet."""
 
 
 @final
@@ -16,10 +17,10 @@ class Counts:
     """Converts between the quantities and the register counts of a gripper.
 
     The encoder is at the motor, so the position count is linear in the position of the
-    driven joint.  Grippers with swinging fingers read 3 when fully open and 230 when
-    fully closed (measured by Robotiq: device_profile.hpp of its SDK); a Hand-E, whose
-    fingers slide, uses the full range of counts.  Speed and force are linear in their
-    counts.
+    driven joint. Grippers with swinging fingers report 3 when fully open and 230 when
+    fully closed (as measured by Robotiq; see device_profile.hpp in Robotiq's SDK). The
+    fingers of a Hand-E slide, and a Hand-E uses the full range of counts. Speed and
+    force are linear in their counts.
     """
 
     def __init__(self, geometry: ParallelGripper) -> None:
@@ -44,15 +45,15 @@ class Counts:
         return min(max(opening, 0.0), self.geometry.max_opening)
 
     def speed(self, count: int) -> float:
-        """Return the speed of the pads for a count [m/s]."""
+        """Return the speed of the pads for a speed count [m/s]."""
         return _between(self.geometry.speed, count)
 
     def force(self, count: int) -> float:
-        """Return the force at each pad for a count [N]."""
+        """Return the force at each pad for a force count [N]."""
         return _between(self.geometry.force, count)
 
     def current(self, position: float, effort: float) -> int:
-        """Return the motor current [10 mA] for an effort of the joint [N·m | N].
+        """Return the motor current [10 mA] for an effort of the driven joint [N·m | N].
 
         The current is assumed to be proportional to the force at the pads.
         """

@@ -1,7 +1,8 @@
-"""The registers of Robotiq's two-finger grippers, byte by byte.
+"""The registers of Robotiq's two-finger grippers as bytes.
 
-Sources: instruction manual of the 2F-85 and 2F-140, "Control", and the gripper SDK of
-Robotiq (https://github.com/robotiq/grippers, register_map.hpp, fault_status.hpp).
+Sources: the instruction manual of the 2F-85 and 2F-140, section "Control", and
+Robotiq's gripper SDK (https://github.com/robotiq/grippers, register_map.hpp,
+fault_status.hpp).
 """
 
 from __future__ import annotations
@@ -11,30 +12,32 @@ from enum import IntEnum
 from typing import Final, final
 
 BLOCK_BYTES: Final = 16
-"""Length of the command block and of the status block; bytes from 6 on are reserved."""
+"""Length of the command block and of the status block [bytes]. The bytes starting at
+index 6 are reserved."""
 
 
 class Activation(IntEnum):
     """Progress of the activation (gSTA)."""
 
     RESET = 0
-    """The gripper is not activated, or performs an automatic release."""
+    """The gripper is not activated or performs an automatic release."""
     IN_PROGRESS = 1
     COMPLETE = 3
 
 
 class ObjectStatus(IntEnum):
-    """Object detection (gOBJ): whether the fingers have met an object."""
+    """Object detection (gOBJ): whether an object has stopped the fingers."""
 
     MOVING = 0
     MET_OPENING = 1
     MET_CLOSING = 2
     ARRIVED = 3
-    """The fingers are at the requested position: there is no object, or it was lost."""
+    """The fingers are at the requested position. There is no object, or the object was
+    lost."""
 
 
 class Fault(IntEnum):
-    """Fault codes (gFLT) that occur; a real gripper has more."""
+    """Fault codes (gFLT) that can occur; a real gripper has additional codes."""
 
     NONE = 0x00
     ACTION_DELAYED = 0x05
@@ -47,7 +50,7 @@ class Fault(IntEnum):
 
     @property
     def is_major(self) -> bool:
-        """Whether the fault can only be cleared by a reset."""
+        """Whether the fault can be cleared only by a reset."""
         return self >= Fault.RELEASE_IN_PROGRESS
 
 
@@ -57,22 +60,22 @@ _ACTIVATE, _GO_TO, _RELEASE, _RELEASE_OPENING = 0x01, 0x08, 0x10, 0x20
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CommandRegisters:
-    """The client's requests (Robotiq calls them robot outputs)."""
+    """The client's requests, which Robotiq calls robot outputs."""
 
     activate: bool = False
     """Activation bit (rACT)."""
     go_to: bool = False
     """Whether to move to the requested position (rGTO)."""
     release: bool = False
-    """Automatic release for emergencies (rATR)."""
+    """Whether to perform an automatic release for emergencies (rATR)."""
     release_opening: bool = False
     """Whether an automatic release opens the fingers (rARD)."""
     position: int = 0
-    """Requested position (rPR): 0 open … 255 closed."""
+    """Requested position (rPR): 0 is open, 255 is closed."""
     speed: int = 0
-    """Speed (rSP): 0 slowest … 255 fastest."""
+    """Speed (rSP): 0 is the slowest, 255 is the fastest."""
     force: int = 0
-    """Force (rFR): 0 weakest … 255 strongest."""
+    """Force (rFR): 0 is the weakest, 255 is the strongest."""
 
     @classmethod
     def decode(cls, block: bytes) -> CommandRegisters:
@@ -103,23 +106,23 @@ class CommandRegisters:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StatusRegisters:
-    """The gripper's reports (Robotiq calls them robot inputs)."""
+    """The gripper's reports, which Robotiq calls robot inputs."""
 
     is_activated: bool
-    """Echo of rACT (gACT)."""
+    """Echo of the activation bit rACT (gACT)."""
     goes_to: bool
-    """Whether the gripper follows rPR (gGTO); False during activation and automatic
-    release."""
+    """Whether the gripper moves to the position rPR (gGTO); False during activation and
+    automatic release."""
     activation: Activation
     """Progress of the activation (gSTA)."""
     object_status: ObjectStatus
     """Object detection (gOBJ)."""
     fault: Fault
-    """Fault (gFLT)."""
+    """Fault code (gFLT)."""
     request: int
-    """Echo of rPR (gPR)."""
+    """Echo of the requested position rPR (gPR)."""
     position: int
-    """Measured position (gPO): 0 open … 255 closed."""
+    """Measured position (gPO): 0 is open, 255 is closed."""
     current: int
     """Motor current (gCU) [10 mA]."""
 

@@ -1,4 +1,4 @@
-"""A client of UR's real-time data exchange (RTDE), with blocking sockets."""
+"""A client of UR's real-time data exchange (RTDE) that uses blocking sockets."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ _NOT_THERE: Final = ("NOT_FOUND", "IN_USE")
 _CHUNK: Final = 1 << 16
 
 Package = tuple[Any, ...]
-"""Values of a data package, with vectors flattened, in the recipe's order."""
+"""Values of a data package in the order of the recipe, with flattened vectors."""
 
 
 class ControllerVersion(NamedTuple):
-    """Version of PolyScope that a controller reports."""
+    """Software version that a controller reports."""
 
     major: int
     minor: int
@@ -42,7 +42,7 @@ class ControllerVersion(NamedTuple):
 
     @property
     def is_e_series(self) -> bool:
-        """Whether the controller is an e-Series (500 Hz) rather than a CB3 (125 Hz)."""
+        """Whether the controller is an e-Series (500 Hz) and not a CB3 (125 Hz)."""
         return self.major >= 5
 
 
@@ -55,7 +55,7 @@ class _Input(NamedTuple):
 class RtdeClient:
     """Reads the outputs and writes the inputs of a robot's controller.
 
-    Call ``receive`` from one thread only; any thread may call ``send``.
+    Call ``receive`` from only one thread; any thread may call ``send``.
     """
 
     def __init__(
@@ -68,19 +68,19 @@ class RtdeClient:
         inputs: Mapping[str, Sequence[str]] | None = None,
         timeout: float = 2.0,
     ) -> None:
-        """Connect and set up the fields to read and to write.
+        """Connect and set up the fields to read and write.
 
         Args:
             host: Host name or address of the controller.
             port: RTDE port.
             outputs: Fields to read at the controller's rate.
-            optional: Further fields to read, if the controller has them.
-            inputs: Recipes of fields to write, each with a name.
-            timeout: Longest wait for an answer [s].
+            optional: Additional fields to read if the controller supports them.
+            inputs: Recipes of fields to write; the keys are the names of the recipes.
+            timeout: Maximum time to wait for an answer [s].
 
         Raises:
-            TransportError: If the controller cannot be reached, does not speak RTDE, or
-                lacks a field.
+            TransportError: If the controller cannot be reached, does not support RTDE,
+                or lacks a field.
         """
         self.peer = f"RTDE of {host}:{port}"
         self._buffer = PacketBuffer()
@@ -96,7 +96,8 @@ class RtdeClient:
             self._negotiate()
             self.version = self._controller_version()
             self.rate = 500.0 if self.version.is_e_series else 125.0
-            """Rate at which the controller runs and sends packages [Hz]."""
+            """Rate at which the controller sends packages, which is its control rate
+            [Hz]."""
             self.columns, self._recipe, self._layout = self._set_up(outputs, optional)
             self._inputs = {
                 name: self._set_up_input(fields)
@@ -108,7 +109,7 @@ class RtdeClient:
 
     @property
     def local_address(self) -> str:
-        """This machine's address on the connection."""
+        """Address of this machine on the connection."""
         return str(self._socket.getsockname()[0])
 
     def start(self) -> None:
@@ -117,10 +118,10 @@ class RtdeClient:
             raise TransportError(f"{self.peer} refuses to start")
 
     def receive(self, timeout: float) -> list[Package]:
-        """Return the packages that have arrived, oldest first.
+        """Return the packages that have been received, oldest first.
 
-        The call waits up to ``timeout`` [s] for the first package; if none arrives, the
-        list is empty.
+        The call waits up to ``timeout`` [s] for the first package. If no package is
+        received, the list is empty.
 
         Raises:
             TransportError: If the connection is lost.
@@ -194,7 +195,7 @@ class RtdeClient:
         return columns, recipe, data
 
     def _recipe_of(self, names: Sequence[str]) -> tuple[tuple[str, ...], bytes]:
-        """Return the types of outputs, and the number of the recipe made of them."""
+        """Return the types of outputs and the number of a recipe that contains them."""
         payload = struct.pack(">d", self.rate) + ",".join(names).encode()
         answer = self._ask(PacketType.SETUP_OUTPUTS, payload)
         return self._types(answer, len(names)), answer[:1]
@@ -224,7 +225,7 @@ class RtdeClient:
     # ---- the connection -------------------------------------------------------------
 
     def _ask(self, kind: PacketType, payload: bytes) -> bytes:
-        """Send a packet, and return the answer of the same type."""
+        """Send a packet and return the answer of the same type."""
         self._send(kind, payload)
         end = time.monotonic() + self._timeout
         while True:
@@ -243,7 +244,7 @@ class RtdeClient:
             self._read()
 
     def _wait(self, timeout: float) -> bool:
-        """Wait for data; return whether any arrived."""
+        """Wait for data; return whether data was received."""
         try:
             return bool(select.select([self._socket], [], [], max(timeout, 0.0))[0])
         except (OSError, ValueError) as error:
@@ -273,6 +274,6 @@ class RtdeClient:
 
 
 def _text(payload: bytes) -> str:
-    """Return the text of a controller's message, in the layout of version 2."""
+    """Return the text of a controller's message in the layout of protocol version 2."""
     length = payload[0] if payload else 0
     return payload[1 : 1 + length].decode(errors="replace")

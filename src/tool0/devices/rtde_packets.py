@@ -1,7 +1,8 @@
 """Packets of UR's real-time data exchange (RTDE).
 
 A packet consists of its size including the header (uint16), its type (uint8) and a
-payload; numbers are big-endian.  Source, with the names and types of all fields:
+payload. Numbers are big-endian. Source, which contains the names and types of all
+fields:
 https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/rtde-guide.html
 """
 
@@ -16,17 +17,17 @@ from tool0.errors import TransportError
 
 PORT: Final = 30004
 VERSIONS: Final = (1, 2)
-"""Versions of the protocol; a connection starts with version 1."""
+"""Supported versions of the protocol. A connection starts with version 1."""
 MAX_PACKET: Final = 65535
-"""Longest packet that a client may send [bytes]."""
+"""Maximum size of a packet that a client may send [bytes]."""
 MAX_NAMES: Final = 1 << 15
-"""Longest list of field names [bytes]; a list of all fields takes 9 kB."""
+"""Maximum size of a list of field names [bytes]. A list of all fields has 9 kB."""
 
 _HEADER: Final = Struct(">HB")
 
 
 class PacketType(IntEnum):
-    """Type of a packet, a letter."""
+    """Type of a packet, which is a letter."""
 
     PROTOCOL_VERSION = ord("V")
     CONTROL_VERSION = ord("v")
@@ -58,7 +59,7 @@ FORMATS: Final = {
     "VECTOR6D": "6d",
     "VECTOR6INT32": "6i",
 }
-"""The ``struct`` format of each type of field."""
+"""The ``struct`` format of each field type."""
 
 LENGTHS: Final = {
     name: int(layout[0]) if len(layout) > 1 else 1 for name, layout in FORMATS.items()
@@ -67,12 +68,12 @@ LENGTHS: Final = {
 
 
 def packet(kind: PacketType, payload: bytes = b"") -> bytes:
-    """Return a packet."""
+    """Return a packet with a header and a payload."""
     return _HEADER.pack(_HEADER.size + len(payload), kind) + payload
 
 
 def text_packet(text: str, level: Level, version: int) -> bytes:
-    """Return a text message to a client, in the layout of a protocol version."""
+    """Return a text message to a client in the layout of a protocol version."""
     message = text.encode(errors="replace")[:255]
     if version == 1:
         return packet(PacketType.TEXT, bytes((level,)) + message)
@@ -91,7 +92,7 @@ def field_names(payload: bytes) -> tuple[str, ...]:
     """Return the field names in a setup packet; a trailing comma is ignored.
 
     Raises:
-        TransportError: If the list is too long, or not ASCII.
+        TransportError: If the list is too long or is not ASCII.
     """
     if len(payload) > MAX_NAMES:
         message = f"{len(payload)} bytes of field names; at most {MAX_NAMES}"
@@ -110,7 +111,7 @@ def field_names(payload: bytes) -> tuple[str, ...]:
 def layout(types: Sequence[str], *, recipe_id: bool) -> Struct:
     """Return the binary layout of a data packet with fields of these types.
 
-    If ``recipe_id`` is set, one byte with the recipe's number comes first.
+    If ``recipe_id`` is set, the first byte is the number of the recipe.
     """
     return Struct(
         (">B" if recipe_id else ">") + "".join(FORMATS[name] for name in types)
@@ -119,7 +120,7 @@ def layout(types: Sequence[str], *, recipe_id: bool) -> Struct:
 
 @final
 class PacketBuffer:
-    """Splits a client's data into packets."""
+    """Splits received data into packets."""
 
     def __init__(self) -> None:
         self._received = bytearray()

@@ -1,4 +1,4 @@
-"""Sends URScript to a robot's controller over its primary interface."""
+"""Transmission of URScript to a robot's controller over its primary interface."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ PORT: Final = 30001
 
 
 def send_script(host: str, text: str, port: int = PORT, timeout: float = 2.0) -> None:
-    """Send a program, which replaces the one that is running.
+    """Send a program, which replaces the running program.
 
-    A ``sec`` program runs alongside the current program.  RTDE shows whether the
+    A ``sec`` program runs alongside the current program. Check with RTDE whether the
     program has started.
 
     Raises:
@@ -23,7 +23,8 @@ def send_script(host: str, text: str, port: int = PORT, timeout: float = 2.0) ->
         with socket.create_connection((host, port), timeout) as connection:
             connection.sendall(text.encode() + b"\n")
             connection.shutdown(socket.SHUT_WR)
-            # The controller reads until the end; its own packets do not matter here.
+            # The controller reads until the end of the data. The packets of the
+            # controller are not used.
             connection.settimeout(timeout)
             connection.recv(1)
     except OSError as error:

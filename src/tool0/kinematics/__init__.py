@@ -1,1 +1,1 @@
-"""Kinematics of an arm: forward kinematics, Jacobian, inverse kinematics."""
+"""Kinematics of an arm: forward kinematics, Jacobian and inverse kinematics."""

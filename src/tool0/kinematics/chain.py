@@ -19,22 +19,22 @@ Array = NDArray[np.float64]
 
 
 class Posture(NamedTuple):
-    """Kinematics of n postures, in the frame of the link that carries the arm."""
+    """Kinematics of n postures in the frame of the arm's base link."""
 
     T_base_tip: Array
-    """Pose of the tip, shape (n, 4, 4)."""
+    """Poses of the tip, shape (n, 4, 4)."""
     axes: Array
-    """The joints' axes, unit vectors, shape (n, 6, 3)."""
+    """Joint axes as unit vectors, shape (n, 6, 3)."""
     points: Array
-    """A point on each axis [m], shape (n, 6, 3)."""
+    """One point on each joint axis [m], shape (n, 6, 3)."""
 
     @property
     def jacobian(self) -> Array:
-        """Jacobian of the tip, linear rows above angular ones, shape (n, 6, 6)."""
+        """Jacobian of the tip with linear rows above angular rows, shape (n, 6, 6)."""
         return self.jacobian_at(self.T_base_tip[:, :3, 3])
 
     def jacobian_at(self, point: Array) -> Array:
-        """Return the Jacobian of a ``point`` on the tip, in the base [m], (n, 3)."""
+        """Return the Jacobian of a ``point`` on the tip in base axes [m], (n, 3)."""
         x, y, z = self.axes.transpose(2, 0, 1)
         rx, ry, rz = (point[:, None] - self.points).transpose(2, 0, 1)
         columns = np.empty((len(point), ARM_JOINTS, 6))
@@ -47,14 +47,14 @@ class Posture(NamedTuple):
 
 @final
 class ArmChain:
-    """Six revolute joints, from the link that carries an arm to its flange."""
+    """The six revolute joints from an arm's base link to its flange."""
 
     def __init__(self, model: RobotModel, tip: str, joints: Sequence[Joint]) -> None:
-        """Take the six joints, from base to tip, and the link ``tip`` at the end."""
+        """Use six joints, ordered from base to tip, and the link ``tip`` at the end."""
         self.joints = tuple(joints)
         self.joint_names = tuple(joint.name for joint in joints)
         self.base = joints[0].parent
-        """The link that carries the arm."""
+        """The link on which the arm is mounted."""
         self.tip = tip
         self._model = model
         placed = place_links(model, [tip], self.base)
@@ -66,7 +66,7 @@ class ArmChain:
         self._last = self.T_last_tip.matrix
 
     def with_joints(self, joints: Sequence[Joint]) -> ArmChain:
-        """Return the same arm with the limits of these joints."""
+        """Return the same arm with the limits of the given joints."""
         return ArmChain(self._model, self.tip, joints)
 
     def forward(self, q: Array) -> Posture:
@@ -84,8 +84,8 @@ def find_chains(
 ) -> dict[str, ArmChain]:
     """Return the arms of a robot by name.
 
-    ``limits``, by joint, override those of the URDF, since the controllers' YAML may
-    specify others.
+    ``limits``, by joint name, override the URDF's limits, because the controllers' YAML
+    file may contain other limits.
     """
     own = limits or {}
 
@@ -106,10 +106,12 @@ def why_no_arm(model: RobotModel) -> str:
 
 
 def fixed_transform(model: RobotModel, first: str, second: str) -> Transform:
-    """Return the pose of link ``second`` in link ``first``, to which it is fixed.
+    """Return the pose of link ``second`` in the frame of link ``first``.
+
+    The links must be fixed to each other.
 
     Raises:
-        ModelError: If the robot lacks one of the links.
+        ModelError: If the robot does not have one of the links.
         ControlError: If there is a movable joint between the links.
     """
     root_first, T_root_first = _rigid_root(model, first)
@@ -123,7 +125,7 @@ def fixed_transform(model: RobotModel, first: str, second: str) -> Transform:
 
 
 def _rigid_root(model: RobotModel, link: str) -> tuple[str, Transform]:
-    """Return the topmost link that ``link`` is fixed to, and its pose there."""
+    """Return the topmost link to which ``link`` is fixed, and the pose of ``link``."""
     name = model.link(link).name
     pose = Transform()
     while (joint := model.parent_joint.get(name)) and not joint.is_movable:

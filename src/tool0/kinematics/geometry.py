@@ -1,15 +1,17 @@
-"""Closed-form inverse kinematics of UR-like arms: all postures that reach a pose.
+"""Closed-form inverse kinematics of UR-like arms, with all postures for a pose.
 
-The first axis of such an arm is vertical.  The next three are parallel, so that the
-links between them move in a plane.  The fifth axis lies in that plane.  The sixth is
-perpendicular to the fifth and meets it at the *centre of the wrist*.  The lengths are
-read from the joints' axes, so that any arm of this geometry works.  The steps are those
-of K. P. Hawkins, Analytic Inverse Kinematics for the Universal Robots UR-5/UR-10 Arms
-(2013), http://hdl.handle.net/1853/50782, but use vectors instead of Denavit-Hartenberg
+The first axis of a UR-like arm is vertical. The second, third and fourth axes are
+parallel, so that the links between them move in a plane, the *plane of the arm*. The
+fifth axis lies in the plane of the arm. The sixth axis is perpendicular to the fifth
+axis and intersects it at the *center of the wrist*. The lengths are computed from the
+joint axes, so any arm with this geometry is supported. The steps follow K. P. Hawkins,
+Analytic Inverse Kinematics for the Universal Robots UR-5/UR-10 Arms (2013),
+http://hdl.handle.net/1853/50782, but use vectors instead of Denavit-Hartenberg
 parameters.
 
-Coordinates: z is the first axis and y the second.  The plane of the arm is spanned by z
-and x; angles in it are measured from z towards x, as the joints turn.
+In the coordinates of this module, z is the first axis and y is the second axis. The
+plane of the arm is spanned by z and x. Angles in the plane of the arm are measured from
+z to x, in the direction in which the joints turn.
 """
 
 from __future__ import annotations
@@ -25,36 +27,37 @@ N_BRANCHES = 8
 ROUNDING = 1e-6
 """Tolerance at the boundary of the workspace, relative to the squared length."""
 INEXACT = 20.0
-"""Additional tolerance per radian of deviation from the ideal geometry.  Such solutions
-are refined, and dropped if they do not reach the pose."""
+"""Additional tolerance per radian of deviation from the ideal geometry. Solutions
+within the additional tolerance are refined and are discarded if they do not reach the
+pose."""
 SINGULAR = 1e-5
-"""Sine of the fifth joint below which only the sum of the fourth and sixth joint
-matters."""
+"""Sine of the fifth joint's angle below which only the sum of the fourth and sixth
+joint positions determines the pose."""
 MAX_INEXACT = 0.1
-"""Largest accepted deviation from the ideal geometry [rad]; solutions are refined."""
+"""Maximum accepted deviation from the ideal geometry [rad]. Solutions are refined."""
 
 
 class Signs(NamedTuple):
-    """Functions of a posture that are zero where two branches meet."""
+    """Functions of a posture that are zero at the singularity between two branches."""
 
     shoulder: Array
-    """Distance of the wrist's centre in front of the shoulder [m]; negative if
-    behind."""
+    """Distance of the wrist center in front of the shoulder [m]; it is negative behind
+    the shoulder."""
     elbow: Array
     """Sine of the angle from the upper arm to the forearm."""
     wrist: Array
-    """Sine of the angle from the second axis to the sixth, measured about the fifth."""
+    """Sine of the angle from the second axis to the sixth axis about the fifth axis."""
 
 
 @final
 class ArmGeometry:
-    """The lengths of an arm, and its inverse kinematics without joint limits."""
+    """Lengths of an arm, and its inverse kinematics without joint limits."""
 
     def __init__(self, chain: ArmChain) -> None:
-        """Read the lengths from the joints' axes with all joints at 0.
+        """Compute the lengths from the joint axes with all joints at 0.
 
         Raises:
-            ControlError: If the arm has another geometry.
+            ControlError: If the geometry of the arm is not supported.
         """
         T, axes, points = (item[0] for item in chain.forward(np.zeros((1, 6))))
         z = axes[0]
@@ -62,7 +65,7 @@ class ArmGeometry:
         self._signs = np.ones(6)
         self._signs[1:4] = np.sign(axes[1:4] @ y)
         self._R = np.array([np.cross(y, z), y, z])
-        """Rotation from the base's axes to those of this module."""
+        """Rotation from the base frame's axes to the axes of this module."""
         self._origin = points[0] + z * ((points[1] - points[0]) @ z)
         axes = axes @ self._R.T
         x2, elbow, wrist = ((points[1:4] - self._origin) @ self._R.T)[:, [2, 0]]
@@ -72,16 +75,16 @@ class ArmGeometry:
         fifth, sixth = (points[4:] - self._origin) @ self._R.T
         centre = _nearest(sixth, axes[5], fifth, axes[4])
         self.lateral = float(centre[1])
-        """Offset of the wrist's centre along y from the first axis [m]."""
+        """Offset of the wrist center along y from the first axis [m]."""
         self._fifth_angle = _angle(axes[4, [2, 0]])
         fifth_direction = np.array(
             [np.cos(self._fifth_angle), np.sin(self._fifth_angle)]
         )
         self.wrist = float((centre[[2, 0]] - wrist) @ fifth_direction)
-        """Distance from the fourth axis to the wrist's centre [m]."""
+        """Distance from the fourth axis to the wrist center [m]."""
         across = np.cross(axes[4], [0.0, 1.0, 0.0])
         self._sixth_angle = np.arctan2(axes[5] @ across, axes[5, 1])
-        # Frame at the wrist's centre: z is the sixth axis, x the fifth one at zero.
+        # Frame at the wrist center: z is the sixth axis, x is the fifth axis at zero.
         frame = np.eye(4)
         x6 = _unit(axes[4] - axes[5] * (axes[4] @ axes[5]))
         frame[:3, :3] = self._R.T @ np.column_stack(
@@ -96,40 +99,41 @@ class ArmGeometry:
 
     @property
     def reach(self) -> float:
-        """Largest distance from shoulder to wrist's centre in the arm's plane [m]."""
+        """Maximum distance from shoulder to wrist center in the arm's plane [m]."""
         return self.upper_arm + self.forearm + abs(self.wrist)
 
     def wrist_centre(self, T_base_tip: Array) -> Array:
-        """Return the wrist's centre relative to the shoulder [m], shape (n, 3)."""
+        """Return the wrist center relative to the shoulder [m], shape (n, 3)."""
         T = T_base_tip @ self._T_tip_wrist
         return np.asarray((T[:, :3, 3] - self._origin) @ self._R.T)
 
     def solve(self, T_base_tip: Array, sixth: Array | None = None) -> Array:
-        """Return the postures for each pose; NaN where there is no posture.
+        """Return the postures for each pose; NaN for branches without a posture.
 
         Args:
             T_base_tip: Target pose of the flange, shape (n, 4, 4).
             sixth: Position of the sixth joint [rad], shape (n,), for singular poses,
-                which do not determine it.  If given, all solutions have this position.
+                which do not determine the position of the sixth joint. If ``sixth`` is
+                specified, all solutions have this position of the sixth joint.
 
         Returns:
-            Positions [rad], up to whole turns, shape (n, 8, 6).
+            Joint positions modulo whole turns [rad], shape (n, 8, 6).
         """
         R6 = self._R @ (T_base_tip @ self._T_tip_wrist)[:, :3, :3]
         centre = self.wrist_centre(T_base_tip)
-        # Each choice of two adds an array axis: shoulder, wrist, elbow.
+        # Each choice between two solutions adds an array axis: shoulder, wrist, elbow.
         x, y, z = centre.T[..., None]
         either = np.array([1.0, -1.0])
         with np.errstate(invalid="ignore", divide="ignore"):
             beside = x * x + y * y
             forward = either * self._root(beside - self.lateral**2, beside)
             q1 = np.arctan2(y, x) - np.arctan2(self.lateral, forward)
-            # Rotate into the plane of the arm, about z.
+            # Rotate the vectors about z into the plane of the arm.
             x6, z6 = (_turned_back(R6[:, None, :, k], q1)[:, :, None] for k in (0, 2))
             aside = either * np.hypot(z6[..., 0], z6[..., 2])
             if sixth is None:
                 q5 = np.arctan2(aside, z6[..., 1])
-                # -(z6 x y): in the plane, along the fifth axis
+                # -(z6 x y): in the arm's plane, along the fifth axis
                 z5 = _row(z6[..., 2], 0.0, -z6[..., 0]) / aside[..., None]
                 q6 = _turn_about(z6, z5, x6)
             else:
@@ -157,7 +161,7 @@ class ArmGeometry:
         return q.reshape(len(q), N_BRANCHES, 6) * self._signs
 
     def signs(self, q: Array) -> Signs:
-        """Return on which side of each singularity postures are, shape (n,) each."""
+        """Return the side of each singularity for n postures, each of shape (n,)."""
         _, q2, q3, q4, q5, _ = (q * self._signs).T
         upper = q2 + self._upper_angle
         fore = q2 + q3 + self._fore_angle
@@ -170,13 +174,13 @@ class ArmGeometry:
         return Signs(forward, np.sin(fore - upper), np.sin(q5 + self._sixth_angle))
 
     def _bend(self, joint4: Array) -> Array:
-        """Return the angle between forearm and upper arm, 0 … π; NaN out of reach."""
+        """Return the angle from upper arm to forearm, 0 … π; NaN if out of reach."""
         a, b = self.upper_arm, self.forearm
         cosine = ((joint4**2).sum(axis=-1) - a * a - b * b) / (2.0 * a * b)
         return np.asarray(np.arctan2(self._root(1.0 - cosine**2, 1.0), cosine))
 
     def _root(self, square: Array, scale: Array | float) -> Array:
-        """Return the root; NaN if ``square`` is negative beyond the tolerance."""
+        """Return the square root; NaN if ``square`` is too far below 0."""
         within = square > -self._slack * scale
         return np.asarray(np.sqrt(np.where(within, np.abs(square), np.nan)))
 
@@ -217,7 +221,7 @@ def _turn_about(axis: Array, first: Array, second: Array) -> Array:
 
 
 def _rotated(vectors: Array, axis: Array, angle: Array) -> Array:
-    """Return ``vectors``, which are perpendicular to ``axis``, rotated about it."""
+    """Return ``vectors``, perpendicular to ``axis``, rotated about ``axis``."""
     c, s = np.cos(angle)[..., None], np.sin(angle)[..., None]
     return np.asarray(c * vectors + s * np.cross(axis, vectors))
 
@@ -226,7 +230,7 @@ def _nearest(point: Array, along: Array, other: Array, other_along: Array) -> Ar
     """Return the point on the first line that is nearest to the second line."""
     n = np.cross(along, other_along)
     square = float(n @ n)
-    if square < 0.5:  # nearly parallel: no wrist; _check notices
+    if square < 0.5:  # nearly parallel axes form no wrist; _check fails
         return point
     distance = float(np.cross(other - point, other_along) @ n) / square
     return np.asarray(point + along * distance)

@@ -1,4 +1,4 @@
-"""Inverse kinematics of an arm: all postures within the limits, nearest first."""
+"""Inverse kinematics of an arm, with all postures within the joint limits."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from tool0.kinematics.chain import ArmChain, Array
 from tool0.kinematics.geometry import SINGULAR, ArmGeometry, wrapped
 
 _NEAREST = 0.05
-"""Smallest distance, as a fraction of the reach, for which an error suggests
-millimetres."""
+"""Minimum distance, as a fraction of the reach, for which an error message suggests
+that the user meant millimeters."""
 PRECISION = 1e-9
-"""Largest error of a solution's pose [m, rad]."""
+"""Maximum error of a solution's pose [m, rad]."""
 EXACT = 1e-6
 """Deviation from the ideal geometry below which solutions need no refinement [rad]."""
 _SAME = 1e-6
-"""Difference below which postures count as the same [rad]."""
+"""Difference below which two postures are considered equal [rad]."""
 _LIMIT_ROUNDING = 1e-9
-"""Largest violation of a limit that is clipped instead of rejected [rad]."""
+"""Maximum violation of a limit that is clipped instead of rejected [rad]."""
 _STEPS = 12
 _DAMPING = 1e-12
 
 
 @final
 class InverseKinematics:
-    """Inverse kinematics of an arm; poses are those of its flange in its base."""
+    """Inverse kinematics of an arm. Poses are flange poses in the arm's base link."""
 
     def __init__(self, chain: ArmChain) -> None:
         self.chain = chain
@@ -42,24 +42,25 @@ class InverseKinematics:
         endless = [joint.type is JointType.CONTINUOUS for joint in chain.joints]
         self.lower = np.where(endless, -np.inf, [item.lower for item in limits])
         self.upper = np.where(endless, np.inf, [item.upper for item in limits])
-        """Position limits [rad], shape (6,) each; infinite for joints without
+        """Position limits [rad], each of shape (6,); infinite for joints without
         limits."""
         self.fastest = np.array([joint.max_velocity for joint in chain.joints])
-        """Largest velocities of the joints [rad/s], shape (6,)."""
+        """Maximum velocities of the joints [rad/s], shape (6,)."""
 
     def solutions(
         self, T_base_tip: Array, near: Array, branch: Branch | None = None
     ) -> tuple[Solution, ...]:
-        """Return all postures within the limits, nearest first.
+        """Return all postures within the joint limits, nearest first.
 
         Args:
             T_base_tip: Target pose of the flange, shape (4, 4).
-            near: Reference positions [rad], shape (6,).  Each joint is shifted by whole
-                turns to be as near to them as possible.
-            branch: If given, only postures of this branch are returned.
+            near: Reference positions [rad], shape (6,). Each joint position is shifted
+                by whole turns to be as near to the reference as possible.
+            branch: Branch of the postures to return; by default, all branches.
 
         Raises:
-            UnreachableError: If there is no such posture; the message gives the reason.
+            UnreachableError: If no posture reaches the pose; the message contains the
+                reason.
         """
         if not isinstance(branch, Branch | None):
             raise ControlError(
@@ -85,14 +86,14 @@ class InverseKinematics:
         return wanted
 
     def postures(self, T_base_tip: Array, near: Array) -> Array:
-        """Return all postures, ignoring the limits [rad], shape (n, 6)."""
+        """Return all postures regardless of the joint limits [rad], shape (n, 6)."""
         poses = T_base_tip[None]
         found = self.geometry.solve(poses)[0]
         wrist = np.abs(self.geometry.signs(found).wrist)
         if not np.isfinite(found).any() or (wrist < SINGULAR).any():
             open_sixth = self.geometry.solve(poses, near[5:])[0]
             found = np.concatenate([open_sixth, found])
-        if self.geometry.inexact > EXACT:  # near a singularity, only this may succeed
+        if self.geometry.inexact > EXACT:  # may be the only start that converges
             found = np.concatenate([near[None], found])
         found = self.refined(found[np.isfinite(found).all(axis=1)], T_base_tip)
         apart = np.abs(wrapped(found[:, None] - found)).max(axis=2, initial=0.0)
@@ -100,17 +101,17 @@ class InverseKinematics:
         return np.asarray(found[~repeats])
 
     def refined(self, q: Array, T_base_tip: Array) -> Array:
-        """Refine postures by Newton's method, and return those that reach their poses.
+        """Refine postures by Newton's method; return the ones that reach their poses.
 
-        The closed form is exact only for the ideal arm, from which a calibrated arm
-        differs slightly.  ``q`` is in [rad], shape (n, 6); ``T_base_tip`` has shape (4,
-        4) or (n, 4, 4).
+        The closed form is exact only for the ideal arm. A calibrated arm differs
+        slightly from the ideal arm. ``q`` is in [rad], shape (n, 6); ``T_base_tip`` has
+        shape (4, 4) or (n, 4, 4).
         """
         found, has_reached = self._newton(q, T_base_tip)
         return np.asarray(found[has_reached])
 
     def nearest(self, T_base_tip: Array, near: Array) -> Array:
-        """Return the nearest posture within the limits for each of n poses [rad].
+        """Return the nearest posture within the joint limits for each of n poses [rad].
 
         Singular poses, which do not determine all joints, are not supported.
 
@@ -119,8 +120,8 @@ class InverseKinematics:
             near: Reference positions [rad], shape (n, 6).
 
         Returns:
-            Positions [rad], shape (n, 6); NaN in the rows of poses that no posture
-            reaches.
+            Joint positions [rad], shape (n, 6). The rows of poses that no posture
+            reaches are NaN.
         """
         every = self.geometry.solve(T_base_tip)
         turned = self._turned(every, near[:, None])
@@ -135,7 +136,7 @@ class InverseKinematics:
         return np.asarray(found)
 
     def _newton(self, q: Array, T_base_tip: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return postures closer to their poses, and which ones reach them."""
+        """Return postures closer to their poses, and whether they reach the poses."""
         q = q.copy()
         for step in range(_STEPS + 1):
             posture = self.chain.forward(q)
@@ -230,7 +231,7 @@ def _twist(T: Array, T_wanted: Array) -> Array:
     """Return the twist from ``T`` to ``T_wanted``, shape (n, 6); exact if small."""
     R = T_wanted[..., :3, :3] @ T[:, :3, :3].swapaxes(1, 2)
     turn = sine_vectors(R)
-    # Beyond 90 degrees the sine shrinks again: use a large value there.
+    # Above 90 degrees, the sine decreases again, so a large value is used instead.
     far = np.trace(R, axis1=1, axis2=2) < 1.0
     turn[far] = np.where(turn[far] >= 0.0, 2.0, -2.0)
     linear = T_wanted[..., :3, 3] - T[:, :3, 3]

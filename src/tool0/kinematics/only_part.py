@@ -1,4 +1,4 @@
-"""The arm or gripper that is meant if a request does not name one."""
+"""Selection of the arm or gripper for a request that does not specify one."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Part = TypeVar("Part")
 
 
 def only_part(parts: Mapping[str, Part], kind: str, model: RobotModel) -> Part:
-    """Return the robot's only part of a ``kind``; ControlError if there is not one."""
+    """Return the robot's only part of a ``kind``; otherwise, raise ControlError."""
     if len(parts) == 1:
         return next(iter(parts.values()))
     if kind == "arm" and not parts:

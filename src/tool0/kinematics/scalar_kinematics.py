@@ -1,7 +1,7 @@
-"""Forward kinematics of a single posture of an arm, in plain floats.
+"""Forward kinematics of a single posture of an arm, computed with Python floats.
 
-``ArmChain.forward`` computes many postures at once; for a single posture, it would
-spend most of its time on numpy's overhead.
+``ArmChain.forward`` is efficient for many postures. For a single posture,
+``ArmChain.forward`` would spend most of its time on numpy's overhead.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from tool0.kinematics.chain import ArmChain, Array
 
 
 class ScalarPosture(NamedTuple):
-    """Joints and flange of an arm at one posture, in a fixed frame."""
+    """Joints and flange of an arm at one posture, relative to a fixed frame."""
 
     flange: Transform
     axes: tuple[Vector3, ...]
-    """The joints' axes, unit vectors."""
+    """Joint axes as unit vectors."""
     points: tuple[Vector3, ...]
-    """A point on each axis [m]."""
+    """One point on each joint axis [m]."""
 
     def velocity(
         self, point: Vector3, qd: Sequence[float], n_joints: int = 6
     ) -> tuple[Vector3, Vector3]:
         """Return the linear velocity of a point and the angular velocity [m/s, rad/s].
 
-        Both are velocities of the link after ``n_joints`` joints; the point is given in
-        the fixed frame.
+        The velocities are those of the link after the first ``n_joints`` joints. The
+        point is given in the fixed frame.
         """
         x, y, z = point
         vx = vy = vz = wx = wy = wz = 0.0
@@ -48,10 +48,10 @@ class ScalarPosture(NamedTuple):
         return (vx, vy, vz), (wx, wy, wz)
 
     def efforts(self, force: Vector3, torque: Vector3) -> tuple[float, ...]:
-        """Return the joint efforts that a wrench on the flange causes [N·m].
+        """Return the joint torques that a wrench on the flange causes [N·m].
 
-        The wrench acts at the flange's origin, and is given in the axes of the fixed
-        frame.
+        The wrench acts at the flange's origin. The components of the wrench are in the
+        axes of the fixed frame.
         """
         fx, fy, fz = force
         tx, ty, tz = torque
@@ -69,13 +69,12 @@ class ScalarPosture(NamedTuple):
 
 @final
 class ScalarChain:
-    """An arm's joints, from a fixed frame to the flange."""
+    """An arm's joints, relative to a fixed frame, and its flange."""
 
     def __init__(self, chain: ArmChain, T_base_chain: Array) -> None:
-        """Take the joints of ``chain``; results are in the fixed frame *base*.
+        """Use the joints of ``chain``; results are in the fixed frame *base*.
 
-        ``T_base_chain`` is the pose in *base* of the link that carries the arm, shape
-        (4, 4).
+        ``T_base_chain`` is the pose of the chain's base link in *base*, shape (4, 4).
         """
         first, *others = chain.tree
         first = first._replace(placement=T_base_chain @ first.placement)

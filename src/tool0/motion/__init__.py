@@ -1,1 +1,1 @@
-"""Planning of motions: joints, lines, arcs and blends, as paths over time."""
+"""Planning of joint motions, lines, arcs and blends as time-parameterized paths."""

@@ -1,9 +1,10 @@
-"""Smooth passages between two paths of a tool near a waypoint.
+"""Smooth transitions between two paths of a tool near a waypoint.
 
-A pose near the waypoint is described by six numbers, relative to the waypoint: the
-displacement, and the rotation vector from the waypoint's orientation.  A blend is a
-cubic Hermite curve of these numbers over time: it meets pose and velocity of both
-paths.  Between two lines of equal speed it is a parabola, with constant acceleration.
+A pose near the waypoint is described by six numbers relative to the waypoint: the
+displacement, and the rotation vector from the waypoint's orientation. A blend is a
+cubic Hermite curve of the six numbers over time. The curve has the same pose and
+velocity as each path at the transition points. Between two lines with equal speeds, the
+blend is a parabola with constant acceleration.
 """
 
 from __future__ import annotations
@@ -21,24 +22,24 @@ from tool0.description.transform_arrays import (
 from tool0.kinematics.chain import Array
 
 TURN_RATIO = 4.0
-"""Angular speed of a tool per linear speed [rad/m]; see ``moves``."""
+"""Ratio of a tool's angular speed to its linear speed [rad/m]; see ``moves``."""
 _METRIC = np.array([1.0, 1.0, 1.0, *[1.0 / TURN_RATIO] * 3])
 _SHARPEST_ARC = -0.5
-"""Cosine of the largest angle by which an arc turns (120°)."""
+"""Cosine of the maximum angle by which an arc turns (120°)."""
 
 
 class ToolState(NamedTuple):
-    """Pose of a tool on its path."""
+    """Pose and velocity of a tool at a point of its path."""
 
     T: Array
     """Pose of the tool, shape (4, 4)."""
     V: Array
-    """Motion of the tool, linear above angular [m/s, rad/s], shape (6,)."""
+    """Twist of the tool, linear above angular [m/s, rad/s], shape (6,)."""
 
 
 @final
 class BlendPath:
-    """Blend from one path into another; s is the fraction of its time, 0 … 1."""
+    """Blend from one path to another; s is the fraction of the blend's time, 0 … 1."""
 
     noun = "blend"
 
@@ -50,15 +51,15 @@ class BlendPath:
         *,
         is_arc: bool = False,
     ) -> None:
-        """Make the path; poses have shape (4, 4).
+        """Create the blend; poses have shape (4, 4).
 
         Args:
-            start: State in which the first path is left.
-            end: State in which the second path is entered.
-            T_base_waypoint: Pose of the tool where the two paths meet.
-            is_arc: Whether the tool follows a circular arc, with s as the fraction of
-                its length; start and end must then lie on straight lines, equally far
-                from the waypoint.
+            start: State of the tool where it leaves the first path.
+            end: State of the tool where it enters the second path.
+            T_base_waypoint: Pose of the tool at which the two paths meet.
+            is_arc: Whether the tool follows a circular arc. For an arc, s is the
+                fraction of the arc's length, and start and end must lie on straight
+                lines at equal distances from the waypoint.
         """
         self._R, self._p = T_base_waypoint[:3, :3], T_base_waypoint[:3, 3]
         here, there = self._relative(start), self._relative(end)
@@ -95,7 +96,7 @@ class BlendPath:
         return T
 
     def twist(self, s: Array, T_base_tip: Array) -> Array:
-        """Return the motion per s of a frame fixed to the tool, shape (n, 6)."""
+        """Return the twist of a frame fixed to the tool per unit of s, shape (n, 6)."""
         place, slope = self._place(s), self._slope(s)
         angular = (left_jacobians(place[:, 3:]) @ slope[:, 3:, None])[..., 0]
         lever = T_base_tip[:, :3, 3] - self._p - place[:, :3]
@@ -104,7 +105,7 @@ class BlendPath:
         )
 
     def _relative(self, state: ToolState) -> tuple[Array, Array]:
-        """Return the six numbers of a state and their rates."""
+        """Return the six numbers of a state and their time derivatives."""
         turn = rotation_vector(state.T[:3, :3] @ self._R.T)
         rate = np.linalg.solve(left_jacobians(turn[None])[0], state.V[3:])
         place = np.concatenate([state.T[:3, 3] - self._p, turn])
@@ -145,10 +146,10 @@ class BlendPath:
 
 @final
 class _Arc:
-    """The arc tangent to two lines that meet at the origin."""
+    """The circular arc that is tangent to two lines that intersect at the origin."""
 
     def __init__(self, start: Array, entry: Array, exit: Array) -> None:
-        """Take the start [m] and the directions of both lines there, shape (3,)."""
+        """Use the start [m] and the directions of the two lines, each of shape (3,)."""
         self._u = entry / np.linalg.norm(entry)
         out = exit / np.linalg.norm(exit)
         across = out - self._u * (self._u @ out)
@@ -162,7 +163,7 @@ class _Arc:
 
     def points(self, s: Array) -> Array:
         a = self._turn * s
-        # sin(a)/a and (1 - cos(a))/a, which are 1 and 0 on a straight line
+        # sin(a)/a and (1 - cos(a))/a, which are 1 and 0 for a straight line
         along, aside = np.sinc(a / np.pi), np.sin(a / 2) * np.sinc(a / (2 * np.pi))
         way = (self.length * s)[:, None]
         return self._start + way * (along[:, None] * self._u + aside[:, None] * self._v)
@@ -173,9 +174,9 @@ class _Arc:
 
 
 def has_arc(entry: Array, exit: Array) -> bool:
-    """Return whether lines with these directions are joined by an arc.
+    """Return whether an arc joins two lines with the given directions.
 
-    In sharper corners, an arc needs far more acceleration than a parabola.
+    At sharper corners, an arc needs much more acceleration than a parabola.
     """
     cosine = float(entry @ exit) / float(np.linalg.norm(entry) * np.linalg.norm(exit))
     return cosine > _SHARPEST_ARC

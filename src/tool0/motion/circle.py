@@ -11,14 +11,14 @@ from tool0.errors import UnreachableError
 from tool0.kinematics.chain import Array
 
 _STRAIGHT = 1e-4
-"""Sine of the angle at the start below which three points count as collinear."""
+"""Sine of the angle at the start below which three points are considered collinear."""
 
 
 @final
 class CirclePath:
-    """Poses of a tool along the arc from a pose through a point to another pose.
+    """Poses of a tool along an arc from a pose through a point to another pose.
 
-    Poses are in the link that carries the arm; the path parameter s goes from 0 to 1.
+    Poses are in the frame of the arm's base link. The path parameter s is 0 … 1.
     """
 
     noun = "arc"
@@ -31,17 +31,17 @@ class CirclePath:
         *,
         mode: int = 0,
     ) -> None:
-        """Make the path; poses have shape (4, 4), ``via`` has shape (3,).
+        """Create the path; poses have shape (4, 4), and ``via`` has shape (3,).
 
         Args:
             start: Pose of the tool at the start.
-            via: A point of the arc between start and end.
-            end: Pose of the tool at the end; in mode 1 only its position is used.
-            mode: 0: the orientation is interpolated by turning about one axis; 1: the
-                tool keeps the angle to the arc's tangent that it has at the start.
+            via: A point of the arc between the start and the end.
+            end: Pose of the tool at the end; in mode 1, only its position is used.
+            mode: In mode 0, the orientation is interpolated by a rotation about one
+                axis. In mode 1, the tool keeps its angle to the tangent of the arc.
 
         Raises:
-            UnreachableError: If the three points are on a line.
+            UnreachableError: If the three points lie on a line.
         """
         self._start = start
         first, second = via - start[:3, 3], end[:3, 3] - start[:3, 3]
@@ -53,7 +53,7 @@ class CirclePath:
                 "point; use a line, or two arcs for a full circle"
             )
         normal = normal / size
-        # The centre from the start: equally far from all three points.
+        # The center relative to the start, at equal distances from all three points.
         across = first @ first * second - second @ second * first
         centre = np.cross(across, normal) / (2.0 * size)
         self.radius = float(np.linalg.norm(centre))
@@ -87,7 +87,7 @@ class CirclePath:
         return T
 
     def twist(self, s: Array, T_base_tip: Array) -> Array:
-        """Return the motion per s of a frame fixed to the tool, shape (n, 6)."""
+        """Return the twist of a frame fixed to the tool per unit of s, shape (n, 6)."""
         cos, sin = np.cos(self._sweep * s), np.sin(self._sweep * s)
         along = cos[:, None] * self._v - sin[:, None] * self._u
         lever = T_base_tip[:, :3, 3] - self.tool(s)[:, :3, 3]

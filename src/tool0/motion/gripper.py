@@ -1,4 +1,4 @@
-"""Motion of a gripper's pads from one opening to another."""
+"""Motion of a gripper's pads between two openings."""
 
 from __future__ import annotations
 
@@ -11,26 +11,28 @@ from tool0.description.model import ParallelGripper
 from tool0.motion.path import Path
 
 RAMP_TIME = 1.0 / 15.0
-"""Time in which the pads accelerate to full speed, and in which they stop [s]: a guess,
-as datasheets do not give it; it keeps the fingers from overshooting."""
+"""Time in which the pads accelerate from rest to full speed or decelerate to rest [s].
+The value is a guess, because datasheets do not specify the ramp time. The time prevents
+the fingers from overshooting."""
 SPACING = 0.005
-"""Distance between the knots of a planned motion [m]."""
+"""Maximum distance between the knots of a planned motion [m]."""
 
 
 def opening_path(
     geometry: ParallelGripper, start: float, end: float, speed: float
 ) -> Path:
-    """Return a path of the driven joint along which the pads ramp up, cruise and stop.
+    """Return the driven joint's path on which the pads accelerate, cruise and stop.
 
-    A linkage turns a steady opening into an unsteady angle, so knots are closely
-    spaced.  ``start`` and ``end`` are distances between the pads [m], ``end`` within 0
-    … ``geometry.max_opening``; ``speed`` is that of the pads towards each other [m/s].
+    The knots are closely spaced, because a linkage converts a constant opening speed to
+    a variable joint speed. ``start`` and ``end`` are distances between the pads [m];
+    ``end`` must be within 0 … ``geometry.max_opening``. ``speed`` is the relative speed
+    of the pads [m/s].
     """
     widest, longest_ramp = geometry.max_opening, geometry.speed[1] * RAMP_TIME / 2.0
     start = min(start, widest)
     distance = abs(end - start)
     ramp = min(longest_ramp, distance / 2.0)
-    speed *= math.sqrt(ramp / longest_ramp)  # a short motion ends before full speed
+    speed *= math.sqrt(ramp / longest_ramp)  # a short motion does not reach full speed
     n_points = max(2, math.ceil(distance / SPACING))
     times, positions = [0.0], [geometry.position(max(0.0, start))]
     velocities = [0.0]
@@ -48,9 +50,9 @@ def opening_path(
 def direct_path(
     geometry: ParallelGripper, start: float, end: float, speed: float, shortest: float
 ) -> Path:
-    """Return a path that brings the driven joint to rest along a single cubic.
+    """Return a path that moves the driven joint to rest along a single cubic.
 
-    For the arguments see ``direct_duration``.
+    The arguments are the same as those of ``direct_duration``.
     """
     duration = direct_duration(geometry, start, end, speed, shortest)
     ends = [start, geometry.position(end)]
@@ -62,17 +64,17 @@ def direct_duration(
 ) -> float:
     """Return the duration of ``direct_path`` [s].
 
-    Its mean speed is two thirds of ``speed`` [m/s], which a cubic from rest reaches
-    halfway; a short motion takes as long as the pads need at their largest
-    acceleration.
+    The mean speed is two thirds of ``speed`` [m/s], because a cubic from rest reaches
+    its maximum speed halfway. The duration of a short motion is the time that the pads
+    need at their maximum acceleration.
 
     Args:
         geometry: The gripper.
-        start: Present setpoint of the joint [rad | m].
+        start: Current setpoint of the joint [rad | m].
         end: Distance between the pads at the end [m], within 0 …
             ``geometry.max_opening``.
-        speed: Speed of the pads towards each other [m/s].
-        shortest: Shortest duration that is returned [s].
+        speed: Relative speed of the pads [m/s].
+        shortest: Minimum duration that is returned [s].
     """
     distance = abs(end - geometry.opening(start))
     cruise = 1.5 * distance / speed
@@ -97,10 +99,10 @@ def _path(
 def _ramped(
     done: float, distance: float, ramp: float, speed: float
 ) -> tuple[float, float]:
-    """Return the time [s] and the speed [m/s] after ``done`` of ``distance`` [m].
+    """Return the time [s] and the speed [m/s] after a part ``done`` of a distance [m].
 
-    The acceleration is constant over ``ramp`` at both ends; the speed between is
-    ``speed``.
+    The acceleration is constant over the distance ``ramp`` at both ends. Between the
+    ramps, the speed is ``speed``.
     """
     if ramp <= 0.0:
         return 0.0, 0.0

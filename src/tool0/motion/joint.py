@@ -1,4 +1,4 @@
-"""Smooth motions of several joints: within their limits, from any motion to rest."""
+"""Smooth motions of several joints within their limits, from any motion to rest."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ if TYPE_CHECKING:
     import ruckig
 
 SLOWEST = 0.01
-"""Smallest fraction of the joints' largest velocities that can be requested."""
+"""Minimum fraction of the joints' maximum velocities that can be requested."""
 SPACING = 1e-4
-"""Changes of jerk closer together than this are merged [s]; they have no visible
-effect."""
+"""Minimum time between two changes of jerk [s]. Changes that are closer together are
+merged, which has no visible effect."""
 _DOUBLINGS = 10
 _ROUNDING = 1e-6
-"""Tolerance by which a joint may be beyond a position limit [rad | m], or relative to a
+"""Tolerance for a joint beyond a position limit [rad | m], and relative tolerance for a
 velocity limit."""
 _LEAST_ROOM = 0.01
 """Fraction by which a joint may exceed its velocity limit while its acceleration
-decays: without it, the jerk would be infinite."""
+decreases. Without a positive fraction, the jerk would be infinite."""
 _MARGIN = 1.01
-"""Factor that keeps planned motions from just reaching a limit, where the planner's
-equations have no numerical solution."""
+"""Factor that prevents planned motions from exactly reaching a limit, where the
+planner's equations have no numerical solution."""
 
 
 class MovingJoints(Protocol):
-    """Motions of joints; every sequence has shape (n_joints,)."""
+    """Motions of joints; each sequence has shape (n_joints,)."""
 
     @property
     def positions(self) -> Sequence[float]:
@@ -57,20 +57,21 @@ def plan_joints(
     *,
     speed: float,
 ) -> Path:
-    """Return a motion to rest at ``targets`` that is the shortest within the limits.
+    """Return the fastest motion within the limits that comes to rest at ``targets``.
 
-    The joints arrive together.  There is a knot wherever the jerk of a joint changes,
-    so that the quintics between the knots are the planned motion.
-    A joint that moves too fast to stop before its limit brakes harder than the others.
+    All joints reach their targets at the same time. There is a knot at each change of a
+    joint's jerk, so the quintics between the knots are exactly the planned motion. A
+    joint that moves too fast to stop before its limit brakes harder than the other
+    joints.
 
     Args:
         joints: The joints to move, with their limits.
-        start: The joints' motion at time 0, such as a trajectory controller's desired
-            state.
-        targets: Targets [rad | m], within the limits; a continuous joint goes the
-            shortest way round.
-        speed: Fraction of each joint's largest velocity, SLOWEST … 1.  The limits of
-            acceleration and jerk do not change, so that motions at different speeds can
+        start: Motion of the joints at time 0, such as the desired state of a trajectory
+            controller.
+        targets: Target positions [rad | m] within the limits. A continuous joint takes
+            the shortest way.
+        speed: Fraction of each joint's maximum velocity, SLOWEST … 1. The limits of
+            acceleration and jerk do not change, so motions at different speeds can
             follow each other.
 
     Raises:
@@ -110,7 +111,7 @@ def plan_cubic(
 
 
 def require_speed(speed: float) -> None:
-    """Raise ControlError unless ``speed`` is within SLOWEST … 1."""
+    """Raise ControlError if ``speed`` is not within SLOWEST … 1."""
     if not SLOWEST <= speed <= 1.0:
         raise ControlError(
             f"speed must be in [{SLOWEST}, 1], got {speed}: it is a fraction of the "
@@ -119,19 +120,19 @@ def require_speed(speed: float) -> None:
 
 
 def import_planner() -> None:
-    """Import the planner before a tick needs it, as that takes some milliseconds."""
+    """Import the planner in advance, because the import takes a few milliseconds."""
     import ruckig  # noqa: F401
 
 
 def _within_limits(
     joints: Sequence[Joint], start: MovingJoints, ends: Sequence[float], speed: float
 ) -> ruckig.Trajectory:
-    """Plan with ever harder braking until no joint passes its limits."""
+    """Plan with increasing deceleration until no joint exceeds its limits."""
     hardness = [1.0] * len(joints)
     motion = None
     for _ in range(1 + _DOUBLINGS):
         found = _solve(joints, start, ends, speed, hardness)
-        if found is None:  # by chance, or it would take hours: far too fast
+        if found is None:  # by chance, or because the start is far too fast
             harder = _MARGIN if hardness == [1.0] * len(joints) else 2.0
             hardness = [harder * factor for factor in hardness]
             continue
@@ -153,7 +154,7 @@ def _within_limits(
 def _joints_outside(
     joints: Sequence[Joint], start: MovingJoints, motion: ruckig.Trajectory
 ) -> list[int]:
-    """Return the joints that would pass their limits, or go further beyond them."""
+    """Return the joints that would exceed their limits, or increase an excess."""
     return [
         k
         for k, (joint, extremes) in enumerate(
@@ -175,7 +176,7 @@ def _solve(
     hardness: Sequence[float],
 ) -> ruckig.Trajectory | None:
     """Return the motion; None if the planner's equations fail."""
-    import ruckig  # without annotations: its values are Any
+    import ruckig  # not annotated, so its values are Any
 
     velocities = [joint.max_velocity for joint in joints]
     wanted = ruckig.InputParameter(len(joints))
@@ -206,8 +207,9 @@ def _solve(
         )
     ]
     motion = ruckig.Trajectory(len(joints))
-    # A straight line in joint space where possible.  Synchronizing the joints fails
-    # numerically about once in 20000, planning each one separately more rarely.
+    # The path is a straight line in joint space if this is possible. Synchronizing the
+    # joints fails numerically about once in 20000 motions; separate planning fails less
+    # often.
     for together in (ruckig.Synchronization.Phase, ruckig.Synchronization.No):
         wanted.synchronization = together
         try:
@@ -219,11 +221,11 @@ def _solve(
 
 
 def _jerk_to_stay_below(limit: float, qd: float, qdd: float) -> float:
-    """Return the jerk that ends an acceleration before the velocity is too large.
+    """Return the jerk that ends an acceleration before the velocity becomes too high.
 
-    A user's goal may accelerate far more than a planned motion.  If such an
-    acceleration ended with the usual jerk, the joint would gain a speed of qdd² / (2
-    jerk) meanwhile.
+    The acceleration of a user's goal may be much higher than that of a planned motion.
+    If a very high acceleration ended with the usual jerk, the speed of the joint would
+    increase by qdd² / (2 jerk) before the acceleration is 0.
     """
     most = max(limit, abs(qd))
     room = max(most - math.copysign(qd, qd * qdd), _LEAST_ROOM * most)
@@ -236,7 +238,7 @@ def _path(
     ends: Sequence[float],
     motion: ruckig.Trajectory,
 ) -> Path:
-    """Return a motion with knots where the jerk of a joint changes, SPACING apart."""
+    """Return a motion with knots at changes of jerk that are SPACING or more apart."""
     changes = {
         time
         for profile in motion.profiles[0]
@@ -285,9 +287,9 @@ def _check_peak(joint: Joint, way: float, qd: float, duration: float) -> None:
 
 
 def _peak_speed(way: float, qd: float, duration: float) -> float:
-    """Return the largest speed of a cubic from a velocity to rest [rad/s | m/s].
+    """Return the maximum speed of a cubic from a velocity to rest [rad/s | m/s].
 
-    The speed is largest at the start, or where the acceleration is 0.
+    The speed is highest at the start or where the acceleration is 0.
     """
     slope = 6.0 * way / duration - 4.0 * qd
     bend = 3.0 * qd - 6.0 * way / duration

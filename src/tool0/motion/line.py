@@ -14,15 +14,15 @@ from tool0.kinematics.chain import Array
 
 @final
 class LinePath:
-    """Poses of a tool along a straight line, turning steadily about one axis.
+    """Poses of a tool along a straight line, with a steady rotation about one axis.
 
-    Poses are in the link that carries the arm; the path parameter s goes from 0 to 1.
+    Poses are in the frame of the arm's base link. The path parameter s is 0 … 1.
     """
 
     noun = "line"
 
     def __init__(self, start: Array, end: Array) -> None:
-        """Take the poses of the tool at both ends, shape (4, 4)."""
+        """Use the poses of the tool at both ends, shape (4, 4)."""
         self._start = start
         displacement = end[:3, 3] - start[:3, 3]
         turn = np.eye(4)
@@ -46,7 +46,7 @@ class LinePath:
         return T
 
     def twist(self, s: Array, T_base_tip: Array) -> Array:
-        """Return the motion per s of a frame fixed to the tool, shape (n, 6)."""
+        """Return the twist of a frame fixed to the tool per unit of s, shape (n, 6)."""
         lever = T_base_tip[:, :3, 3] - self.tool(s)[:, :3, 3]
         linear = self._displacement + np.cross(self._turn, lever)
         angular = np.broadcast_to(self._turn, linear.shape)

@@ -1,4 +1,4 @@
-"""A straight motion of a tool for a trajectory controller."""
+"""A straight-line motion of a tool for a trajectory controller."""
 
 from __future__ import annotations
 
@@ -24,21 +24,22 @@ def plan_line(
     acceleration: float,
     angular_speed: float,
 ) -> Path:
-    """Return the motion of a tool from rest along a straight line to rest.
+    """Return the motion of a tool along a straight line from rest to rest.
 
     Args:
         kinematics: The arm's kinematics.
         start: Joint positions at the start [rad], shape (6,).
         T_base_end: Pose of the tool at the end, shape (4, 4).
-        T_tip_tool: Pose of the tool in the flange, shape (4, 4).
-        T_root_base: Pose of the link that carries the arm, for messages, shape (4, 4).
-        speed: Largest speed of the tool [m/s].
-        acceleration: Largest acceleration of the tool [m/s²]; a rotation ramps over
-            the same duration.
-        angular_speed: Largest angular speed of the tool [rad/s].
+        T_tip_tool: Pose of the tool in the flange's frame, shape (4, 4).
+        T_root_base: Pose of the arm's base link in the root frame, for error messages,
+            shape (4, 4).
+        speed: Maximum speed of the tool [m/s].
+        acceleration: Maximum acceleration of the tool [m/s²]; a rotation accelerates
+            over the same duration.
+        angular_speed: Maximum angular speed of the tool [rad/s].
 
     Raises:
-        UnreachableError: If the arm cannot follow the line; the message gives the
+        UnreachableError: If the arm cannot follow the line; the message contains the
             reason and the place.
         ControlError: If the line has no length.
     """

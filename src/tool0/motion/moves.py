@@ -1,23 +1,27 @@
 """Motions of Universal Robots' arms: movej, movel, movep, movec and their blends.
 
-The rules are those of the URScript manual (e-Series 5.x; CB3 3.x has the same ones):
+The rules follow the URScript manual (e-Series 5.x; the rules of CB3 3.x are the same):
 
-* movej moves all joints synchronously; ``a`` and ``v`` apply to the joint that turns
-  most.  The others move the tool on a line or an arc; ``a`` and ``v`` apply to the TCP.
-  On a line, the tool turns at no more than 4 rad/s per m/s of ``v``, and likewise for
-  ``a``; the slower of translation and rotation sets the pace
+* movej moves all joints synchronously; ``a`` and ``v`` are the limits of the joint that
+  turns most. The other functions move the tool along a line or an arc; ``a`` and ``v``
+  are the limits of the TCP. Along a line, the angular speed of the tool is at most 4
+  rad/s per m/s of ``v``, and its angular acceleration is at most 4 rad/s² per m/s² of
+  ``a``. The slower of translation and rotation determines the duration
   (https://forum.universal-robots.com/t/movel-tool-angular-speed/15912).
-* Speed is a trapezoid over time, or a triangle.  A time ``t`` replaces ``a`` and ``v``;
-  the manual does not say how; here each ramp from or to rest takes a quarter of ``t``.
-* A move with a radius ``r`` ends where the tool comes within ``r`` of its target, and
-  the next move is entered no farther away than that.  The speed at which the blend
-  begins does not depend on the next move, so the arm can still stop at the target; it
-  does if there is no next move.
-* Between two movej the blend is a smooth curve of the joints, otherwise of the tool;
-  between two movep it is an arc at constant speed.
-* If blends overlap, UR skips the waypoint with a warning; here both become smaller,
-  also with a warning.
-* Where a joint would be too fast, the whole move is slower than requested.
+* The speed is a trapezoid or a triangle over time. A time ``t`` replaces ``a`` and
+  ``v``. The manual does not specify the profile for ``t``; in tool0, each ramp from
+  rest or to rest takes a quarter of ``t``.
+* A move with a radius ``r`` ends where the distance of the tool from the move's target
+  becomes ``r``. The next move starts at a distance of at most ``r`` from the target of
+  the first move. The speed at the start of the blend does not depend on the next move,
+  so the arm can still stop at the target. If there is no next move, the arm stops at
+  the target.
+* Between two movej, the blend is a smooth curve of the joints. Between two movep, the
+  blend is an arc at constant speed. In other cases, the blend is a smooth curve of the
+  tool.
+* If blends overlap, UR skips the waypoint with a warning. In tool0, overlapping blends
+  become smaller, also with a warning.
+* If a joint would be too fast, the whole move is slower than requested.
 """
 
 from __future__ import annotations
@@ -43,21 +47,21 @@ FUNCTIONS: dict[MoveKind, str] = {
     "circular": "movec",
     "servo_circular": "servoc",
 }
-"""The functions of URScript."""
+"""URScript function of each kind of move."""
 WarningKind = Literal["blend", "stop", "speed"]
-"""Deviations: a smaller blend, a stop instead of a blend, a lower speed."""
+"""Kinds of deviations: a smaller blend, a stop instead of a blend, a lower speed."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Move:
-    """One motion; poses of the TCP are p[x, y, z, rx, ry, rz] in any one frame."""
+    """One motion; poses of the TCP are p[x, y, z, rx, ry, rz] in any common frame."""
 
     kind: MoveKind
     q: Sequence[float] | None = None
-    """Target positions of the joints [rad]; give either these or a pose."""
+    """Target positions of the joints [rad]. Specify either ``q`` or ``pose``."""
     pose: Sequence[float] | None = None
-    """Target pose."""
+    """Target pose of the TCP."""
     via: Sequence[float] | None = None
     """Pose through which an arc passes; only its position is used."""
     a: float
@@ -65,15 +69,16 @@ class Move:
     v: float
     """Speed of the leading joint [rad/s], or of the TCP [m/s]."""
     t: float = 0.0
-    """Duration [s]; if above 0, it replaces ``a`` and ``v``."""
+    """Duration [s]. A duration greater than 0 replaces ``a`` and ``v``."""
     r: float = 0.0
     """Blend radius [m]."""
     w: float | None = None
-    """Angular speed of the tool on a line [rad/s]; TURN_RATIO times ``v`` if left
-    out."""
+    """Angular speed of the tool along a line [rad/s]; by default, TURN_RATIO times
+    ``v``."""
     mode: int = 0
-    """Orientation on an arc.  0: interpolated to the target's orientation; 1: at a
-    constant angle to the arc, ignoring the target's orientation."""
+    """Orientation along an arc. In mode 0, the orientation is interpolated to the
+    target's orientation. In mode 1, the orientation keeps a constant angle to the arc,
+    and the target's orientation is ignored."""
 
     def __post_init__(self) -> None:
         if (self.q is None) == (self.pose is None):
@@ -99,7 +104,7 @@ class Move:
 
     @property
     def turn_ratio(self) -> float:
-        """Angular speed of the tool on a line per linear speed [rad/m]."""
+        """Ratio of the tool's angular and linear speed along a line [rad/m]."""
         return TURN_RATIO if self.w is None else self.w / self.v
 
     def __str__(self) -> str:
@@ -108,26 +113,26 @@ class Move:
 
 
 def pose_numbers(T: Array) -> tuple[float, ...]:
-    """Return a pose, shape (4, 4), in the form of moves: p[x, y, z, rx, ry, rz]."""
+    """Return a pose, shape (4, 4), in the format of moves: p[x, y, z, rx, ry, rz]."""
     return (*T[:3, 3].tolist(), *rotation_vector(T[:3, :3]).tolist())
 
 
 @final
 class MoveError(UnreachableError):
-    """A move in a sequence that cannot be executed."""
+    """Raised if a move in a sequence cannot be executed."""
 
     def __init__(self, number: int, move: Move, reason: object) -> None:
         super().__init__(f"move {number} ({move}): {reason}")
         self.number = number
-        """Number of the move in the sequence, from 1 on."""
+        """Number of the move in the sequence, starting at 1."""
         self.reason = str(reason)
 
 
 class MoveWarning(NamedTuple):
-    """Deviation of a move in a sequence from the request."""
+    """Deviation of a move in a sequence from the requested move."""
 
     number: int
-    """Number of the move in the sequence, from 1 on."""
+    """Number of the move in the sequence, starting at 1."""
     move: Move
     kind: WarningKind
     text: str
@@ -138,21 +143,21 @@ class MoveWarning(NamedTuple):
 
 
 class Tail(NamedTuple):
-    """The end of a plan, within the blend radius of its last target."""
+    """The end of a plan within the blend radius of the plan's last target."""
 
     segment: PathSegment
     kind: MoveKind
     radius: float
     """Radius around the last target [m]."""
     remaining: float
-    """Distance to the target, in units of the segment's x."""
+    """Distance from the target in units of the segment's x."""
     speed: float
     acceleration: float
-    """Acceleration of the move."""
+    """Acceleration along the segment [rad/s² | m/s²]."""
     T_tip_tool: Array
-    """Pose of the tool in the flange, shape (4, 4)."""
+    """Pose of the tool in the flange's frame, shape (4, 4)."""
     entry: float
-    """Path time at which the tool comes within the radius [s]."""
+    """Path time at which the tool enters the radius [s]."""
 
     @property
     def brake(self) -> SpeedProfile:
@@ -168,24 +173,24 @@ class MovePlan:
     path: Path
     """Joint positions over time, as cubics."""
     begins: tuple[float, ...]
-    """Path time at which each move begins, with the blend into it [s]."""
+    """Path time at which each move begins, including the blend to this move [s]."""
     zones: tuple[float, ...]
-    """Path time at which each move comes within its blend radius, or ends [s]."""
+    """Path time at which each move enters its blend radius or ends [s]."""
     warnings: tuple[MoveWarning, ...]
     tail: Tail | None
-    """End of the path, within the blend radius of the last move, from which it can
-    blend into another move; None without a radius."""
+    """End of the path within the blend radius of the last move, from which the path can
+    blend into another move; None if the last move has no radius."""
 
     @property
     def duration(self) -> float:
-        """Duration of the whole motion [s]."""
+        """Duration of the complete motion [s]."""
         return self.path.duration
 
     @property
     def end(self) -> Array:
-        """Joint positions at the end, at rest [rad], shape (6,)."""
+        """Joint positions at the end of the path [rad], shape (6,)."""
         return self.path.end
 
     def move_at(self, time: float) -> int:
-        """Return the index of the move at a path time."""
+        """Return the index of the move that is executed at a path time."""
         return max(sum(begin <= time for begin in self.begins) - 1, 0)

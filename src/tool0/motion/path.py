@@ -21,20 +21,21 @@ _QUINTIC = np.array(
         [0, 0, 0, 0.5, -1, 0.5],
     ]
 )
-"""Quintics over 0 … 1, each with one end value of 1 and the others 0: position,
-velocity and acceleration at the start, then at the end; coefficients from u⁰ to u⁵."""
+"""Quintics over 0 … 1. Each quintic has one end value of 1 and five end values of 0.
+The end values are position, velocity and acceleration at the start, then at the end.
+The coefficients are ordered from u⁰ to u⁵."""
 _POWERS = np.arange(6)
 
 
 class Cubics(NamedTuple):
-    """Joint positions over time, or over a path parameter; cubics between the knots."""
+    """Joint positions over time or a path parameter, with cubics between the knots."""
 
     times: Array
-    """Times [s], or values of the path parameter, shape (n,)."""
+    """Times [s] or values of the path parameter, shape (n,)."""
     q: Array
     """Joint positions [rad], shape (n, n_joints)."""
     qd: Array
-    """Joint velocities [rad/s], or derivatives with respect to the parameter, shape (n,
+    """Joint velocities [rad/s], or derivatives by the path parameter, shape (n,
     n_joints)."""
 
     def at(self, times: Array) -> Cubics:
@@ -59,16 +60,16 @@ class Cubics(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Path:
-    """A motion of joints to rest, given at knots; every planner returns one.
+    """A motion of joints to rest, defined by knots, which every planner returns.
 
-    A cubic connects each two knots, or a quintic if there are accelerations.  Arrays
-    have shape (n_knots, n_joints).
+    Consecutive knots are connected by cubics, or by quintics if accelerations are
+    specified. Arrays have shape (n_knots, n_joints).
     """
 
     joint_names: tuple[str, ...]
     times: Array
-    """Times of the knots [s], increasing, shape (n_knots,).  The first one is 0: the
-    start."""
+    """Increasing times of the knots [s], shape (n_knots,). The first time is 0, which
+    is the start."""
     positions: Array
     """Joint positions [rad | m]."""
     velocities: Array
@@ -83,11 +84,11 @@ class Path:
 
     @property
     def end(self) -> Array:
-        """Positions at the end, at rest [rad | m], shape (n_joints,)."""
+        """Positions at the end of the path [rad | m], shape (n_joints,)."""
         return np.asarray(self.positions[-1])
 
     def at(self, times: Array) -> Path:
-        """Return the same motion with its knots at ``times`` within it [s]."""
+        """Return the same motion with knots at ``times`` within its duration [s]."""
         if self.accelerations is None:
             q, qd = Cubics(self.times, self.positions, self.velocities).at(times)[1:]
             return self._at(times, q, qd)
@@ -100,11 +101,11 @@ class Path:
         for order in range(3):
             basis = u ** _POWERS[: terms.shape[1]] @ terms.T
             found.append(np.einsum("tb,btj->tj", basis, ends) / h**order)
-            terms = terms[:, 1:] * _POWERS[1 : terms.shape[1]]  # the derivative's
+            terms = terms[:, 1:] * _POWERS[1 : terms.shape[1]]  # of the derivative
         return self._at(times, *found)
 
     def since(self, time: float) -> Path:
-        """Return the path from ``time`` [s] on; it keeps at least its last knot."""
+        """Return the path starting at ``time`` [s]; at least the last knot remains."""
         keep = self.times >= time
         keep[-1] = True
         a = self.accelerations
@@ -116,9 +117,9 @@ class Path:
         )
 
     def beside(self, standing: Mapping[str, float]) -> Path:
-        """Return the path extended to all joints of ``standing``, in their order.
+        """Return the path for all joints of ``standing``, in the order of ``standing``.
 
-        Joints that do not move stay at their positions in ``standing`` [rad | m].
+        Joints that do not move remain at their positions in ``standing`` [rad | m].
         """
         if tuple(standing) == self.joint_names:
             return self
@@ -150,9 +151,9 @@ class Path:
 
 
 def _intervals(knots: Array, times: Array) -> tuple[NDArray[np.intp], Array, Array]:
-    """Return the interval of each time, its duration, and the fraction of it elapsed.
+    """Return the interval of each time, its duration, and the elapsed fraction of it.
 
-    The last two have shape (n, 1).
+    The duration and the fraction have shape (n, 1).
     """
     k = np.searchsorted(knots, times, side="right") - 1
     k = np.clip(k, 0, len(knots) - 2)

@@ -1,4 +1,4 @@
-"""The motion of an arm through a sequence of moves."""
+"""Planner of an arm's motion through a sequence of moves."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from tool0.motion.timing import ArmLimits, TimedSegment, is_straight, timed_segm
 from tool0.motion.tool_path import ToolOfArm
 
 _SMALLEST_MOVE = 1e-7
-"""Moves shorter than this have no effect [m, rad]."""
+"""Length below which a move has no effect [m, rad]."""
 _ENTRY_SPEEDS = (1.0, 0.7, 0.4, 0.2)
-"""Fractions of the speed after a blend that are tried."""
+"""Fractions of the speed after a blend that the planner tries."""
 _EXCESS = 1.0 + 1e-6
 _ROUNDING = 1e-6
 _SAME_TIME = 1e-7
-"""Knots closer together than this are merged [s]."""
+"""Time between two knots below which the knots are merged [s]."""
 _BLEND_KNOTS = 9
 _CONSTANT_SPEED = ("process", "servo_circular")
 
@@ -46,14 +46,14 @@ class MovePlanner:
         *,
         rules: MoveRules = UR_RULES,
     ) -> None:
-        """Plan for a tool.
+        """Prepare to plan moves of a tool.
 
         Args:
             kinematics: The arm's kinematics.
-            tcp: Pose of the TCP in the flange, p[x, y, z, rx, ry, rz].
-            T_base_frame: Pose, in the link that carries the arm, of the frame in which
-                all poses are given; that link itself if left out.
-            rules: Rules of the moves.
+            tcp: Pose of the TCP in the flange's frame, p[x, y, z, rx, ry, rz].
+            T_base_frame: Pose of the frame in which all poses are specified, relative
+                to the arm's base link; by default, the frame is the base link.
+            rules: Rules for planning the moves.
         """
         self._kinematics = kinematics
         self._T_base_frame = np.eye(4) if T_base_frame is None else T_base_frame
@@ -69,7 +69,8 @@ class MovePlanner:
         """Return the motion from rest at ``start`` [rad] through all moves.
 
         Raises:
-            UnreachableError: If a move cannot be done, with its number and the reason.
+            UnreachableError: If a move is impossible; the error contains the move's
+                number and the reason.
         """
         return self._planned(None, np.array(start, dtype=np.float64), moves)
 
@@ -78,12 +79,14 @@ class MovePlanner:
     ) -> MovePlan | None:
         """Return the motion that leaves ``plan`` at a path time to blend into moves.
 
-        The new motion starts at time 0 there.  The path time must be within the last
-        blend radius of the plan.  Returns None if it is too late to blend; the moves
-        then start from rest at the end of the plan.
+        Time 0 of the new motion is the path time at which the motion leaves ``plan``.
+        The path time must be within the last blend radius of the plan. The result is
+        None if it is too late for a blend; the moves then start from rest at the end of
+        the plan.
 
         Raises:
-            UnreachableError: If a move cannot be done, with its number and the reason.
+            UnreachableError: If a move is impossible; the error contains the move's
+                number and the reason.
         """
         tail = plan.tail
         if tail is None or time >= plan.duration:
@@ -159,10 +162,10 @@ class MovePlanner:
             entry=time,
         )
 
-    # ---- where a move goes ----------------------------------------------------------
+    # ---- paths of moves -------------------------------------------------------------
 
     def _segment(self, q: Array, move: Move) -> PathSegment | None:
-        """Return the path of a move from rest at ``q``; None if ``q`` is its target."""
+        """Return the path of a move from rest at ``q``; None if the target is ``q``."""
         if move.kind == "joint":
             end = self._joint_target(q, move)
             if np.abs(end - q).max() < _SMALLEST_MOVE:
@@ -205,19 +208,19 @@ class MovePlanner:
         return target
 
     def _pose(self, pose: Sequence[float] | None) -> Array:
-        """Return a pose of the TCP in the link that carries the arm."""
+        """Convert a pose of the TCP to the frame of the arm's base link."""
         assert pose is not None  # ``Move`` checks it
         return np.asarray(self._T_base_frame @ matrix_of(pose))
 
-    # ---- from one move into the next ------------------------------------------------
+    # ---- blends between moves -------------------------------------------------------
 
     def _blended(
         self, segment: PathSegment, move: Move, tail: Tail
     ) -> tuple[list[Cubics], TimedSegment] | None:
-        """Return the blend from a tail into a segment, and the segment after it.
+        """Return the blend from a tail into a segment, and the segment after the blend.
 
-        Returns None if the joints cannot follow any blend; the arm then stops at the
-        waypoint.
+        The result is None if the joints cannot follow any blend, so that the arm must
+        stop at the waypoint.
         """
         is_arc = (
             tail.kind in _CONSTANT_SPEED
@@ -249,7 +252,7 @@ class MovePlanner:
         return None
 
     def _joint_blend(self, tail: Tail, timed: TimedSegment) -> Cubics:
-        """Return a cubic blend of the joints; its mean speed sets its duration."""
+        """Return a cubic blend of the joints; the mean speed defines its duration."""
         start = _entry(tail)
         q, rate = timed.segment.at(np.array([timed.zone_in]))
         ends = np.stack([start.q[0], q[0]])
@@ -264,7 +267,7 @@ class MovePlanner:
         return motion
 
     def _tool_blend(self, tail: Tail, timed: TimedSegment) -> Cubics:
-        """Return a cubic blend of the tool; its mean speed sets its duration."""
+        """Return a cubic blend of the tool; the mean speed defines its duration."""
         x = tail.segment.length - tail.remaining
         start = tail.segment.tool_state(x, tail.speed)
         end = timed.segment.tool_state(timed.zone_in, timed.speed_in)
@@ -293,7 +296,7 @@ class MovePlanner:
     def _along(
         self, path: BlendPath, tail: Tail, timed: TimedSegment, profile: SpeedProfile
     ) -> Cubics:
-        """Return the joints' motion along a blend."""
+        """Return the motion of the joints along a blend."""
         start, length = _entry(tail).q[0], float(profile.distances[-1])
         motion = passage(ToolSegment(self._tool, path, start, length), profile)
         end, _ = timed.segment.at(np.array([timed.zone_in]))
@@ -304,12 +307,12 @@ class MovePlanner:
 
 @final
 class _Record:
-    """Consecutive motions."""
+    """A list of consecutive motions."""
 
     def __init__(self, start: Cubics) -> None:
         self._parts = [start]
         self.time = 0.0
-        """Time at the end of the motion [s]."""
+        """Time at the end of the recorded motions [s]."""
 
     def add(self, motion: Cubics) -> None:
         times, q, qd = motion
@@ -318,7 +321,7 @@ class _Record:
 
     def path(self, joint_names: tuple[str, ...]) -> Path:
         times, q, qd = (np.concatenate(rows) for rows in zip(*self._parts, strict=True))
-        # Phases may be shorter than the resolution of simulated times.
+        # Phases can be shorter than the resolution of simulated time.
         keep = np.append(np.diff(times) > _SAME_TIME, True)
         keep[0] = True
         return Path(
@@ -330,16 +333,16 @@ class _Record:
 
 
 def _entry(tail: Tail) -> Cubics:
-    """Return the motion where a tail begins."""
+    """Return the motion at the beginning of a tail."""
     q, rate = tail.segment.at(np.array([tail.segment.length - tail.remaining]))
     return Cubics(np.zeros(1), q, rate * tail.speed)
 
 
 def _braking(tail: Tail) -> Cubics:
-    """Return the motion that ends at the waypoint."""
+    """Return the motion that stops at the waypoint."""
     return passage(tail.segment, tail.brake, tail.segment.length - tail.remaining)
 
 
 def _direction(line: PathSegment) -> Array:
-    """Return the direction of a line, shape (3,), of any length."""
+    """Return the direction of a line, shape (3,); its length is arbitrary."""
     return line.tool_state(0.0, 1.0).V[:3]

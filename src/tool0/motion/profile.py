@@ -1,4 +1,4 @@
-"""Speed along a path over time: ramps of constant acceleration, and constant speed."""
+"""Speed profiles along a path, with phases of constant acceleration."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tool0.kinematics.chain import Array
 
 _NOTHING = 1e-12
 _COPIES = 8
-"""Number of shifted copies whose mean is a smoothed profile."""
+"""Number of delayed copies that are averaged for a smoothed profile."""
 
 
 class Phase(NamedTuple):
@@ -27,32 +27,32 @@ class Phase(NamedTuple):
 
 @final
 class SpeedProfile:
-    """The distance x as a function of time; it never goes back.
+    """The distance x along a path as a non-decreasing function of time.
 
-    Distances are in metres or radians, like those of the path.
+    Distances are in meters or radians, like the distances of the path.
     """
 
     def __init__(
         self, phases: Sequence[Phase], before: float, after: float, length: float
     ) -> None:
-        """Take phases that lead from 0 to ``length`` and from one speed to another."""
+        """Use phases over ``length`` from speed ``before`` to speed ``after``."""
         lasting = [phase for phase in phases if phase.duration > _NOTHING]
         times, distances, speeds = [0.0], [0.0], [before]
         for duration, acceleration in lasting:
             times.append(times[-1] + duration)
             speeds.append(max(speeds[-1] + acceleration * duration, 0.0))
             distances.append(distances[-1] + duration * sum(speeds[-2:]) / 2.0)
-        if lasting:  # without the rounding of the sums
+        if lasting:  # avoid rounding errors of the sums
             distances[-1], speeds[-1] = length, after
         self.times = np.array(times)
-        """Times at which the phases meet, from 0 to the end [s]."""
+        """Times at which phases start or end, from 0 to the duration [s]."""
         self.distances = np.array(distances)
-        """Distances x at these times."""
+        """Distances x at ``times``."""
         self.speeds = np.array(speeds)
-        """Speeds at these times [1/s]."""
+        """Speeds at ``times`` [1/s]."""
         self._accelerations = np.array([a for _, a in lasting] or [0.0])
         self.duration = times[-1]
-        """Duration of the whole profile [s]."""
+        """Duration of the complete profile [s]."""
 
     @classmethod
     def steady(cls, duration: float) -> SpeedProfile:
@@ -61,7 +61,7 @@ class SpeedProfile:
 
     @property
     def peak(self) -> float:
-        """The largest speed."""
+        """Maximum speed of the profile."""
         return float(self.speeds.max())
 
     def at(self, times: Array) -> Array:
@@ -73,13 +73,13 @@ class SpeedProfile:
         return np.stack([x, np.maximum(v + a * t, 0.0), a], axis=1)
 
     def speed_at(self, distances: Array) -> Array:
-        """Return the speed at each x, shape (n,)."""
+        """Return the speed at each distance x, shape (n,)."""
         k, beyond = self._phase(distances)
         square = self.speeds[k] ** 2 + 2.0 * self._accelerations[k] * beyond
         return np.asarray(np.sqrt(np.maximum(square, 0.0)))
 
     def times_at(self, distances: Array) -> Array:
-        """Return the time at which each x is reached [s], shape (n,)."""
+        """Return the time at which each distance x is reached [s], shape (n,)."""
         k, beyond = self._phase(distances)
         mean = (self.speeds[k] + self.speed_at(distances)) / 2.0
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -87,7 +87,7 @@ class SpeedProfile:
         return np.asarray(np.minimum(self.times[k] + t, self.times[-1]))
 
     def _phase(self, distances: Array) -> tuple[NDArray[np.intp], Array]:
-        """Return the phase that contains each x, and the distance from its start."""
+        """Return the phase at each distance x, and the distance from its start."""
         phases = np.searchsorted(self.distances, distances, side="right") - 1
         k = np.clip(phases, 0, len(self._accelerations) - 1)
         return k, np.maximum(distances - self.distances[k], 0.0)
@@ -100,11 +100,11 @@ def trapezoid(
     before: float = 0.0,
     after: float = 0.0,
 ) -> SpeedProfile:
-    """Return the fastest profile over ``length`` within a speed and an acceleration.
+    """Return the fastest profile over ``length`` within ``speed`` and ``acceleration``.
 
-    It starts with the speed ``before`` and ends with ``after``, which must be
-    reachable: |after² - before²| <= 2 acceleration length.  A short profile is a
-    triangle.
+    The profile starts with the speed ``before`` and ends with the speed ``after``,
+    which must be reachable: |after² - before²| <= 2 acceleration length. A short
+    profile is a triangle.
     """
     top = math.sqrt(acceleration * length + (before**2 + after**2) / 2.0)
     top = max(min(speed, top), before, after)
@@ -123,9 +123,10 @@ def trapezoid(
 
 
 def braking(length: float, speed: float, acceleration: float) -> SpeedProfile:
-    """Return the profile from ``speed`` to rest after ``length``.
+    """Return the profile that decelerates from ``speed`` to rest over ``length``.
 
-    It brakes as late as ``acceleration`` allows, or harder if that would be too late.
+    The deceleration starts as late as ``acceleration`` allows. If ``acceleration`` is
+    too low for ``length``, the deceleration is higher.
     """
     if speed <= 0.0:
         return trapezoid(length, math.sqrt(acceleration * length), acceleration)
@@ -142,8 +143,9 @@ def ramp(length: float, before: float, after: float) -> SpeedProfile:
 def smoothed(profile: SpeedProfile, duration: float) -> SpeedProfile:
     """Return a profile from rest to rest without sudden changes of acceleration.
 
-    It is the mean of copies delayed by 0 … ``duration`` [s]: longer by ``duration``, no
-    faster, and with an acceleration that changes in small steps.
+    The result is the mean of copies that are delayed by 0 … ``duration`` [s]. The
+    smoothed profile is longer by ``duration``. The speed is not higher than in the
+    original profile, and the acceleration changes in small steps.
     """
     delays = np.linspace(0.0, duration, _COPIES)
     times = np.sort((profile.times + delays[:, None]).ravel())

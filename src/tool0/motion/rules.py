@@ -1,4 +1,4 @@
-"""Rules for planning moves, in addition to limits of joint position and velocity."""
+"""Rules for planning moves, in addition to the position and velocity limits."""
 
 from __future__ import annotations
 
@@ -9,40 +9,41 @@ from typing import Final, final
 from tool0.description.model import Joint
 
 TIME_TO_FULL_ACCELERATION: Final = 0.1
-"""Time to reach full acceleration where the jerk is limited [s]; a guess: with less the
-arm rings, with more it feels slow."""
+"""Time to reach full acceleration if the jerk is limited [s]. The value is a guess:
+with a shorter time the arm vibrates, and with a longer time the motion feels slow."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MoveRules:
-    """Limits and precision of planned moves."""
+    """Limits and precision for the planning of moves."""
 
     accelerations: tuple[float, ...]
-    """Largest accelerations of the joints [rad/s²], shape (6,)."""
+    """Maximum accelerations of the joints [rad/s²], shape (6,)."""
     step: float
-    """Distance between poses for which inverse kinematics is solved [m]; less where the
-    joints need it."""
+    """Distance between poses for which inverse kinematics is solved [m]. The distance
+    is smaller where the joints require more poses."""
     step_angle: float
-    """Rotation of the tool between these poses [rad]."""
+    """Rotation of the tool between poses for which inverse kinematics is solved
+    [rad]."""
     tolerance: float
-    """Largest distance of the flange from its path between two solved poses [m]."""
+    """Maximum distance of the flange from its path between two solved poses [m]."""
     unchecked_steps: int
-    """Number of steps above which a path's end is solved first, as it may be out of
-    reach."""
+    """Number of steps above which the end of a path is solved first, because it may be
+    out of reach."""
     smoothing: float
-    """Time in which the acceleration along a move from rest to rest changes [s]."""
+    """Duration of acceleration changes along a move from rest to rest [s]."""
     excess: float
-    """Fraction by which an acceleration may exceed its limit."""
+    """Fraction by which an acceleration may exceed the acceleration limit."""
     slowest: float
-    """Fraction of its speed below which a slowed move counts as passing a
+    """Fraction of the requested speed below which a slowed move is considered to pass a
     singularity."""
     remedy: str
-    """Text at the end of error messages."""
+    """Advice at the end of error messages."""
 
 
 UR_RULES: Final = MoveRules(
-    # The largest that ur_rtde accepts, https://gitlab.com/sdurobotics/ur_rtde.
+    # The maximum that ur_rtde accepts, https://gitlab.com/sdurobotics/ur_rtde.
     accelerations=(40.0,) * 6,
     step=0.004,
     step_angle=0.025,
@@ -53,14 +54,14 @@ UR_RULES: Final = MoveRules(
     slowest=0.02,
     remedy="choose another pose or via pose, start in another posture, or use movej",
 )
-"""Rules for programs and Universal Robots' moves."""
+"""Rules for programs and for moves of Universal Robots' arms."""
 
 
 def trajectory_rules(joints: Sequence[Joint]) -> MoveRules:
     """Return the rules for lines that a trajectory controller follows.
 
-    The joints keep within their acceleration limits, and the line is as slow as this
-    requires.  The tool stays within 0.01 mm of the line.
+    The joints stay within their acceleration limits, and the tool moves as slowly as
+    these limits require. The tool deviates from the line by at most 0.01 mm.
     """
     return MoveRules(
         accelerations=tuple(joint.max_acceleration for joint in joints),

@@ -1,4 +1,4 @@
-"""Pieces of a motion: joint positions over a distance x along a path.
+"""Segments of a motion: joint positions over a distance x along a path.
 
 For a joint segment, x is the angle of the joint that turns most [rad]; for a tool
 segment, x is the distance along the tool's path [m].
@@ -19,47 +19,49 @@ from tool0.motion.profile import SpeedProfile
 from tool0.motion.tool_path import PathFollower, ToolOfArm, ToolPath
 
 MAX_STEPS = 20_000
-"""Largest number of poses of a path: 80 m, far beyond any arm's reach."""
+"""Maximum number of poses of a path. The number corresponds to a path of 80 m, far
+beyond any arm's reach."""
 _ROUNDS = 6
 _SAME = 1e-9
-"""Difference, relative to the length, below which two distances count as equal."""
+"""Difference, relative to the length, below which two distances are considered
+equal."""
 
 
 class PathSegment(Protocol):
-    """Joint positions over x, from 0 to ``length``."""
+    """Joint positions over x, where x goes from 0 to ``length``."""
 
     length: float
     grid: Array
-    """Every x at which a knot is needed, from 0 to the length."""
+    """All values of x at which a knot is needed, from 0 to ``length``."""
 
     @property
     def end(self) -> Array:
-        """Joint positions at the end [rad], shape (6,)."""
+        """Joint positions at the end of the segment [rad], shape (6,)."""
 
     def at(self, x: Array) -> tuple[Array, Array]:
-        """Return joint positions and their rates per x, shape (n, 6) each."""
+        """Return the joint positions and their x derivatives, each of shape (n, 6)."""
 
     def tool_points(self, x: Array) -> Array:
-        """Return where the tool is [m], shape (n, 3)."""
+        """Return the positions of the tool at ``x`` [m], shape (n, 3)."""
 
     def tool_state(self, x: float, speed: float) -> ToolState:
-        """Return pose and motion of the tool there with a speed along the path."""
+        """Return the state of the tool at ``x`` with a speed along the path."""
 
 
 @final
 class JointSegment:
-    """Segment that is straight in joint space: all joints move in proportion."""
+    """Segment along a straight line in joint space."""
 
     def __init__(self, tool: ToolOfArm, start: Array, end: Array) -> None:
         self._tool = tool
         self._start, self.end = start, end
         self.length = float(np.abs(end - start).max())
         self.rate = (end - start) / max(self.length, 1e-300)
-        """Change of each joint per x, shape (6,)."""
+        """Change of each joint position per x, shape (6,)."""
         self.grid = np.array([0.0, self.length])
 
     def at(self, x: Array) -> tuple[Array, Array]:
-        """Return joint positions and their rates per x, shape (n, 6) each."""
+        """Return the joint positions and their x derivatives, each of shape (n, 6)."""
         left = (self.length - x)[:, None]
         near_start = (x < self.length / 2)[:, None]
         q = np.where(
@@ -70,12 +72,12 @@ class JointSegment:
         return q, np.broadcast_to(self.rate, q.shape)
 
     def tool_points(self, x: Array) -> Array:
-        """Return where the tool is [m], shape (n, 3)."""
+        """Return the positions of the tool at ``x`` [m], shape (n, 3)."""
         q, _ = self.at(x)
         return np.asarray(self._tool.pose(q)[:, :3, 3])
 
     def tool_state(self, x: float, speed: float) -> ToolState:
-        """Return pose and motion of the tool there with a speed along the path."""
+        """Return the state of the tool at ``x`` with a speed along the path."""
         q, rate = self.at(np.array([x]))
         posture = self._tool.kinematics.chain.forward(q)
         T = posture.T_base_tip[0] @ self._tool.T_tip_tool
@@ -86,22 +88,22 @@ class JointSegment:
 
 @final
 class ToolSegment:
-    """Segment along a tool path."""
+    """Segment along the path of a tool."""
 
     def __init__(
         self, tool: ToolOfArm, path: ToolPath, start: Array, length: float
     ) -> None:
-        """Solve for the path.
+        """Solve the inverse kinematics along the path.
 
         Args:
             tool: Tool that follows the path.
             path: Path of the tool.
-            start: Joint positions at its start [rad], shape (6,).
-            length: x at its end.
+            start: Joint positions at the start of the path [rad], shape (6,).
+            length: Value of x at the end of the path.
 
         Raises:
-            UnreachableError: If the arm cannot follow the path; the message gives the
-                reason and the place.
+            UnreachableError: If the arm cannot follow the path; the message contains
+                the reason and the place.
         """
         self._kinematics, self._rules = tool.kinematics, tool.rules
         self.path, self.length = path, length
@@ -119,11 +121,11 @@ class ToolSegment:
 
     @property
     def end(self) -> Array:
-        """Joint positions at the end [rad], shape (6,)."""
+        """Joint positions at the end of the segment [rad], shape (6,)."""
         return np.asarray(self._q[-1])
 
     def at(self, x: Array) -> tuple[Array, Array]:
-        """Return joint positions and their rates per x, shape (n, 6) each."""
+        """Return the joint positions and their x derivatives, each of shape (n, 6)."""
         s = np.clip(x / self.length, 0.0, 1.0)
         k = np.minimum(np.searchsorted(self._s, s), len(self._s) - 1)
         q, rate = self._q[k], self._rate[k]
@@ -142,17 +144,17 @@ class ToolSegment:
         return q, rate / self.length
 
     def tool_points(self, x: Array) -> Array:
-        """Return where the tool is [m], shape (n, 3)."""
+        """Return the positions of the tool at ``x`` [m], shape (n, 3)."""
         return np.asarray(self.path.tool(x / self.length)[:, :3, 3])
 
     def tool_state(self, x: float, speed: float) -> ToolState:
-        """Return pose and motion of the tool there with a speed along the path."""
+        """Return the state of the tool at ``x`` with a speed along the path."""
         s = np.array([x / self.length])
         T = self.path.tool(s)
         return ToolState(T[0], self.path.twist(s, T)[0] * (speed / self.length))
 
     def _refine(self, start: Array) -> None:
-        """Solve more poses until the polynomials between them stay on the path."""
+        """Solve additional poses until the cubics between them stay on the path."""
         for _ in range(_ROUNDS):
             middle = (self._s[:-1] + self._s[1:]) / 2.0
             q = Cubics(self._s, self._q, self._rate).at(middle).q
@@ -171,7 +173,7 @@ class ToolSegment:
 
 
 def passage(segment: PathSegment, profile: SpeedProfile, start: float = 0.0) -> Cubics:
-    """Return the motion along a segment from x = ``start`` on."""
+    """Return the motion along a segment, starting at x = ``start``."""
     within = profile.distances
     margin = _SAME * segment.length
     inner = segment.grid - start
@@ -186,10 +188,10 @@ def passage(segment: PathSegment, profile: SpeedProfile, start: float = 0.0) -> 
 
 
 def distance_within(segment: PathSegment, radius: float, *, at_end: bool) -> float:
-    """Return how far along a segment its tool stays within ``radius`` [m] of an end.
+    """Return the length of the part of a segment within ``radius`` [m] of one end.
 
-    The length counts from the segment's start or, backwards, from its end; it is the
-    whole length if the tool never leaves the radius.
+    The part begins at the segment's start or, with ``at_end``, at its end. If the tool
+    never leaves the radius, the result is the length of the whole segment.
     """
     centre = segment.tool_points(np.array([segment.length if at_end else 0.0]))
     inside, outside = 0.0, segment.length

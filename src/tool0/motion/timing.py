@@ -1,4 +1,4 @@
-"""Timing of moves: the speed in each part of a segment."""
+"""Timing of moves, which determines the speed along each part of a segment."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from tool0.motion.segments import (
 )
 
 _RAMP_SHARE = 0.25
-"""Fraction of a given duration for each ramp from or to rest."""
+"""Fraction of a specified duration for each ramp from rest or to rest."""
 LONGEST = 1e6
-"""Longest duration of a move [s]: 11 days."""
+"""Maximum duration of a move [s], which is 11 days."""
 _ROUNDS = 16
 _ROUNDING = 1e-9
 _SPEED_SHARE = 0.999
-"""Fraction of a joint's largest velocity that plans use, as the joint may be a little
+"""Fraction of a joint's maximum velocity that plans use. The joint may be slightly
 faster between two knots."""
 _SHORTEST = 2e-4
-"""Shortest intervals whose acceleration is checked [s]; in shorter ones, rounding
-errors dominate."""
+"""Minimum length of an interval for a check of the acceleration [s]. Rounding errors
+are too large in shorter intervals."""
 
 
 @final
@@ -46,11 +46,11 @@ class ArmLimits:
         self.names = tuple(joint.name for joint in joints)
         velocities = [joint.max_velocity for joint in joints]
         self.fastest = _SPEED_SHARE * np.array(velocities)
-        """Largest velocities of the joints [rad/s], shape (6,)."""
+        """Maximum velocities of the joints that plans use [rad/s], shape (6,)."""
         self.strongest = np.array(rules.accelerations)
-        """Largest accelerations of the joints [rad/s²], shape (6,)."""
+        """Maximum accelerations of the joints [rad/s²], shape (6,)."""
         self.braking = np.array([joint.max_acceleration for joint in joints])
-        """Accelerations that are always allowed where moves blend [rad/s²], shape
+        """Accelerations that are always allowed in blends between moves [rad/s²], shape
         (6,)."""
 
     def excess(self, motion: Cubics) -> tuple[float, float, int]:
@@ -69,7 +69,7 @@ class ArmLimits:
 
 
 class TimingWarning(NamedTuple):
-    """Deviations from what was requested."""
+    """Deviation of a move from the request."""
 
     kind: WarningKind
     text: str
@@ -83,20 +83,20 @@ class _Speeds(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TimedSegment:
-    """Timing of the part of a segment between the blends at its ends."""
+    """Timing of the part of a segment between the blends at both ends."""
 
     segment: PathSegment
     zone_in: float
-    """Length of the blend from the previous move, in x; 0 from rest."""
+    """Length of the blend from the previous move, in x; 0 for a start from rest."""
     zone_out: float
-    """Length of the blend into the next move, in x; 0 to rest."""
+    """Length of the blend to the next move, in x; 0 for a stop at the end."""
     profile: SpeedProfile
-    """Profile between the blends."""
+    """Speed profile between the blends."""
     acceleration: float
     motion: Cubics
     """Motion between the blends."""
     radius: float
-    """Blend radius at the end of the move, which may have been reduced [m]."""
+    """Blend radius at the end of the move [m], which may have been reduced."""
     warnings: tuple[TimingWarning, ...]
 
     @property
@@ -121,11 +121,11 @@ def timed_segment(
 
     Args:
         segment: Path of the move.
-        move: The move's speeds and blend radius.
-        tail: The end of the previous move, to blend with; None from rest.
+        move: Move with the requested speeds and the blend radius.
+        tail: End of the previous move, with which to blend; None for a start from rest.
         limits: Limits of the joints.
-        entry: Fraction of its speed that the move may have after the blend.
-        is_symmetric: Whether the blend may not be longer than the tail.
+        entry: Fraction of the move's speed that is allowed directly after the blend.
+        is_symmetric: Whether the blend must not be longer than the tail.
 
     Raises:
         UnreachableError: If the move would have to be extremely slow, or would take
@@ -162,7 +162,7 @@ def timed_segment(
             )
         motion = passage(segment, profile, zone_in)
         too_fast, too_strong, joint = limits.excess(motion)
-        if zone_out > 0.0:  # it may have to stop there
+        if zone_out > 0.0:  # the arm may have to stop at the end
             stop = braking(zone_out, out, acceleration)
             stopping = passage(segment, stop, segment.length - zone_out)
             worse = limits.excess(stopping)
@@ -201,7 +201,7 @@ def timed_segment(
 
 
 def is_straight(segment: PathSegment) -> bool:
-    """Return whether the tool moves on a line."""
+    """Return whether the tool moves along a straight line."""
     return (
         isinstance(segment, ToolSegment)
         and isinstance(segment.path, LinePath)
@@ -212,14 +212,15 @@ def is_straight(segment: PathSegment) -> bool:
 def _zones(
     segment: PathSegment, move: Move, tail: Tail | None
 ) -> tuple[float, float, float]:
-    """Return the lengths of both blends, and the factor that reduces the radius."""
+    """Return the lengths of both blends, and the factor for the blend radius."""
     length = segment.length
     into = out = 0.0
     if tail is not None:
         into = distance_within(segment, tail.radius, at_end=False)
     if move.r > 0.0:
         out = distance_within(segment, move.r, at_end=True)
-    # From rest and to rest, half of the segment remains to change the speed.
+    # In a start from rest or a stop, half of the segment remains for the change of
+    # speed.
     most = length if into > 0.0 and out > 0.0 else length / 2.0
     scale = min(1.0, most / max(into + out, 1e-300))
     return into * scale, out * scale, scale
@@ -241,7 +242,7 @@ def _speeds(
 
 
 def _end_accelerations(segment: PathSegment, limits: ArmLimits) -> tuple[float, float]:
-    """Return the accelerations along the path that the joints allow at its ends."""
+    """Return the path accelerations that the joints allow at both ends of the path."""
     _, rates = segment.at(np.array([0.0, segment.length]))
     allowed = (limits.braking / np.maximum(np.abs(rates), 1e-12)).min(axis=1)
     return float(allowed[0]), float(allowed[1])

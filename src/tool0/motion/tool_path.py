@@ -1,4 +1,4 @@
-"""Paths of a tool, and the joint positions that follow them without jumps."""
+"""Paths of a tool, and joint positions that follow these paths without jumps."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from tool0.kinematics.inverse import InverseKinematics
 from tool0.motion.rules import MoveRules
 
 MAX_JOINT_STEP = 0.3
-"""Rotation of a joint in one step [rad] above which it counts as a jump: at 2 mm per
-step this is 150 rad/m, so that a line at 20 mm/s would need the joint's largest
+"""Rotation of a joint in one step above which it is considered a jump [rad]. At 2 mm
+per step, the value is 150 rad/m, so a line at 20 mm/s would need the joint's maximum
 velocity."""
 
 
 class ToolPath(Protocol):
-    """Poses of a tool over a path parameter s from 0 to 1.
+    """Poses of a tool as a function of a path parameter s from 0 to 1.
 
-    Poses are in the link that carries the arm.
+    Poses are in the frame of the arm's base link.
     """
 
     @property
     def noun(self) -> str:
-        """Noun for messages, such as ``line``."""
+        """Noun for error messages, such as ``line``."""
 
     @property
     def length(self) -> float:
@@ -42,33 +42,34 @@ class ToolPath(Protocol):
         """Return the tool's pose at each s, shape (n, 4, 4)."""
 
     def twist(self, s: Array, T_base_tip: Array) -> Array:
-        """Return the motion per s of a frame fixed to the tool, shape (n, 6).
+        """Return the twist of a frame fixed to the tool per unit of s, shape (n, 6).
 
-        Linear components come before angular ones; the frame's pose is ``T_base_tip``,
-        shape (n, 4, 4).
+        Linear components come before angular components. The pose of the frame is
+        ``T_base_tip``, shape (n, 4, 4).
         """
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ToolOfArm:
-    """An arm with its tool and the rules for its moves."""
+    """An arm with a tool and the rules for its moves."""
 
     kinematics: InverseKinematics
     T_tip_tool: Array
-    """Pose of the tool in the flange, shape (4, 4)."""
+    """Pose of the tool in the flange's frame, shape (4, 4)."""
     T_root_base: Array
-    """Pose of the link that carries the arm, for messages, shape (4, 4)."""
+    """Pose of the arm's base link in the root frame, for error messages, shape (4,
+    4)."""
     rules: MoveRules
 
     def pose(self, q: Array) -> Array:
-        """Return the tool's pose at positions ``q`` [rad], shape (n, 4, 4)."""
+        """Return the tool's pose at joint positions ``q`` [rad], shape (n, 4, 4)."""
         return np.asarray(self.kinematics.chain.forward(q).T_base_tip @ self.T_tip_tool)
 
 
 @final
 class PathFollower:
-    """Joint positions and their rates along a path."""
+    """Joint positions along a path of a tool, and their derivatives."""
 
     def __init__(self, tool: ToolOfArm, path: ToolPath) -> None:
         self._kinematics, self._path = tool.kinematics, path
@@ -80,22 +81,24 @@ class PathFollower:
         return np.asarray(self._path.tool(s) @ self._T_tool_tip)
 
     def place(self, s: float) -> str:
-        """Return the position of s on the path, as text."""
+        """Return the position of s on the path as text for error messages."""
         pose = from_matrix(self._T_root_base @ self._path.tool(np.array([s]))[0])
         return f"at {s:.0%} of the {self._path.noun}, where the tool is at {pose}"
 
     def check_end(self, start: Array) -> None:
-        """Raise UnreachableError if the path's end is out of reach."""
+        """Raise UnreachableError if the arm cannot reach the end of the path."""
         end = self.tip(np.ones(1))[0]
         if not len(self._kinematics.postures(end, start)):
             raise self._no_solution(1.0, start)
 
     def follow(self, s: Array, start: Array) -> Array:
-        """Return joint positions at every s, each closest to the previous ones, (n, 6).
+        """Return continuous joint positions at all values of s, shape (n, 6).
+
+        At each s, the solution that is closest to the previous solution is used.
 
         Raises:
-            UnreachableError: If a pose cannot be reached, or a joint jumps or leaves
-                its limits; the message gives the place.
+            UnreachableError: If a pose cannot be reached, or if a joint jumps or
+                exceeds its limits; the message contains the place.
         """
         kinematics, noun = self._kinematics, self._path.noun
         poses = self.tip(s)
@@ -127,7 +130,7 @@ class PathFollower:
         return refined
 
     def rate(self, s: Array, q: Array) -> Array:
-        """Return dq/ds, shape (n, 6)."""
+        """Return the derivative dq/ds, shape (n, 6)."""
         posture = self._kinematics.chain.forward(q)
         twist = self._path.twist(s, posture.T_base_tip)
         try:

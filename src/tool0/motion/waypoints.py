@@ -1,4 +1,4 @@
-"""A smooth motion of any joints through waypoints: corners are cut, never overshot."""
+"""Smooth motions of joints through waypoints, with blends that cut the corners."""
 
 from __future__ import annotations
 
@@ -13,36 +13,36 @@ from tool0.motion.path import Path
 from tool0.motion.rules import TIME_TO_FULL_ACCELERATION
 
 _DEVIATION: Final = 3.0 / 16.0
-"""Distance of a blend from its corner, relative to the product of its length on each
-side and the difference between the two directions."""
+"""Distance of a blend from its corner, divided by the product of the blend's length on
+each side and the difference of the two directions."""
 _SHARE: Final = 0.5
-"""Fraction of the joints' acceleration limits that a blend's curvature may use; the
-rest is for changes of speed along the blend."""
+"""Fraction of the joints' acceleration limits that the curvature of a blend may use.
+The remaining fraction is available for speed changes along the blend."""
 _GRID: Final = 16
-"""Number of intervals per piece of the path when its speed is computed."""
+"""Number of intervals per path piece for the computation of the speed."""
 _KNOT: Final = 0.02
 """Time between two knots of the motion [s]."""
 _STILL: Final = 1e-9
 _LEAST: Final = 1e-8
-"""Motion of each joint from where it is to where it is [rad | m]."""
+"""Displacement of each joint in a motion without distinct start and end [rad | m]."""
 
 
 @final
 class _Piece(NamedTuple):
-    """A straight piece, or a blend that turns from one direction to another."""
+    """A straight piece of a path, or a blend between two directions."""
 
     start: Array
     before: Array
-    """Direction at the start, a unit vector."""
+    """Direction at the start, as a unit vector."""
     after: Array
-    """Direction at the end, a unit vector."""
+    """Direction at the end, as a unit vector."""
     length: float
 
     def at(self, u: Array) -> tuple[Array, Array, Array]:
-        """Return positions and both derivatives by the path length, shape (n, m) each.
+        """Return positions and two derivatives along the path, each of shape (n, m).
 
-        The direction changes by a smoothstep in ``u``, 0 … 1, so that the curvature is
-        continuous.
+        The direction changes with a smoothstep function of ``u``, 0 … 1, so the
+        curvature is continuous.
         """
         turn = self.after - self.before
         u = u[:, None]
@@ -55,18 +55,19 @@ class _Piece(NamedTuple):
 
 @final
 class SmoothWay:
-    """A path through waypoints, with blends in place of corners."""
+    """A path through waypoints with blends instead of corners."""
 
     def __init__(self, poses: Array, deviations: Sequence[float]) -> None:
-        """Cut the corners.
+        """Create the path by cutting the corners.
 
         Args:
-            poses: The waypoints [rad | m], shape (n, n_joints); consecutive ones must
-                differ, unless all are equal, in which case the joints stay there.
-            deviations: Largest distance of the path from each corner [rad | m], shape
-                (n - 2,); where it is 0, the motion stops at the corner.
+            poses: Waypoints [rad | m], shape (n, n_joints). Consecutive waypoints must
+                differ, unless all waypoints are equal. If all waypoints are equal, the
+                joints remain at rest.
+            deviations: Maximum distance of the path from each corner [rad | m], shape
+                (n - 2,). At a corner with distance 0, the motion stops.
         """
-        if not np.abs(poses - poses[0]).max() > _STILL:  # a motion needs a length
+        if not np.abs(poses - poses[0]).max() > _STILL:  # the path must have a length
             poses = np.stack([poses[0], poses[0] + _LEAST])
         steps = np.diff(poses, axis=0)
         lengths = np.linalg.norm(steps, axis=1)
@@ -79,9 +80,9 @@ class SmoothWay:
             trims[k] = min(room, wanted)
         self._pieces: list[_Piece] = []
         self._stops: list[int] = []
-        """Numbers of the pieces before which the motion comes to rest."""
+        """Indices of the pieces before which the motion stops."""
         self._corners: list[int] = []
-        """Number of each piece's corner; -1 for straight pieces."""
+        """Index of each piece's corner; -1 for straight pieces."""
         for k, (direction, length) in enumerate(zip(directions, lengths, strict=True)):
             rest = length - trims[k] - trims[k + 1]
             if rest > _STILL:
@@ -102,16 +103,17 @@ class SmoothWay:
         self._corners.append(corner)
 
     def blends(self, n: int) -> Iterator[tuple[int, Array]]:
-        """Yield each blend's corner, and ``n`` + 1 poses along the blend."""
+        """Yield the corner of each blend, and ``n`` + 1 poses along the blend."""
         u = np.linspace(0.0, 1.0, n + 1)
         for piece, corner in zip(self._pieces, self._corners, strict=True):
             if corner >= 0:
                 yield corner, piece.at(u)[0]
 
     def sampled(self) -> tuple[Array, Array, Array, set[int]]:
-        """Return a grid of path lengths, and both derivatives of the positions there.
+        """Return a grid of path lengths and both derivatives of the positions on it.
 
-        The last value contains the grid indices at which the motion is at rest.
+        The last value of the result contains the grid indices at which the motion is at
+        rest.
         """
         u = np.linspace(0.0, 1.0, _GRID + 1)
         ways, rows, begun, rests = [np.zeros(1)], [], 0.0, {0}
@@ -127,7 +129,7 @@ class SmoothWay:
         return s, slope, bend, rests | {len(s) - 1}
 
     def at(self, s: Array) -> tuple[Array, Array, Array]:
-        """Return positions and both derivatives at distances along the path."""
+        """Return positions and their derivatives at distances along the path."""
         starts = np.cumsum([0.0, *(piece.length for piece in self._pieces)])
         number = np.searchsorted(starts, s, side="right") - 1
         number = np.clip(number, 0, len(self._pieces) - 1)
@@ -143,15 +145,15 @@ class SmoothWay:
 def time_way(joints: Sequence[Joint], way: SmoothWay, *, speed: float) -> Path:
     """Return a fast motion along a path, from rest to rest.
 
-    Curvature and changes of speed each get a share of the acceleration limits.  The
-    fastest such motion is smoothed over ``TIME_TO_FULL_ACCELERATION``; it is slowed
-    down as a whole if a joint would exceed its limits of velocity, acceleration or
-    jerk.
+    The curvature and the changes of speed each use a fraction of the acceleration
+    limits. The fastest motion is smoothed over ``TIME_TO_FULL_ACCELERATION``. The
+    complete motion is slowed down if a joint would exceed its velocity, acceleration or
+    jerk limit.
 
     Args:
         joints: Joints of the positions, with their limits.
-        way: Positions to pass.
-        speed: Fraction of each joint's largest velocity.
+        way: Path of the joints.
+        speed: Fraction of each joint's maximum velocity.
     """
     fastest = speed * np.array([joint.max_velocity for joint in joints])
     strongest = np.array([joint.max_acceleration for joint in joints])
@@ -189,16 +191,16 @@ def time_way(joints: Sequence[Joint], way: SmoothWay, *, speed: float) -> Path:
 
 
 class _Limits(NamedTuple):
-    """Bounds of the speed at each place of a grid."""
+    """Derivatives and joint limits that bound the speed at each point of a grid."""
 
     slope: Array
-    """First derivative of the positions by the way, shape (n, n_joints)."""
+    """First derivative of the positions along the path, shape (n, n_joints)."""
     bend: Array
-    """Second derivative, shape (n, n_joints)."""
+    """Second derivative of the positions along the path, shape (n, n_joints)."""
     fastest: Array
-    """Largest velocities of the joints [rad/s | m/s], shape (n_joints,)."""
+    """Maximum velocities of the joints [rad/s | m/s], shape (n_joints,)."""
     strongest: Array
-    """Largest accelerations of the joints [rad/s² | m/s²], shape (n_joints,)."""
+    """Maximum accelerations of the joints [rad/s² | m/s²], shape (n_joints,)."""
 
 
 def _profile(s: Array, limits: _Limits, rests: set[int]) -> tuple[Array, Array]:
@@ -228,10 +230,10 @@ def _profile(s: Array, limits: _Limits, rests: set[int]) -> tuple[Array, Array]:
 def _smoothed(
     times: Array, s: Array, speeds: Array, at: Array
 ) -> tuple[Array, Array, Array]:
-    """Return distance, speed and acceleration of the mean of delayed copies.
+    """Return distance, speed and acceleration of the mean of delayed profiles.
 
-    The delays are 0 … ``TIME_TO_FULL_ACCELERATION``.  The acceleration is constant
-    between the ``times``.
+    The delays are 0 … ``TIME_TO_FULL_ACCELERATION``. The acceleration is constant
+    between consecutive ``times``.
     """
     window = TIME_TO_FULL_ACCELERATION
     h = np.diff(times)

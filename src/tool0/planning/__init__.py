@@ -1,1 +1,1 @@
-"""Motions that avoid collisions: the collision world, the search and the timing."""
+"""Planning of collision-free motions: collision world, search and timing."""

@@ -1,4 +1,4 @@
-"""Collision-free motions: a straight line or a search, then shortcuts and timing."""
+"""Planner of collision-free motions: straight line or search, shortcuts and timing."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from tool0.motion.waypoints import SmoothWay, time_way
 from tool0.planning.world import PlanningGroup
 
 LONGEST: Final = 0.5
-"""Longest step by which a tree is extended [rad]."""
+"""Maximum step by which a search tree is extended [rad]."""
 MOST_NODES: Final = 20_000
-"""Largest number of nodes in a tree."""
+"""Maximum number of nodes in a search tree."""
 RESTARTS: Final = 3
-"""Number of searches; the fastest path found wins."""
+"""Number of searches. The planner uses the fastest path of all searches."""
 MOST_GOALS: Final = 24
 BESIDE: Final = 2.0
-"""Largest distance of most samples from the region between the start and a goal
+"""Maximum distance of most samples from the region between the start and a goal
 [rad]."""
 ENOUGH: Final = 4_000
-"""Number of checked poses after which any path found ends the search."""
+"""Number of checked poses after which the search ends if a path has been found."""
 _TRIES: Final = 60
-"""Number of random shortcuts that are tried."""
+"""Number of random shortcuts that the planner tries."""
 _CUT: Final = 0.2
-"""Initial distance at which the motion cuts a corner [rad]."""
+"""Initial distance from a corner at which the motion starts to cut it [rad]."""
 _STOP: Final = 0.002
-"""Distance below which the motion stops at the corner instead [rad]."""
+"""Distance below which the motion stops at the corner instead of cutting it [rad]."""
 _CHORDS: Final = 16
 _TURN: Final = 2.0 * math.pi
 _SAME: Final = 1e-9
@@ -45,7 +45,7 @@ _SAME: Final = 1e-9
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FreeMotion:
-    """A motion that keeps its clearance, and statistics of the search."""
+    """A motion that keeps its clearance, with statistics of the search."""
 
     path: Path
     waypoints: Array
@@ -53,7 +53,7 @@ class FreeMotion:
     is_direct: bool
     """Whether the motion is a straight line in joint space."""
     samples: int
-    """Number of random poses in the search."""
+    """Number of random poses that the search sampled."""
     poses: int
     """Number of poses at which distances were measured."""
     planning_time: float
@@ -66,9 +66,9 @@ class SearchOptions:
     """Options of the search."""
 
     speed: float = 0.5
-    """Speed as a fraction of the joints' largest velocities."""
+    """Speed as a fraction of the joints' maximum velocities."""
     timeout: float = 5.0
-    """Longest wall time of the search [s]."""
+    """Maximum wall time of the search [s]."""
     seed: int = 0
     restarts: int = RESTARTS
 
@@ -82,20 +82,20 @@ def plan_free_motion(
     options: SearchOptions,
     cancelled: Cancelled,
 ) -> FreeMotion:
-    """Return the fastest collision-free motion found to any of the goals.
+    """Return the fastest collision-free motion to any goal that the planner finds.
 
     Args:
-        group: The collision checks for these joints.
+        group: Collision checks for the joints of the motion.
         joints: The joints that move, with their limits.
-        start: Positions of these joints [rad | m], shape (n_joints,).
-        goals: Targets within the limits, shape (n, n_joints), n >= 1.
+        start: Start positions of the joints [rad | m], shape (n_joints,).
+        goals: Target positions within the limits, shape (n, n_joints), n >= 1.
         options: Options of the search.
-        cancelled: A flag that another thread may set to cancel the search.
+        cancelled: Flag that another thread can set to cancel the search.
 
     Raises:
-        CollisionError: If the start or every goal is in collision; the message names
+        CollisionError: If the start or every goal is in collision; the message lists
             the bodies.
-        PlanningError: If no path was found in time.
+        PlanningError: If no path was found within the timeout.
     """
     begun = time.perf_counter()
     looked = group.clearances.poses
@@ -125,11 +125,11 @@ def plan_free_motion(
 
 
 def check_way(group: PlanningGroup, poses: Array) -> tuple[int, float, str] | None:
-    """Return where the straight motion from pose to pose is not free, and why.
+    """Return where and why the straight motion from pose to pose is not free.
 
-    The result is the row of the pose before that point, the fraction of the segment up
-    to the point, and the reason; None if everything is free.  Bodies that overlap at
-    the start may overlap as deeply later.
+    The result contains the row of the pose before the collision, the fraction of the
+    segment up to the collision, and the reason. The result is None if the whole motion
+    is free. Bodies that overlap at the start may overlap by the same depth later.
     """
     group.begin(poses[0], is_check=True)
     found = group.clearances.along(poses)
@@ -144,7 +144,7 @@ def check_way(group: PlanningGroup, poses: Array) -> tuple[int, float, str] | No
 def windings(q: Array, joints: Sequence[Joint], start: Array) -> Array:
     """Return a posture with all whole turns of its joints within limits, shape (n, m).
 
-    Positions more than one turn away from the start are left out.
+    Positions that are more than one turn away from the start are omitted.
     """
     choices = []
     for value, joint, here in zip(q.tolist(), joints, start.tolist(), strict=True):
@@ -162,7 +162,7 @@ def windings(q: Array, joints: Sequence[Joint], start: Array) -> Array:
 def _timed(
     group: PlanningGroup, joints: Sequence[Joint], way: Array, speed: float
 ) -> Path:
-    """Return the motion along a free path; it cuts corners as far as possible."""
+    """Return the motion along a free path, which cuts corners as far as possible."""
     deviations = [_CUT] * (len(way) - 2)
     while True:
         smooth = SmoothWay(way, deviations)
@@ -171,7 +171,7 @@ def _timed(
             for corner, poses in smooth.blends(_CHORDS)
             if group.clearances.along(poses) is not None
         ]
-        if not blocked:  # the straight parts are known to be free
+        if not blocked:  # the straight parts have been checked before
             return time_way(joints, smooth, speed=speed)
         for corner in blocked:
             smaller = deviations[corner] / 2.0
@@ -179,7 +179,7 @@ def _timed(
 
 
 def cost(way: Array, fastest: Array) -> float:
-    """Return the duration of a path at the joints' largest velocities [s]."""
+    """Return the duration of a path at the joints' maximum velocities [s]."""
     return float((np.abs(np.diff(way, axis=0)) / fastest).max(axis=1).sum())
 
 
@@ -214,7 +214,7 @@ def _free_goals(
 def _direct(
     group: PlanningGroup, start: Array, goals: Array, numbers: Sequence[int]
 ) -> Array | None:
-    """Return the straight path to one of the two nearest goals, if one is free."""
+    """Return a free straight path to one of the two nearest goals, or None."""
     for k in numbers[:2]:
         way = np.array([start, goals[k]])
         if group.clearances.along(way) is None:
@@ -231,7 +231,7 @@ def _searched(
     cancelled: Cancelled,
     begun: float,
 ) -> tuple[Array, int]:
-    """Return the best of several paths, and the number of samples.
+    """Return the fastest of several paths, and the number of samples.
 
     ``ends`` contains the start and the goals.
     """
@@ -299,7 +299,7 @@ def _without_repeats(way: Array) -> Array:
 
 
 def _limits(joint: Joint, here: float) -> tuple[float, float]:
-    """Return the limits of a joint [rad | m]; without limits, one turn either way."""
+    """Return the limits of a joint [rad | m]; by default, one turn on each side."""
     lower, upper = joint.limits.lower, joint.limits.upper
     if joint.type is JointType.CONTINUOUS or not math.isfinite(upper - lower):
         return here - _TURN, here + _TURN

@@ -1,6 +1,7 @@
-"""Everything that a motion must not collide with, and the clearances it keeps.
+"""The obstacles of a motion, and the clearances that the motion keeps.
 
-With every engine, distances are computed between MuJoCo's shapes, in a separate model.
+With every engine, the distances are computed between MuJoCo's shapes in a separate
+model.
 """
 
 from __future__ import annotations
@@ -25,19 +26,19 @@ if TYPE_CHECKING:
 CLEARANCE: Final = 0.005
 """Default clearance of motions [m]."""
 OWN_CLEARANCE: Final = 0.005
-"""Largest clearance between links of the same robot [m]: a UR5's base and upper arm are
-never more than 8.2 mm apart."""
+"""Maximum clearance between links of the same robot [m]. The base and the upper arm of
+a UR5 are never more than 8.2 mm apart."""
 SLACK: Final = 0.0005
-"""Distance that the search keeps in addition to the clearance [m]: between two checks
-along a motion, shapes approach each other by no more than this."""
+"""Distance that the search keeps in addition to the clearance [m]. Between two checks
+along a motion, the distance of two shapes decreases by at most the slack."""
 TOUCH: Final = 0.0005
-"""Depth from which shapes count as colliding [m]: in the physics, too, shapes that rest
-on each other overlap by about 0.1 mm."""
+"""Depth above which shapes are considered to collide [m]. In the physics engines,
+shapes that rest on each other also overlap by about 0.1 mm."""
 PRESSED: Final = 0.002
-"""Depth up to which bodies may overlap at the start [m]: the commanded position of a
-tool that presses on a table is inside the table."""
+"""Maximum depth by which bodies may overlap at the start [m]. For example, the
+commanded position of a tool that presses on a table is inside the table."""
 MOST_GROUPS: Final = 16
-"""Number of groups that are cached for later requests."""
+"""Maximum number of groups that are cached for later requests."""
 _ROUNDING: Final = 1e-4
 """Distance by which bodies that are close at the start may approach each other [m]."""
 _FAR: Final = 1.0
@@ -48,9 +49,10 @@ class UprightTool(NamedTuple):
 
     link: str
     axis: tuple[float, float, float]
-    """Axis to keep upright, a unit vector in the link's frame."""
+    """Axis to keep upright, as a unit vector in the link's frame."""
     tilt: float
-    """Largest angle between the axis and its direction at the start [rad]."""
+    """Maximum angle between the axis and the direction of the axis at the start
+    [rad]."""
 
 
 @final
@@ -59,7 +61,7 @@ class Rules:
     """Constraints of a motion."""
 
     clearance: float = CLEARANCE
-    """Smallest distance between shapes [m]."""
+    """Minimum distance between shapes [m]."""
     may_touch: frozenset[str] = frozenset()
     """Links and objects that the motion may touch."""
     upright: UprightTool | None = None
@@ -67,7 +69,7 @@ class Rules:
 
 @final
 class CollisionWorld:
-    """The shapes of a robot and its surroundings; for one thread at a time."""
+    """The shapes of a robot and its surroundings, for use by one thread at a time."""
 
     def __init__(
         self,
@@ -76,15 +78,16 @@ class CollisionWorld:
         usual: Mapping[str, float],
         apart: Collection[frozenset[str]] = (),
     ) -> None:
-        """Take the robot; shapes are compiled when they are first needed.
+        """Use a robot; its shapes are compiled when they are needed for the first time.
 
         Args:
             model: The robot.
-            ground: Height of the ground in the frame of the robot's root [m]; None
-                without ground.
-            usual: Joint → position in the default pose [rad | m]: links that overlap
-                there are assumed to touch by construction.
-            apart: Pairs of links that need not be checked, such as those of an SRDF.
+            ground: Height of the ground in the frame of the robot's root [m]; None if
+                there is no ground.
+            usual: Joint → position in the default pose [rad | m]. Links that overlap in
+                the default pose are assumed to touch by construction.
+            apart: Pairs of links that need no collision check, such as the pairs of an
+                SRDF.
         """
         self._model, self._ground = model, ground
         self._usual, self._apart = dict(usual), frozenset(apart)
@@ -95,9 +98,10 @@ class CollisionWorld:
     def group(
         self, joints: Sequence[str], around: Surroundings, rules: Rules
     ) -> PlanningGroup:
-        """Return the collision checks for motions of some joints; others stand still.
+        """Return the collision checks for motions of some joints.
 
-        The result is valid until the next call.
+        The other joints are at rest. The result is valid until the next call of this
+        method.
 
         Raises:
             ModelError: If MuJoCo does not support a shape.
@@ -150,7 +154,7 @@ class CollisionWorld:
         return found
 
     def _fitting(self, around: Surroundings) -> DistanceModel:
-        """Return the compiled shapes, those of the last call if they still fit."""
+        """Return the compiled shapes; reuse the shapes of the last call if they fit."""
         from tool0.engines.mujoco.gl import import_mujoco
 
         import_mujoco()
@@ -177,7 +181,7 @@ class CollisionWorld:
         around: Surroundings,
         rules: Rules,
     ) -> Iterator[_Pair]:
-        """Yield the pairs of shapes whose distance a motion can change."""
+        """Yield the pairs of shapes between which a motion can change the distance."""
         from tool0.engines.mujoco.link_collisions import robot_of
 
         shapes: dict[int, list[Shape]] = {}
@@ -225,7 +229,7 @@ class CollisionWorld:
                 yield _Pair(first, second, reach, bound)
 
     def _grips(self, around: Surroundings) -> frozenset[frozenset[str]]:
-        """Return pairs of a held object and a link that holds it."""
+        """Return all pairs of a held object and a link that holds the object."""
         return frozenset(
             frozenset((load.item.name, link))
             for load in around.held
@@ -233,7 +237,7 @@ class CollisionWorld:
         )
 
     def _links_that_touch(self, distances: DistanceModel) -> frozenset[frozenset[str]]:
-        """Return the pairs of links that may always touch."""
+        """Return the pairs of links that are allowed to touch."""
         if self._ignored is None:
             from tool0.engines.mujoco.link_collisions import (
                 adjacent_links,
@@ -264,33 +268,34 @@ class _Pair(NamedTuple):
     second: Shape
     reach: Array
     bound: float
-    """Distance that the pair keeps [m]."""
+    """Minimum distance of the pair [m]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlanningGroup:
-    """Collision checks for motions of some joints, by the pairs of shapes they move."""
+    """Collision checks for motions of some joints, with the pairs of their shapes."""
 
     names: tuple[tuple[str, str], ...]
-    """Names of the two bodies of each pair."""
+    """Names of the two bodies of each pair of shapes."""
     least: Array
-    """Distance that each pair keeps, including SLACK [m]."""
+    """Minimum distance of each pair, including SLACK [m]."""
     clearances: Clearances
     shared: Array
-    """The distances in the memory that ``clearances`` reads [m]."""
+    """Minimum distances in the memory that ``clearances`` reads [m]."""
     owner: DistanceModel = field(repr=False)
-    """Owner of the memory that ``clearances`` uses, kept alive here."""
+    """Owner of the memory that ``clearances`` uses. The reference keeps the memory
+    alive."""
 
     def begin(self, start: Array, *, is_check: bool = False) -> None:
-        """Allow bodies that are close at the start to stay as close.
+        """Allow bodies that are close at the start to remain as close.
 
-        A search additionally keeps SLACK.  A check does not, so that it is as exact as
-        the steps along the motion.
+        A search keeps SLACK in addition. A check does not keep SLACK, so that the check
+        is as exact as the steps along the motion.
 
         Raises:
-            CollisionError: If bodies collide at the start (not in a check), or the tool
-                is tilted.
+            CollisionError: If bodies collide at the start (except in a check), or if
+                the tool is tilted too much.
         """
         self.shared[:] = self.least - SLACK if is_check else self.least
         if self.clearances.at(start) == TILTED:
@@ -315,7 +320,7 @@ class PlanningGroup:
         return self.explained(found, q)
 
     def explained(self, pair: int, q: Array) -> str:
-        """Return the problem with a pair in a pose, for messages."""
+        """Return a message that explains why a pair makes a pose invalid."""
         if pair == TILTED:
             return "the tool is tilted more than it may be"
         first, second = self.names[pair]
@@ -328,9 +333,9 @@ class PlanningGroup:
         )
 
     def clearance(self, poses: Array) -> tuple[float, str]:
-        """Return the smallest distance in some poses, at most 1 m, and its bodies [m].
+        """Return the minimum distance in some poses, up to 1 m, and the two bodies [m].
 
-        Pairs that may touch are left out.
+        Pairs that are allowed to touch are ignored.
         """
         least, names = _FAR, ""
         counted = np.where(self.least > 0.0, 0.0, np.inf)
@@ -347,9 +352,9 @@ def _turns_about_normals(
     joints: Sequence[str],
     above: Mapping[int, Mapping[str, float]],
 ) -> dict[Shape, list[int]]:
-    """Return, for each plane, the indices of the joints that turn about its normal.
+    """Return the indices of the joints that turn about each plane's normal.
 
-    Such joints are at an arm's base: they bring nothing closer to the plane.
+    Such joints are at the base of an arm and do not move any body closer to the plane.
     """
     steady = {list(found)[-1] for found in above.values() if found}
     found: dict[Shape, list[int]] = {}

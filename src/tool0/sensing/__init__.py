@@ -1,1 +1,1 @@
-"""Measurements: snapshots, cameras, wrench, grasps."""
+"""Measurements: cameras, wrenches, collisions, grasps and stalls."""

@@ -1,8 +1,8 @@
-"""The robot's cameras: images rendered from snapshots in separate threads, and PNG.
+"""The robot's cameras, which render images from snapshots in separate threads.
 
-MuJoCo renders the images for every engine.  Since it renders them from snapshots, they
-cost the tick nothing.  A GL context belongs to one thread, so each thread has its own
-renderer.
+MuJoCo renders the images for every engine. The images are rendered from snapshots, so
+they do not slow down the tick. A GL context can be used by only one thread, so each
+thread has a separate renderer.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Drawn = TypeVar("Drawn")
 
 @final
 class View(NamedTuple):
-    """Settings of an image."""
+    """Camera, state and appearance of an image."""
 
     camera: Camera
     state: Snapshot
@@ -42,7 +42,7 @@ class View(NamedTuple):
 
 @final
 class Cameras(Mapping[str, Camera]):
-    """The cameras by name.  Any thread may use them."""
+    """The cameras by name. Any thread may use this mapping."""
 
     def __init__(
         self,
@@ -52,15 +52,15 @@ class Cameras(Mapping[str, Camera]):
         newest: Callable[[], Snapshot],
         threads: int = 1,
     ) -> None:
-        """Prepare, without OpenGL until an image is requested.
+        """Prepare the cameras; OpenGL is not used before an image is requested.
 
         Args:
             model: The robot.
             cameras: Cameras by name.
-            ground: Height of the ground in the robot's root frame [m]; None without
-                ground.
+            ground: Height of the ground in the robot's root frame [m]; None if there is
+                no ground.
             newest: Function that returns the newest snapshot.
-            threads: Number of threads that render several images.
+            threads: Number of threads that render images in parallel.
         """
         self.newest = newest
         """Function that returns the newest snapshot."""
@@ -83,16 +83,16 @@ class Cameras(Mapping[str, Camera]):
         return len(self._cameras)
 
     def render(self, camera: Camera, snapshot: Snapshot | None = None) -> CameraImage:
-        """Return an image from any camera of ``snapshot``, by default the newest.
+        """Return an image from any camera at ``snapshot``; by default, the newest one.
 
         Raises:
-            RenderError: If this machine has no OpenGL, or the robot is closed.
-            ModelError: If MuJoCo does not support an object that Gazebo has.
+            RenderError: If OpenGL is not available, or the robot is closed.
+            ModelError: If MuJoCo does not support an object that Gazebo supports.
         """
         return self.render_all([View(camera, snapshot or self.newest())])[0]
 
     def render_all(self, views: Sequence[View]) -> list[CameraImage]:
-        """Return an image of each view; see ``render``."""
+        """Return an image for each view; see ``render``."""
         return self._drawn(_Painter.paint, views)
 
     def segment_all(self, views: Sequence[View]) -> list[NDArray[np.int32]]:
@@ -113,7 +113,7 @@ class Cameras(Mapping[str, Camera]):
         return [image.result() for image in drawn]
 
     def close(self) -> None:
-        """End the threads and free OpenGL; closing twice is allowed."""
+        """End the threads and release OpenGL; further calls have no effect."""
         with self._lock:
             self._is_closed = True
             painters, self._painters = self._painters, []
@@ -123,12 +123,12 @@ class Cameras(Mapping[str, Camera]):
 
 @final
 class _Painter:
-    """A thread with a renderer; both start with the first image."""
+    """A thread with a renderer; both are created for the first image."""
 
     def __init__(self, model: RobotModel, ground: float | None) -> None:
         self._model, self._ground = model, ground
         self._thread: ThreadPoolExecutor | None = None
-        self._renderer: Renderer | None = None  # the thread's own
+        self._renderer: Renderer | None = None  # used only by the thread
 
     def submit(
         self, draw: Callable[[_Painter, View], Drawn], view: View
@@ -141,14 +141,14 @@ class _Painter:
         return self._thread.submit(draw, self, view)
 
     def close(self) -> None:
-        """End the thread after the images that it has already begun."""
+        """End the thread after rendering the images that have been started."""
         if self._thread is not None:
             ended = self._thread.submit(self._end)
             self._thread.shutdown()
             ended.result()
 
     def paint(self, view: View) -> CameraImage:
-        """Return an image; runs in the thread."""
+        """Return an image of a view; this method runs in the thread."""
         camera, state, look = view
         rgb, depth, frame = self._fitting(camera).render(
             camera, _positions(state), state.scene, state.objects, look
@@ -162,14 +162,14 @@ class _Painter:
         )
 
     def segment(self, view: View) -> NDArray[np.int32]:
-        """Return the object at each pixel; runs in the thread."""
+        """Return the object at each pixel; this method runs in the thread."""
         camera, state, _ = view
         return self._fitting(camera).segment(
             camera, _positions(state), state.scene, state.objects
         )
 
     def _fitting(self, camera: Camera) -> Renderer:
-        """Return a renderer for images of at least the camera's size."""
+        """Return a renderer for images of at least the size of the camera's images."""
         from tool0.engines.mujoco.gl import import_mujoco
 
         import_mujoco()

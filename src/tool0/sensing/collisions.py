@@ -1,7 +1,7 @@
-"""Collisions of the robot in a pose, and on the straight path to the pose.
+"""Collisions of the robot in a pose and on the straight path to the pose.
 
-For every engine, they are found with MuJoCo's shapes.  They are computed from snapshots
-in the caller's thread, so they cost the tick nothing.
+For every engine, MuJoCo's shapes are used to detect collisions. Collisions are computed
+from snapshots in the caller's thread, so they do not slow down the tick.
 """
 
 from __future__ import annotations
@@ -28,25 +28,25 @@ if TYPE_CHECKING:
     from tool0.engines.mujoco.overlaps import OverlapFinder, Pair
 
 TOUCH = 0.0005
-"""Depth from which shapes count as colliding [m]; links that rest on each other also
-overlap by about 0.1 mm in the physics."""
+"""Depth above which shapes are considered to collide [m]. Links that rest on each other
+also overlap by about 0.1 mm in the physics engines."""
 STEP = 0.02
-"""Largest motion of a joint between two checked points of a path [rad | m]; it
-corresponds to 2 cm at the end of an arm of 1 m."""
+"""Maximum motion of a joint between two checked points of a path [rad | m]. The value
+corresponds to 2 cm at the end of an arm with a length of 1 m."""
 MAX_PENETRATION = 0.002
-"""Depth up to which links may overlap something when a user places the robot or an
-object [m]; the physics pushes them apart without a jerk."""
+"""Maximum depth by which links may overlap a body when a user places the robot or an
+object [m]. The physics engine separates the bodies without a jerk."""
 
 
 @final
 class CollisionFinder:
-    """Finds collisions of one robot in any pose.  Any thread may use it."""
+    """Detects collisions of one robot in any pose. Any thread may use the finder."""
 
     def __init__(self, model: RobotModel, ground: float | None) -> None:
-        """Prepare, without compiling shapes until collisions are requested.
+        """Prepare the finder; shapes are not compiled before collisions are requested.
 
-        ``ground`` is the height of the ground in the robot's root frame [m]; None
-        without ground.
+        ``ground`` is the height of the ground in the robot's root frame [m], or None if
+        there is no ground.
         """
         self._model = model
         self._ground = ground
@@ -54,25 +54,26 @@ class CollisionFinder:
         self._finder: OverlapFinder | None = None
         self._beside_lock = Lock()
         self._beside: OverlapFinder | None = None
-        """Finder for single objects in the thread of the tick, which therefore neither
-        waits for paths nor compiles the scene again for each object."""
+        """Finder for single objects in the thread of the tick. With a separate finder,
+        the thread of the tick does not wait for path checks and does not recompile the
+        scene for each object."""
 
     def on_way(
         self, state: Snapshot, positions: Mapping[str, float]
     ) -> tuple[Collision, ...]:
         """Return the collisions on the path from ``state`` to ``positions``.
 
-        All joints move synchronously, on a straight line in joint space.  Gripped
-        objects are carried along.  Pairs that do not overlap more deeply than at the
-        start are left out.
+        All joints move synchronously along a straight line in joint space. Gripped
+        objects move with the gripper. A pair is omitted if its overlap is not deeper
+        than at the start.
 
         Args:
-            state: Present state of the robot and the objects.
-            positions: Joint → target [rad | m]; other joints stay.
+            state: Current state of the robot and the objects.
+            positions: Joint → target [rad | m]. The other joints do not move.
 
         Raises:
-            ModelError: For an unknown joint, or an object that MuJoCo does not support.
-            LimitsError: For a position beyond the joint's limits.
+            ModelError: If a joint is unknown, or MuJoCo does not support an object.
+            LimitsError: If a position exceeds the joint's limits.
         """
         start = state.position
         end = self._moved(start, positions)
@@ -121,16 +122,16 @@ class CollisionFinder:
         usual: Sequence[float],
         objects: tuple[SceneObject, ...],
     ) -> None:
-        """Raise PenetrationError if the robot would overlap something.
+        """Raise PenetrationError if the robot would overlap another body.
 
-        Links that overlap each other or the ground even in the ``usual`` pose are left
-        out, because those of some descriptions always overlap.  A robot with shapes
-        that MuJoCo cannot read is not checked at all.
+        Links that overlap each other or the ground in the ``usual`` pose are ignored,
+        because the links of some descriptions always overlap. A robot with shapes that
+        MuJoCo cannot read is not checked.
 
         Args:
             position: Pose to check [rad | m], shape (n_joints,), in the model's order.
-            usual: Another pose that was accepted before, of the same shape.
-            objects: Objects around the robot, with their start poses.
+            usual: Another pose that was accepted before, with the same shape.
+            objects: Objects around the robot with their start poses.
         """
         with self._lock, contextlib.suppress(ModelError):
             finder = self._finder = self._fitting(self._finder, objects)
@@ -170,10 +171,10 @@ class CollisionFinder:
         """Raise PenetrationError if an object would be inside a link of the robot.
 
         Args:
-            position: Positions of the joints [rad | m], shape (n_joints,), in the
-                model's order.
+            position: Joint positions [rad | m], shape (n_joints,), in the model's
+                order.
             item: Object to check.
-            at: Pose of the object; the object's start pose if left out.
+            at: Pose of the object; by default, the object's start pose.
         """
         with self._beside_lock, contextlib.suppress(ModelError):
             finder = self._beside = self._fitting(self._beside, (item,))
@@ -194,7 +195,7 @@ class CollisionFinder:
     def _fitting(
         self, finder: OverlapFinder | None, objects: tuple[SceneObject, ...]
     ) -> OverlapFinder:
-        """Return the finder if it has these objects, otherwise a new one."""
+        """Return ``finder`` or a new finder, prepared for the given objects."""
         from tool0.engines.mujoco.gl import import_mujoco
 
         import_mujoco()
@@ -208,13 +209,13 @@ class CollisionFinder:
     def _moved(
         self, start: Sequence[float], positions: Mapping[str, float]
     ) -> list[float]:
-        """Return ``start`` with ``positions``, and with updated mimic joints."""
+        """Return ``start`` with the values of ``positions`` and of mimic joints."""
         end = joint_positions(self._model, positions, start)
         return [
             after
             if joint.name in positions
             or (joint.mimic is not None and joint.mimic.joint in positions)
-            else before  # fingers yield a little and do not follow exactly
+            else before  # fingers yield slightly and do not follow exactly
             for joint, before, after in zip(
                 self._model.movable_joints, start, end, strict=True
             )
@@ -243,14 +244,14 @@ class CollisionFinder:
 
 
 def _carry(finder: OverlapFinder, load: HeldObject) -> None:
-    """Move a held object to where the gripper carries it."""
+    """Move a held object to its pose in the gripper."""
     pose = finder.link_pose(load.link) @ load.T_link_item
     at = ObjectState(load.item.name, pose.position, pose.quat_wxyz)
     finder.put_object(load.item, at)
 
 
 def _fingers(model: RobotModel, gripper: ParallelGripper) -> tuple[frozenset[str], ...]:
-    """Return the links of each finger; empty for a gripper without two pads."""
+    """Return the links of each finger; empty if the gripper does not have two pads."""
     try:
         pads = pad_links(model, gripper)
     except ControlError:
@@ -265,7 +266,7 @@ def _at_start(item: SceneObject) -> ObjectState:
 
 
 def _require_apart(found: Iterable[tuple[str, str, float]], text: str) -> None:
-    """Raise PenetrationError for the deepest of ``found``, if there is any."""
+    """Raise PenetrationError for the deepest overlap in ``found``, if there is one."""
     deepest = sorted(found, key=lambda each: -each[2])
     if not deepest:
         return
@@ -279,13 +280,13 @@ def _require_apart(found: Iterable[tuple[str, str, float]], text: str) -> None:
 
 
 def _robot_first(pair: Pair, moving: Collection[str]) -> Pair:
-    """Return the pair with the element that the robot moves first."""
+    """Return the pair, starting with the element that the robot moves."""
     first, second = pair
     return pair if first in moving else (second, first)
 
 
 def _note(found: dict[Pair, Collision], pair: Pair, depth: float, share: float) -> None:
-    """Add the overlaps at the fraction ``share`` of the path."""
+    """Add an overlap at the fraction ``share`` of the path."""
     known = found.get(pair)
     first, second = pair
     found[pair] = Collision(

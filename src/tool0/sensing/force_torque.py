@@ -1,4 +1,4 @@
-"""Force-torque sensors: single sensors sampled by the tick, and all of a robot."""
+"""A force-torque sensor that the tick samples, and the sensors of a robot."""
 
 from __future__ import annotations
 
@@ -20,19 +20,20 @@ from tool0.sensing.low_pass import LowPass
 from tool0.sensing.tool_meter import ToolMeter
 
 Contacts = Callable[[frozenset[str]], tuple[Contact, ...]]
-"""Function that returns the external forces, at least those on the given links."""
+"""Function that returns at least the external forces on the given links."""
 
 RATES = (50.0, 1000.0)
-"""Slowest and fastest sampling rate [Hz]."""
+"""Minimum and maximum sampling rate [Hz]."""
 DEFAULT_RATE = 125.0
-"""Default sampling rate, that of a UR, if it divides the control rate [Hz]."""
+"""Default sampling rate [Hz], which is the same as a UR's. If the rate does not divide
+the control rate, the next lower divisor is used."""
 READINGS_KEPT = 4096
-"""Number of samples kept for slow readers: four seconds at 1 kHz."""
+"""Number of samples that are kept for slow readers: four seconds at 1 kHz."""
 
 
 @final
 class ForceTorqueSensor:
-    """A sensor sampled every few ticks; any thread may read and tare it."""
+    """A sensor that is sampled every few ticks; any thread may read and tare it."""
 
     def __init__(
         self,
@@ -44,10 +45,10 @@ class ForceTorqueSensor:
         rate: float,
         cutoff: float,
     ) -> None:
-        """Measure at ``link`` every few ``ticks``; the tool is ``link`` and beyond.
+        """Measure the wrench at ``link`` every ``ticks`` ticks.
 
-        ``rate`` is the sampling rate [Hz], and ``cutoff`` is the filter's cutoff
-        frequency [Hz].
+        The tool consists of ``link`` and all links that it carries. ``rate`` is the
+        sampling rate [Hz], and ``cutoff`` is the cutoff frequency of the filter [Hz].
         """
         self.link = link
         self.rate = rate
@@ -64,7 +65,7 @@ class ForceTorqueSensor:
 
     @property
     def ticks_left(self) -> int:
-        """Number of ticks until the next sample, at least one."""
+        """Number of ticks until the next sample, which is at least one."""
         return self._left
 
     def tick(
@@ -74,10 +75,10 @@ class ForceTorqueSensor:
         contacts: Contacts,
         ticks: int = 1,
     ) -> None:
-        """Sample the last step of ``ticks`` ticks if a sample is due.
+        """Sample the last of ``ticks`` ticks if a sample is due.
 
-        This step was from state ``before`` to ``after``.  ``ticks`` must not exceed
-        ``ticks_left``.
+        The last tick was from state ``before`` to state ``after``. ``ticks`` must not
+        exceed ``ticks_left``.
         """
         self._left -= ticks
         if self._left == 0:
@@ -85,23 +86,23 @@ class ForceTorqueSensor:
             self._sample(before, after, contacts)
 
     def skip(self, ticks: int) -> None:
-        """Count ``ticks`` without a sample; they must be fewer than ``ticks_left``."""
+        """Count ``ticks`` without a sample, at most ``ticks_left`` - 1."""
         self._left -= ticks
 
     def subtract(self, payloads: Mapping[str, Payload]) -> None:
-        """Subtract payloads, by flange, as a UR does; call it in the tick's thread."""
+        """Subtract payloads by flange, like a UR; call this in the tick's thread."""
         self._meter.subtract(payloads)
 
     def restart(
         self, before: JointState, after: JointState, contacts: Contacts
     ) -> None:
-        """Sample now with a new filter, at the start and after a reset."""
+        """Take a sample with a new filter at the start and after a reset."""
         self._left = self._ticks
         self._filter = LowPass(self._cutoff, self.rate)
         self._sample(before, after, contacts)
 
     def zero(self) -> None:
-        """Tare: subtract the current filtered measurement from now on."""
+        """Tare the sensor: subtract the current filtered wrench from later samples."""
         with self._changed:
             self._offset = self._last[2]
             self._readings[-1] = self._reading()
@@ -114,10 +115,10 @@ class ForceTorqueSensor:
     def samples(self, since: int, timeout: float | None) -> tuple[WrenchReading, ...]:
         """Return samples after number ``since``; wait for the first one [wall s].
 
-        The first sample says how many were dropped before it.
+        The first sample contains the number of samples that were dropped before it.
         """
         with self._changed:
-            if since > self._number:  # from before the sensor was restarted
+            if since > self._number:  # ``since`` is from before a restart
                 since = -1
             self._changed.wait_for(lambda: self._number > since, timeout)
             count = min(self._number - since, len(self._readings))
@@ -155,9 +156,9 @@ class ForceTorqueSensor:
 
 @final
 class ForceTorqueSensors:
-    """Starts, stops and finds sensors.  Any thread may use it.
+    """Starts, stops and finds sensors. Any thread may use this object.
 
-    A sensor costs nothing until it is started; reading it for the first time starts it.
+    A sensor is not sampled until it is started. The first reading starts the sensor.
     """
 
     def __init__(
@@ -169,10 +170,10 @@ class ForceTorqueSensors:
         start: Callable[[ForceTorqueSensor], None],
         stop: Callable[[ForceTorqueSensor], None],
     ) -> None:
-        """Create the sensors without starting any.
+        """Create the sensors without starting them.
 
-        ``start`` lets the tick sample a sensor, once in each ``control_period`` [s];
-        ``stop`` ends this.
+        ``start`` must make the tick sample a sensor once per ``control_period`` [s];
+        ``stop`` must end the sampling.
         """
         self._description = description
         self._engine = engine
@@ -183,7 +184,7 @@ class ForceTorqueSensors:
         self._sensors: dict[str, ForceTorqueSensor] = {}
 
     def link(self, name: str | None) -> str:
-        """Return the link to measure at; see ``measured_link``."""
+        """Return the link at which to measure; see ``measured_link``."""
         return measured_link(self._description, name)
 
     def rate(self, link: str) -> float:
@@ -192,24 +193,24 @@ class ForceTorqueSensors:
         return 0.0 if sensor is None else sensor.rate
 
     def sensor(self, link: str) -> ForceTorqueSensor:
-        """Return the sensor at ``link``; start it with the defaults if needed."""
+        """Return the sensor at ``link``; if necessary, start it with the defaults."""
         with self._lock:
             return self._sensors.get(link) or self._start(link, None, DEFAULT_CUTOFF)
 
     def start(self, link: str, rate: float | None, cutoff: float) -> float:
-        """Start or restart sampling, without tare; return the rate [Hz].
+        """Start or restart sampling without a tare; return the sampling rate [Hz].
 
-        A ``rate`` of None stands for 125 Hz, or else the next lower divisor of the
+        If ``rate`` is None, the rate is 125 Hz, or the next lower divisor of the
         control rate.
 
         Raises:
-            ControlError: If either is out of range.
+            ControlError: If the rate or the cutoff is out of range.
         """
         with self._lock:
             return self._start(link, rate, cutoff).rate
 
     def stop(self, link: str) -> None:
-        """Stop sampling and forget the tare; stopping twice is allowed."""
+        """Stop sampling and discard the tare; further calls have no effect."""
         with self._lock:
             sensor = self._sensors.pop(link, None)
             if sensor is not None:
@@ -233,13 +234,14 @@ class ForceTorqueSensors:
 
 
 def measured_link(description: RobotDescription, name: str | None) -> str:
-    """Return the link to measure at, given the name of a link or a sensor.
+    """Return the link at which to measure for the name of a link or sensor.
 
-    Without a name, it is the only link ``tool0`` of the robot.
+    By default, the result is the robot's only link ``tool0``.
 
     Raises:
         ModelError: If there is no link or sensor with this name.
-        ControlError: If no name is given, and there is no ``tool0`` or several.
+        ControlError: If no name is specified, and the robot does not have exactly one
+            link ``tool0``.
     """
     model = description.model
     if name is not None:
@@ -256,11 +258,11 @@ def measured_link(description: RobotDescription, name: str | None) -> str:
 
 
 def ticks_between_samples(rate: float | None, period: float) -> int:
-    """Return the number of control periods, each of ``period`` [s], between samples.
+    """Return the number of control periods of ``period`` [s] between two samples.
 
     Args:
-        rate: Samples per second [Hz]; None stands for 125, or else the next lower
-            divisor of the control rate.
+        rate: Sampling rate [Hz]. None stands for 125 Hz, or for the next lower divisor
+            of the control rate.
         period: Control period [s].
 
     Raises:

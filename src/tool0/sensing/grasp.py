@@ -1,9 +1,10 @@
-"""Grasps: gripper motion and held objects, parallel pads, and grasp assist.
+"""Grasps: gripper motion, held objects, parallel pads and grasp assist.
 
-Grasp assist fixes gripped objects to the gripper.  It is off by default: no real
-gripper does so.  It is meant for users who study the task after a grasp, regardless of
-friction and force.  An object that both pads touch is fixed to the gripper's base, from
-the time the gripper holds it until it is commanded to open or its pads move.
+Grasp assist fixes gripped objects to the gripper. Grasp assist is off by default,
+because no real gripper fixes objects. Grasp assist is intended for users who study the
+task after a grasp, regardless of friction and force. An object that both pads touch is
+fixed to the gripper's base as soon as the gripper holds the object. The object is
+released when the gripper is commanded to open or the pads move.
 """
 
 from __future__ import annotations
@@ -22,32 +23,37 @@ from tool0.protocol.gripper import GraspState, GripperMotion
 from tool0.protocol.state import Snapshot
 
 WINDOW = 0.1
-"""Simulated time for which the pads must be still to count as holding something [s].
-Pads of a simulated grip chatter, so their velocity at one instant is no criterion."""
+"""Simulated time for which the pads must be at rest before a gripper is considered to
+hold an object [s]. The pads of a simulated grip chatter, so their velocity at one time
+is not a suitable criterion."""
 SHORT_OF_IT = 0.3
-"""Time after which pads that are still, neither at their target nor pushing, have ended
-their motion [s].  A real gripper reports up to 0.15 s after its pads have met an object
-that it is pushing."""
+"""Time after which the motion of pads at rest is complete if the pads are neither at
+their target nor pushing [s]. A real gripper reports an object up to 0.15 s after its
+pads have started to push the object."""
 STILL = 0.1
-"""Fraction of the travel at the slowest speed within the window, below which pads count
-as still; weak gains creep to their target at twice that."""
+"""Fraction of the travel at the slowest speed within the window below which pads are
+considered to be at rest. With weak gains, pads creep to their target at twice this
+fraction of the travel."""
 CREEP = 2.5 * STILL
-"""Same fraction for pads that push firmly; it is larger because the object yields."""
+"""Fraction like ``STILL`` for pads that push firmly, which is larger because the object
+yields."""
 MOVED = 2.0 * CREEP
-"""Same fraction, above which pads that were still count as moving again."""
+"""Fraction like ``STILL`` above which pads at rest are considered to move again."""
 PARALLEL = math.radians(3.0)
-"""Largest deviation of a linkage from its rest shape in a pinch.  The grip force bends
-the linkage by up to 1°, whereas fingers that wrap deviate by 5° or more."""
+"""Maximum deviation of a linkage from its rest shape in a pinch grip [rad]. The grip
+force bends the linkage by up to 1°, whereas fingers that wrap an object deviate by 5°
+or more."""
 _ROUNDING = 1e-6  # [s]
 TOLERANCE = 0.001
-"""Largest steady-state error of pads that have reached their target [m].  An object
-that is squeezed by less is not detected."""
+"""Maximum steady-state error of pads that have reached their target [m]. An object that
+is squeezed by less than the steady-state error is not detected."""
 PUSH = 0.05
-"""Fraction of the weakest grip force from which the drive counts as pushing.  The
-weight and friction of the fingers take less if the pads are free: on a 2F-85, 0.8 N
-where this fraction is 1 N."""
+"""Fraction of the minimum grip force above which the drive is considered to push. If
+the pads are free, the weight and friction of the fingers need less force than this
+fraction. On a 2F-85, the fingers need 0.8 N, and the fraction is 1 N."""
 FIRM = 0.5
-"""Fraction of the weakest grip force from which the drive counts as pushing firmly."""
+"""Fraction of the minimum grip force above which the drive is considered to push
+firmly."""
 
 
 class _Sample(NamedTuple):
@@ -62,8 +68,8 @@ class _Sample(NamedTuple):
 class GraspDetector:
     """Detects the state of one gripper from consecutive snapshots.
 
-    Pads have met an object if they are still, away from the controller's setpoint, and
-    pushed by the drive, and if something presses on both fingers.
+    Pads have met an object if they are at rest away from the controller's setpoint, the
+    drive pushes them, and a body presses on both fingers.
     """
 
     def __init__(self, geometry: ParallelGripper) -> None:
@@ -76,7 +82,7 @@ class GraspDetector:
         """Simulated time at which the gripper came to rest [s]."""
 
     def observe(self, snapshot: Snapshot) -> GraspState:
-        """Return the state at a snapshot; one older than the last means a reset."""
+        """Return the state at a snapshot; an older snapshot indicates a reset."""
         geometry = self._geometry
         index = snapshot.joint_names.index(geometry.joint)
         position = snapshot.position[index]
@@ -102,14 +108,14 @@ class GraspDetector:
         )
 
     def _remember(self, sample: _Sample) -> None:
-        """Keep the samples within the window."""
+        """Add a sample and remove the samples that are older than the window."""
         samples = self._samples
         samples.append(sample)
         while len(samples) > 1 and samples[1].time <= sample.time - WINDOW:
             samples.popleft()
 
     def _judge(self, desired: float, target: float) -> GripperMotion:
-        """Return the motion, given the openings desired now and in the end [m]."""
+        """Return the motion for the desired opening and the final opening [m]."""
         openings = [sample.opening for sample in self._samples]
         way = (max(openings) - min(openings)) / self._slowest_travel
         last = self._samples[-1]
@@ -134,12 +140,12 @@ class GraspDetector:
         """Return the mean opening force of the drive over the window [N]."""
         samples = self._samples
         lever = self._geometry.lever(samples[-1].position)
-        # A positive effort closes every gripper: the opening shrinks.
+        # A positive effort closes every gripper, so the opening decreases.
         return -sum(sample.effort for sample in samples) / len(samples) / lever
 
 
 def _is_parallel(gripper: ParallelGripper, snapshot: Snapshot) -> bool:
-    """Return whether the pads are parallel, so that the fingers do not wrap."""
+    """Return whether the pads are parallel, so the fingers do not wrap the object."""
     position = snapshot.positions
     drive = position[gripper.joint]
     return all(
@@ -157,7 +163,7 @@ def judge(geometry: ParallelGripper, snapshots: Sequence[Snapshot]) -> GraspStat
 def wanted_openings(
     snapshot: Snapshot, gripper: ParallelGripper
 ) -> tuple[float, float] | None:
-    """Return the desired and final openings [m]; None without a setpoint."""
+    """Return the desired and the final opening [m]; None if there is no setpoint."""
     wanted = snapshot.desired_and_target(gripper.joint)
     if wanted is None:
         return None
@@ -172,16 +178,16 @@ WARNING = (
     "which no real gripper does"
 )
 PADS_MOVED = 0.002
-"""Opening motion of the pads that releases the object [m]; larger than the motion after
-a stronger grip."""
+"""Change of the opening that releases the object [m], which is larger than the change
+that a stronger grip causes."""
 
 
 @final
 class GraspAssist:
-    """Attaches and detaches objects.  Only the thread that owns the tick may use it."""
+    """Attaches and detaches objects in the thread that owns the tick."""
 
     def __init__(self, model: RobotModel, engine: Engine) -> None:
-        """Start without held objects, and log the warning.
+        """Start without held objects and log a warning.
 
         Raises:
             ConfigError: If the robot has no gripper.
@@ -196,7 +202,7 @@ class GraspAssist:
         ]
 
     def look(self, snapshot: Snapshot) -> None:
-        """Attach and detach objects according to ``snapshot``, the newest one."""
+        """Attach and detach objects according to the newest snapshot."""
         for assisted in self._grippers:
             state = assisted.detector.observe(snapshot)
             if assisted.held is not None:
@@ -210,14 +216,14 @@ class GraspAssist:
                     assisted.held, assisted.opening = name, state.opening
 
     def forget(self) -> None:
-        """Forget held objects, which a reset has detached."""
+        """Discard held objects, which a reset has detached."""
         for assisted in self._grippers:
             assisted.forget()
 
     def _between(self, pads: tuple[str, str], snapshot: Snapshot) -> str | None:
-        """Return the movable object that both pads press on, if there is one."""
+        """Return the movable object that both pads press on, or None."""
         pairs = [{c.first, c.second} for c in self._world.contacts()]
-        # In a handover, the object is attached after the other gripper releases it.
+        # In a handover, the object is attached after the other gripper has released it.
         held = {assisted.held for assisted in self._grippers}
         for item in snapshot.scene:
             if item.mass is None or item.name in held:
@@ -229,7 +235,7 @@ class GraspAssist:
 
 @final
 class _AssistedGripper:
-    """One gripper, and the object attached to it."""
+    """One gripper and the object that is attached to it."""
 
     def __init__(self, model: RobotModel, gripper: ParallelGripper) -> None:
         self.gripper = gripper
@@ -240,12 +246,12 @@ class _AssistedGripper:
         self.forget()
 
     def forget(self) -> None:
-        """Start without a held object or history."""
+        """Discard the held object and the history."""
         self.detector = GraspDetector(self.gripper)
         self.held: str | None = None
 
     def releases(self, snapshot: Snapshot, opening: float) -> bool:
-        """Return whether the gripper should open, or its pads have moved."""
+        """Return whether the gripper is commanded to open or its pads have moved."""
         if abs(opening - self.opening) > PADS_MOVED:
             return True
         wanted = wanted_openings(snapshot, self.gripper)

@@ -1,4 +1,4 @@
-"""Detects that fingers press on something from both sides, as a grip does."""
+"""Detection of fingers that press on an object from both sides, like in a grip."""
 
 from __future__ import annotations
 
@@ -15,40 +15,40 @@ from tool0.hardware.engine import JointState
 from tool0.sensing.grasp import PUSH
 
 PERIOD = 0.04
-"""Simulated time between contact checks of pushing fingers [s]; a check takes an engine
-about 50 µs, and a grip is reported after 0.1 s."""
+"""Simulated time between contact checks of pushing fingers [s]. A check takes about 50
+µs in an engine, and a grip is reported after 0.1 s."""
 GRACE = 0.1
-"""Simulated time for which a grip outlasts the last check that found it [s], since a
-chattering finger has no contact at some instants."""
+"""Simulated time for which a grip remains valid after the last check that detected it
+[s]. A chattering finger has no contact at some times."""
 
 
 @final
 class GripContacts:
-    """Checks the contacts of every gripper.  Only for the thread of the tick."""
+    """Checks the contacts of all grippers in the thread of the tick."""
 
     def __init__(self, model: RobotModel, joint_names: Sequence[str]) -> None:
-        """Start without grips; ``joint_names`` have the order of the states."""
+        """Start without grips; ``joint_names`` is the order of joints in the states."""
         self._hands = [
             _Hand(model, gripper, joint_names.index(gripper.joint))
             for gripper in model.grippers
         ]
         self.gripping: tuple[str, ...] = ()
-        """Names of the grippers whose fingers press on something from two sides."""
+        """Names of the grippers whose fingers press on an object from two sides."""
 
     def look(
         self, state: JointState, contacts: Callable[[], tuple[Contact, ...]]
     ) -> None:
-        """Take ``state`` into account; ``contacts`` is called while fingers push."""
+        """Update the grips from ``state``; call ``contacts`` while fingers push."""
         for hand in self._hands:
             if hand.changes(state, contacts):
                 self.gripping = tuple(h.name for h in self._hands if h.is_gripping)
 
     def note(self, gripping: Collection[str]) -> None:
-        """Take over the grips that real grippers report themselves."""
+        """Use the grips that real grippers report."""
         self.gripping = tuple(h.name for h in self._hands if h.name in gripping)
 
     def forget(self) -> None:
-        """Forget the grips, for instance after a reset."""
+        """Discard all grips, for example after a reset."""
         self.gripping = ()
         for hand in self._hands:
             hand.forget()
@@ -56,18 +56,18 @@ class GripContacts:
 
 @final
 class _Hand:
-    """One gripper, and the links of each of its fingers."""
+    """One gripper and the links of each of its fingers."""
 
     def __init__(self, model: RobotModel, gripper: ParallelGripper, index: int) -> None:
         self.name = gripper.name
         self._index = index
         self._lever = gripper.law.lever
         self._weakest = PUSH * gripper.force[0]
-        """Force from which the fingers count as pushing [N]."""
+        """Force above which the fingers are considered to push [N]."""
         self._links = frozenset(model.link_by_name)
         try:
             pads = pad_links(model, gripper)
-        except ControlError:  # unknown without pads
+        except ControlError:  # the fingers are unknown without pads
             self._fingers = None
         else:
             base = model.joint(gripper.joint).parent
@@ -81,7 +81,7 @@ class _Hand:
     def changes(
         self, state: JointState, contacts: Callable[[], tuple[Contact, ...]]
     ) -> bool:
-        """Take ``state`` into account; return whether ``is_gripping`` changes."""
+        """Update the grip from ``state``; return whether ``is_gripping`` changed."""
         time, position, _, effort = state
         i = self._index
         if time - self._looked >= PERIOD and abs(
@@ -97,9 +97,9 @@ class _Hand:
     def _is_pressed(
         self, fingers: Iterable[frozenset[str]], contacts: tuple[Contact, ...]
     ) -> bool:
-        """Return whether the forces on the two fingers oppose each other.
+        """Return whether the forces on the two fingers have opposite directions.
 
-        If the fingers stand on a table, both are pushed the same way.
+        If the fingers stand on a table, both forces have the same direction.
         """
         one, two = (self._force_on(finger, contacts) for finger in fingers)
         return sum(a * b for a, b in zip(one, two, strict=True)) < 0.0
@@ -107,7 +107,7 @@ class _Hand:
     def _force_on(
         self, finger: frozenset[str], contacts: tuple[Contact, ...]
     ) -> Vector3:
-        """Return the force on a finger from everything except the robot [N]."""
+        """Return the force on a finger from all bodies except the robot [N]."""
         x = y = z = 0.0
         for contact in contacts:
             first, second = contact.first, contact.second
@@ -120,7 +120,7 @@ class _Hand:
 
 
 def finger_links(model: RobotModel, base: str, pad: str) -> frozenset[str]:
-    """Return the links from a gripper's base to a pad, without the base."""
+    """Return the links between a gripper's base and a pad, including the pad's link."""
     found = []
     link = pad
     while link != base:

@@ -12,14 +12,15 @@ from tool0.errors import ControlError
 class SecondOrder(NamedTuple):
     """A second-order Butterworth low-pass filter.
 
-    H(s) = 1 / (s² + √2 s + 1), s in units of the cutoff, discretised by the bilinear
-    transform with frequency prewarping at the cutoff:
+    The transfer function is H(s) = 1 / (s² + √2 s + 1), with s in units of the cutoff.
+    The filter is discretized by the bilinear transform with frequency prewarping at the
+    cutoff:
 
         y = b0 x + 2 b0 x' + b0 x" - a1 y' - a2 y",  K = tan(π cutoff / rate),
         b0 = K² / d,  a1 = 2 (K² - 1) / d,  a2 = (1 - √2 K + K²) / d,  d = 1 + √2 K + K²
 
-    The gain is 0.71 at the cutoff and 0.01 at ten times the cutoff.  A ramp is delayed
-    by 0.225 / cutoff: 15 ms at 15 Hz.
+    The gain is 0.71 at the cutoff and 0.01 at ten times the cutoff. A ramp is delayed
+    by 0.225 / cutoff, which is 15 ms at 15 Hz.
     """
 
     b0: float
@@ -28,11 +29,11 @@ class SecondOrder(NamedTuple):
 
     @staticmethod
     def of(cutoff: float, rate: float) -> SecondOrder:
-        """Return the filter.
+        """Return the filter for a cutoff frequency and a sampling rate.
 
         Args:
-            cutoff: Cutoff frequency [Hz], below half the rate.
-            rate: Samples per second [Hz].
+            cutoff: Cutoff frequency [Hz], which must be below half the rate.
+            rate: Sampling rate [Hz].
 
         Raises:
             ControlError: If the cutoff is out of range.
@@ -53,18 +54,18 @@ class SecondOrder(NamedTuple):
 
 @final
 class LowPass:
-    """A ``SecondOrder`` for several values at once.
+    """A ``SecondOrder`` filter for several values at the same time.
 
-    The initial state corresponds to a constant input equal to the first sample.
+    The initial state corresponds to a constant input that is equal to the first sample.
     """
 
     def __init__(self, cutoff: float, rate: float) -> None:
-        """Restart the filter; see ``SecondOrder.of`` for arguments and errors."""
+        """Initialize the filter; see ``SecondOrder.of`` for arguments and errors."""
         self._filter = SecondOrder.of(cutoff, rate)
         self._memory: list[tuple[float, float]] = []
 
     def __call__(self, values: Sequence[float]) -> list[float]:
-        """Return the filtered value of the next sample."""
+        """Return the filtered values of the next sample."""
         b0, a1, a2 = self._filter
         if not self._memory:
             self._memory = [((1.0 - b0) * x, (b0 - a2) * x) for x in values]

@@ -1,4 +1,4 @@
-"""Stalled joints: at their effort limit or far from their setpoint, without moving."""
+"""Joints at rest that are at their effort limit or far from their setpoint."""
 
 from __future__ import annotations
 
@@ -18,30 +18,32 @@ from tool0.protocol.state import Stall
 logger = logging.getLogger(__name__)
 
 STALL_TIME = 0.5
-"""Time for which a joint must push at its limit without moving to count as stalled
-[s]."""
+"""Time for which a joint must push at its limit without moving until it is considered
+stalled [s]."""
 LARGEST_LAG = 0.05
-"""Largest distance of the measured position behind its setpoint [s at full speed]: an
-estimate, since UR does not publish its bound.  For a UR5 this is 0.16 rad."""
+"""Maximum distance between the measured position and its setpoint [s at full speed].
+The value is an estimate, because UR does not publish the limit. For a UR5, the distance
+is 0.16 rad."""
 LAG_PERIOD = 0.1
-"""Simulated time between comparisons of the joints with their setpoints [s]; a
+"""Simulated time between two comparisons of the joints with their setpoints [s]. A
 comparison takes about 20 µs."""
 STILL = 0.005
-"""Travel below which a joint counts as still [rad | m]."""
+"""Travel below which a joint is considered to be at rest [rad | m]."""
 CHATTER_TIME = 0.05
-"""Time below the effort limit that does not end a push [s], since contacts chatter."""
+"""Time below the effort limit that does not end a push [s], because contacts
+chatter."""
 MIN_CONTACT_SHARE = 0.1
-"""Fraction of the strongest contact force below which a contact does not stop a
-joint."""
+"""Fraction of the strongest contact force below which a contact is not considered to
+stop a joint."""
 
 
 def external_contacts(
     groups: Iterable[frozenset[str]], contacts: Sequence[Contact]
 ) -> tuple[tuple[str, str], ...]:
-    """Return contacts across the border of a group of links, strongest first.
+    """Return contacts between a group of links and other bodies, strongest first.
 
-    The links that a joint moves are a group: contacts within the group do not stop the
-    joint.  The link of the group comes first in each pair.
+    The links that a joint moves form a group, because contacts within the group do not
+    stop the joint. The link of the group is the first element of each pair.
     """
     sides, found = tuple(groups), []
     for contact in contacts:
@@ -59,9 +61,9 @@ def external_contacts(
 
 @final
 class StallMonitor:
-    """Finds stalled joints.  Only the thread that owns the tick may use it.
+    """Detects stalled joints. Only the thread that owns the tick may use the monitor.
 
-    Grippers' drives are left out, since their purpose is to push without moving.
+    The drives of grippers are ignored, because they are meant to push without moving.
     """
 
     def __init__(self, model: RobotModel, hardware: RobotHardware) -> None:
@@ -74,8 +76,8 @@ class StallMonitor:
         self._select = joint_selector([drive.index for drive in self._drives])
         self._limits = [drive.limit for drive in self._drives]
         self._last = self._compared = -math.inf
-        """Times at which a joint last pushed at its limit, and at which setpoints were
-        last compared [s]."""
+        """Times at which a joint last pushed at its limit, and at which the setpoints
+        were last compared [s]."""
         self._lagging: list[_Drive] = []
         """Drives that are far from their setpoints."""
         self.stalls: tuple[Stall, ...] = ()
@@ -88,9 +90,9 @@ class StallMonitor:
     ) -> None:
         """Update the stalls from ``state``.
 
-        ``contacts`` is called from the beginning of a push, because an engine may only
-        record contacts after the first call.  ``wanted`` returns the setpoint of each
-        joint that is moved by position [rad | m].
+        ``contacts`` is called starting with the first push, because an engine may
+        record contacts only after the first call. ``wanted`` returns the setpoint of
+        each joint that is controlled by position [rad | m].
         """
         if not 0.0 <= state.time - self._compared < LAG_PERIOD:
             self._compared = state.time
@@ -119,7 +121,7 @@ class StallMonitor:
                 logger.warning("%s", stall)
 
     def forget(self) -> None:
-        """Forget all pushes, for instance after a reset."""
+        """Discard all pushes, for example after a reset."""
         self.stalls = ()
         self._last = self._compared = -math.inf
         self._lagging = []
@@ -139,28 +141,28 @@ class _Drive:
         self.index = index
         self.links = frozenset(model.links_from(model.joint(joint).child))
         self.since = -math.inf
-        """Time at which the joint began to push at its present position [s]."""
+        """Time at which the joint started to push at its current position [s]."""
         self.last = -math.inf
         """Time at which the joint last pushed at its limit [s]."""
         self.limit = PUSHING * limits.effort
-        """Effort from which the joint counts as pushing [N·m | N]."""
+        """Effort above which the joint is considered to push [N·m | N]."""
         self._position = 0.0
         self._sign = 0.0
         self.lag = 0.0
         """Distance of the joint from its setpoint [rad | m]."""
         self.lagging_since = math.inf
-        """Time since which the joint has been far from its setpoint without moving
+        """Time at which the joint started to be far from its setpoint without moving
         [s]."""
         self._most = LARGEST_LAG * limits.velocity
         self._lags_at = 0.0
 
     def stall(self, state: JointState, touching: Sequence[Contact]) -> Stall:
-        """Return the stall of this joint, with its contacts."""
+        """Return the stall of this joint with its contacts."""
         contacts = external_contacts((self.links,), touching)
         return Stall(self.joint, state.effort[self.index], contacts)
 
     def lags(self, state: JointState, wanted: Mapping[str, float]) -> bool:
-        """Return whether the joint is far from its setpoint; note when this began."""
+        """Return whether the joint is far from its setpoint; record the start time."""
         position = state.position[self.index]
         self.lag = abs(wanted.get(self.joint, position) - position)
         if self.lag <= self._most:
@@ -172,7 +174,7 @@ class _Drive:
         return True
 
     def pushes(self, state: JointState) -> bool:
-        """Return whether the joint pushes; note since when at its present position."""
+        """Return whether the joint pushes; record when the push started."""
         effort, time = state.effort[self.index], state.time
         if abs(effort) < self.limit:
             return time - self.last < CHATTER_TIME

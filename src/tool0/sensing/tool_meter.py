@@ -1,4 +1,4 @@
-"""The wrench of a tool on its flange in a step, computed by the kernel if possible."""
+"""Wrench of a tool on its flange during a step, computed by the kernel if possible."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tool0.kernel.tool_forces import ToolForcesKernel, ToolWrenches
 
 @final
 class ToolMeter:
-    """Measures the wrench on a link from the link itself and everything it carries."""
+    """Measures the wrench on a link from the link and all bodies that it carries."""
 
     def __init__(self, model: RobotModel, link: str, engine: Engine) -> None:
         self._dynamics = ToolDynamics(model, link, engine.world.gravity)
@@ -29,7 +29,7 @@ class ToolMeter:
         self._dt = engine.dt
         self._step = np.zeros((3, len(names)))
         """State of a step: positions and velocities before the step, and velocities
-        after it."""
+        after the step."""
         at = [row.ctypes.data for row in self._step]
         self._step_at: Addresses = np.array([at], dtype=np.uintp)
         self._compiled = library.load()
@@ -37,11 +37,11 @@ class ToolMeter:
 
     @property
     def links(self) -> frozenset[str]:
-        """Links whose contacts count."""
+        """Links with contacts that are included in the wrench."""
         return self._dynamics.links
 
     def subtract(self, payloads: Mapping[str, Payload]) -> None:
-        """Subtract payloads, by flange, from now on."""
+        """Subtract payloads by flange from later wrenches."""
         inertias = {link: payload_inertia(item) for link, item in payloads.items()}
         self._dynamics.subtract(inertias)
         self._load()
@@ -55,10 +55,10 @@ class ToolMeter:
     def wrench(
         self, before: JointState, after: JointState, contacts: tuple[Contact, ...]
     ) -> Wrench:
-        """Return force [N] and torque [N·m] in the step between two states.
+        """Return the force [N] and torque [N·m] during the step between two states.
 
-        The wrench acts at the flange, in the flange's axes; ``contacts`` are all
-        contacts of that step.
+        The wrench acts at the flange in the flange's axes. ``contacts`` are all
+        contacts of the step.
         """
         was, velocity = before.velocity, after.velocity
         if self._kernel is None:
@@ -77,12 +77,12 @@ class ToolMeter:
         return fx, fy, fz, tx, ty, tz
 
     def wrenches(self, steps: Addresses) -> ToolWrenches:
-        """Return the wrenches without contacts, in steps that the kernel executed."""
+        """Return the wrenches without contacts for steps that the kernel executed."""
         assert self._kernel is not None
         return self._kernel.of_steps(steps)
 
     def with_contacts(
         self, forces: ToolForces, contacts: tuple[Contact, ...]
     ) -> Wrench:
-        """Return a wrench at the flange, including all contacts of the step."""
+        """Return the wrench at the flange, including all contacts of the step."""
         return self._dynamics.with_contacts(forces, contacts)

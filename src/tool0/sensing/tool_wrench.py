@@ -18,11 +18,12 @@ NO_WRENCH: Final[Wrench] = (0.0,) * 6
 
 @final
 class ToolWrench:
-    """External force and torque on a tool at its flange, in the flange's axes.
+    """External force and torque on a tool at its flange in the flange's axes.
 
-    As on a UR, the payload is subtracted: the payload that was set, or else the tool in
-    the description.  The filter has two poles at ``DEFAULT_CUTOFF``.  Any time may pass
-    between two readings, since nothing is computed in between.
+    Like on a UR, the payload is subtracted: the payload that was set or, by default,
+    the tool in the description. The filter has two poles at ``DEFAULT_CUTOFF``. Any
+    time may pass between two readings, because the wrench is computed only when it is
+    read.
     """
 
     def __init__(self, model: RobotModel, flange: str, engine: Engine) -> None:
@@ -34,19 +35,19 @@ class ToolWrench:
         self._dt = engine.dt
         self._offset: Wrench = NO_WRENCH
         self._passed: list[tuple[float, float]] = []
-        """Outputs of the filter's first and second pole, before the tare."""
+        """Outputs of the filter's first and second pole before the tare."""
         self._time = -math.inf
         self.subtract(None)
 
     def subtract(self, payload: Payload | None) -> None:
-        """Subtract another payload from now on; None is that of the description."""
+        """Subtract another payload from now on; None is the description's tool."""
         inertia = self._tool if payload is None else payload_inertia(payload)
         self._dynamics.subtract({self._flange: inertia})
 
     def read(
         self, before: JointState, after: JointState, contacts: tuple[Contact, ...]
     ) -> Wrench:
-        """Return force [N] and torque [N·m] after a physics step."""
+        """Return the force [N] and torque [N·m] after a physics step."""
         elapsed, self._time = after.time - self._time, after.time
         if elapsed != 0.0 or not self._passed:
             raw = self._raw(before, after, contacts)
@@ -65,7 +66,7 @@ class ToolWrench:
         return fx, fy, fz, tx, ty, tz
 
     def zero(self) -> None:
-        """Tare: subtract the latest reading from now on."""
+        """Tare the sensor: subtract the current reading from later readings."""
         fx, fy, fz, tx, ty, tz = (second for _, second in self._passed)
         self._offset = fx, fy, fz, tx, ty, tz
 

@@ -23,14 +23,15 @@ from tool0.ur.options import UrArm, UrOptions
 from tool0.ur.service import connected, serve
 
 _FORMAT = "[%(levelname)s] [%(created).3f] [%(name)s]: %(message)s"
-"""Format of the log, the same as ROS's; the bring-up parses it."""
+"""Format of log messages, which is the same as ROS's. The bring-up parses the
+messages."""
 SWITCH_INTERVAL: Final = 0.0005
 """Longest time for which a thread that plans or compiles delays the event loop [s]: a
 quarter of RTDE's period."""
 
 
 def main() -> int:
-    """Present a bring-up as a UR until it ends, or until Ctrl-C."""
+    """Present a bring-up as a UR until the bring-up ends or Ctrl-C is pressed."""
     arguments = _arguments()
     logging.addLevelName(logging.WARNING, "WARN")
     logging.basicConfig(level=logging.INFO, format=_FORMAT, stream=sys.stderr)
@@ -44,7 +45,7 @@ def main() -> int:
             active_gripper=arguments.active_gripper,
         )
         asyncio.run(_run(arguments.name, options))
-    except ImportError as error:  # of a damaged installation
+    except ImportError as error:  # the installation is damaged
         print(f"tool0: error: {error}", file=sys.stderr)
         return UNABLE
     except Tool0Error as error:
@@ -59,7 +60,7 @@ async def _run(name: str, options: UrOptions) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(number, task.cancel)
     with contextlib.suppress(asyncio.CancelledError):
-        await asyncio.to_thread(prepare)  # the bring-up may be starting, too
+        await asyncio.to_thread(prepare)  # the bring-up may still be starting
         channel = await connected(name)
         try:
             await serve(channel, options, _report)
@@ -68,7 +69,7 @@ async def _run(name: str, options: UrOptions) -> None:
 
 
 def _report(arms: Mapping[str, UrArm]) -> None:
-    """Tell the parent program that the ports are open."""
+    """Report to the parent process that the ports are open."""
     gc.collect()
     garbage.started()
     rows = {name: asdict(arm) for name, arm in arms.items()}

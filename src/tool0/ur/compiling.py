@@ -12,16 +12,17 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 KEPT: Final = 8
-"""Number of compiled programs that are cached."""
+"""Maximum number of compiled programs in the cache."""
 
 
 async def compiled(text: str, name: str) -> RunnableProgram[UrControlBox]:
-    """Return a program; another thread compiles the text, since this takes a while.
+    """Compile a program in another thread, because compiling may take some time.
 
-    The program that ur_rtde uploads is recognised and executed natively.
+    The program that ur_rtde uploads is recognized and executed natively.
 
     Raises:
-        Tool0Error: If the program is not valid; the message contains line and column.
+        Tool0Error: If the program is not valid; the message contains the line and the
+            column.
     """
     return await asyncio.to_thread(_compile, text, name)
 
@@ -44,7 +45,7 @@ def _compiled(text: str, name: str) -> RunnableProgram[UrControlBox]:
 
 
 def prepare() -> None:
-    """Import and build in advance what the first program needs (about 0.3 s)."""
+    """Import the compiler and build its parser in advance, which takes about 0.3 s."""
     from tool0.ur.urscript.program import compile_program
 
     compile_program("sleep(0.0)", "nothing")

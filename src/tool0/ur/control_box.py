@@ -1,6 +1,6 @@
-"""The control box that all ports share: the arm, registers, messages and program.
+"""The control box, which all ports share: the arm, registers, messages and program.
 
-Everything here belongs to the event loop of the UR process.
+The module may be used only in the event loop of the UR process.
 """
 
 from __future__ import annotations
@@ -51,10 +51,11 @@ logger = logging.getLogger(__name__)
 R = TypeVar("R")
 
 CB3_ARMS: Final = frozenset({"ur3", "ur5", "ur10"})
-"""Arms with a CB3 control box; all later ones have an e-Series box."""
+"""Arms with a CB3 control box. All other arms have an e-Series box."""
 E_SERIES_VERSION: Final = (5, 25, 1)
-"""Reported version of PolyScope: the first whose ``direct_torque`` has friction scales,
-from which on UR's driver uses torque control."""
+"""Software version that an e-Series box reports: the first version in which
+``direct_torque`` has friction scales. UR's driver uses torque control starting with the
+same version."""
 CB3_VERSION: Final = (3, 15, 8)
 _FIELDS: Final[tuple[StateField, ...]] = (
     *("joint_names", "position", "velocity", "effort", "control_boxes", "arms"),
@@ -62,7 +63,7 @@ _FIELDS: Final[tuple[StateField, ...]] = (
 
 
 def box_states(arms: Collection[str]) -> Subscribe:
-    """Return the request that subscribes to the states the arms' control boxes need."""
+    """Return the request for the states that the arms' control boxes need."""
     return Subscribe(
         rate=MAX_SNAPSHOT_RATE, fields=_FIELDS, arms=tuple(arms), newest_only=True
     )
@@ -86,8 +87,8 @@ class UrControlBox:
         Args:
             channel: The connection to the bring-up.
             arm: Name of the arm in ``list_arms``.
-            first: The first state of ``box_states``.
-            limits: Limits of each driven joint; if left out, those of the URDF.
+            first: The first state of the subscription that ``box_states`` requests.
+            limits: Limits of each driven joint; by default, the URDF's limits.
             allow_sockets: Whether programs may connect to other machines.
         """
         self.allow_sockets = allow_sockets
@@ -105,12 +106,12 @@ class UrControlBox:
             if has_base
             else np.eye(4)
         )
-        """UR's base frame relative to the link that carries the arm, shape (4, 4)."""
+        """Pose of UR's base frame in the chain's base link, shape (4, 4)."""
         self.model_name = next(
             (r.arm.name for r in channel.description.robots if r.prefix == prefix), ""
         )
-        """Catalogue model of the arm, such as ``ur5e``; empty if the robot is not from
-        the catalogue."""
+        """Model of the arm in the catalog, such as ``ur5e``; empty if the robot is not
+        from the catalog."""
         self.is_e_series = self.model_name not in CB3_ARMS
         self.version = E_SERIES_VERSION if self.is_e_series else CB3_VERSION
         """Software version that the box reports."""
@@ -118,24 +119,25 @@ class UrControlBox:
         """Rate of RTDE and the real-time interface [Hz]."""
         self.registers = Registers()
         self.flags = [False] * N_FLAGS
-        """Flags of programs, which keep their values between programs."""
+        """Flags of programs. A flag keeps its value when a program ends."""
         self.messages = Messages()
         self.programs = ProgramSlot(self)
         self.rtde_sensor = RtdeSensor()
-        """Force sensor whose readings come from a client of RTDE."""
+        """Force sensor with readings that an RTDE client sends."""
         self.encoders: dict[int, tuple[range, float]] = {}
-        """Conveyor encoders that programs have set, by number; each has a range and a
-        tick count."""
+        """Range and tick count of each conveyor encoder that programs have set, by
+        encoder number."""
         self.interpreter: LineInterpreter | None = None
-        """Interpreter of the running program, if it has one."""
+        """Interpreter of the running program; None if the program has no
+        interpreter."""
         self.modbus = Signals(lambda: self.programs.is_running)
         """Signals of Modbus units that programs read and write."""
         self.when_updated: set[Callable[[], None]] = set()
-        """Callbacks for updates; if several updates arrive together, only the newest
-        triggers them."""
+        """Callbacks for updates. If several updates are received together, the
+        callbacks are called only for the newest update."""
         self.when_shown: set[Callable[[], None]] = set()
-        """Callbacks that send data; they are called for every update in order, even if
-        several updates arrive together."""
+        """Callbacks that send data. The callbacks are called for every update, in
+        order, even if several updates are received together."""
         index = {name: k for k, name in enumerate(first.joint_names)}
         self._indices = [index[name] for name in self.chain.joint_names]
         self._waiting: list[asyncio.Future[None]] = []
@@ -143,20 +145,22 @@ class UrControlBox:
             self.chain, np.asarray(np.linalg.inv(self.T_chain_base))
         )
         self._postures: dict[bool, ScalarPosture] = {}
-        """Postures at this update: measured (False), and at the setpoint (True)."""
+        """Postures at the current update: measured (False) and at the setpoint
+        (True)."""
         self._T_tip_tcp: tuple[tuple[float, ...], Transform] = ((), Transform())
-        """Pose of the TCP in the flange, as UR's pose and as a transform."""
+        """Pose of the TCP in the flange's frame, as UR's pose and as a transform."""
         self._known: dict[tuple[str, bool], Six] = {}
-        """Quantities that have been computed for this update."""
+        """Quantities that have been computed for the current update."""
         self.snapshot = first
         """Newest state of the bring-up."""
         self._show(first)
         self.dynamics = BoxDynamics(self, model, first.joint_names)
         """Mass matrix, Jacobians and other dynamics, for programs."""
         self.gripper: RobotiqGripper | None = None
-        """Gripper on the arm, if it uses Robotiq's protocol."""
+        """Gripper on the arm if the gripper uses Robotiq's protocol; otherwise,
+        None."""
         self.has_foreign_gripper = False
-        """Whether the arm carries a gripper without a protocol that tool0 supports."""
+        """Whether the arm carries a gripper that does not use Robotiq's protocol."""
         name = gripper_of(model, arm)
         if name is not None:
             geometry = find_grippers(model)[name]
@@ -173,15 +177,15 @@ class UrControlBox:
     # ---- updates --------------------------------------------------------------------
 
     def show(self, snapshot: Snapshot) -> None:
-        """Apply an update that is followed immediately by another one.
+        """Apply an update that is immediately followed by another update.
 
-        Data is sent for it, but programs react only to the last update.
+        Data is sent for every update, but programs react only to the last one.
         """
         self._show(snapshot)
         _call(self.when_shown)
 
     def take(self, snapshot: Snapshot) -> None:
-        """Apply the newest update, and notify everyone who waits for updates."""
+        """Apply the newest update and notify all tasks that wait for updates."""
         self._show(snapshot)
         _call(self.when_updated)
         _call(self.when_shown)
@@ -208,7 +212,7 @@ class UrControlBox:
         await future
 
     async def until(self, condition: Callable[[], bool]) -> None:
-        """Wait until a condition holds, which is checked now and at each update."""
+        """Wait until a condition is true, which is checked now and at each update."""
         while not condition():
             await self.next_update()
 
@@ -240,7 +244,7 @@ class UrControlBox:
             self.report(error)
 
     def report(self, error: Tool0Error) -> None:
-        """Report an error to clients and in the log."""
+        """Report an error to the clients and in the log."""
         logger.warning("%s: %s", self.arm, error)
         if isinstance(error, URScriptError):
             self.messages.exception(error)
@@ -261,7 +265,7 @@ class UrControlBox:
 
     @property
     def stopped(self) -> str:
-        """Reason why programs cannot move the arm; empty if they can."""
+        """Reason why programs cannot move the arm; empty if the arm can move."""
         state = self.state
         if state.protective_stop:
             return f"protective stop: {state.protective_stop}"
@@ -275,17 +279,17 @@ class UrControlBox:
 
     @property
     def q(self) -> Six:
-        """Measured joint positions [rad], in the order from base to flange."""
+        """Measured joint positions, ordered from base to flange [rad]."""
         return self._of_joints(self.snapshot.position)
 
     @property
     def qd(self) -> Six:
-        """Measured joint velocities [rad/s]."""
+        """Measured joint velocities, ordered from base to flange [rad/s]."""
         return self._of_joints(self.snapshot.velocity)
 
     @property
     def qdd(self) -> Six:
-        """Joint accelerations [rad/s²], as velocity changes since the last update."""
+        """Joint accelerations between the last two measured velocities [rad/s²]."""
         if not self._elapsed > 0.0:
             return (0.0,) * 6
         pairs = zip(self.qd, self._of_joints(self._last_velocity), strict=True)
@@ -293,12 +297,12 @@ class UrControlBox:
 
     @property
     def effort(self) -> Six:
-        """Efforts of the joints' drives [N·m]."""
+        """Torques of the joint drives [N·m]."""
         return self._of_joints(self.snapshot.effort)
 
     @property
     def target_q(self) -> Six:
-        """Setpoint of the joints [rad]; measured positions if nothing moves the arm."""
+        """Joint setpoint [rad]; equal to the measured positions without a motion."""
         return _six(self._setpoint.positions)
 
     @property
@@ -314,12 +318,12 @@ class UrControlBox:
     @property
     def _setpoint(self) -> ArmSetpoint:
         setpoint = self.arm_sample.setpoint
-        assert setpoint is not None  # sampled states have one
+        assert setpoint is not None  # sampled states contain a setpoint
         return setpoint
 
     @property
     def tcp(self) -> Six:
-        """Pose of the tool centre point in the flange."""
+        """Pose of the tool center point (TCP) in the flange's frame."""
         return self.state.tcp
 
     def tcp_pose(self, *, target: bool = False) -> Six:
@@ -331,19 +335,19 @@ class UrControlBox:
         return self._once("speed", target, self._compute_speed)
 
     def tcp_frame(self, *, target: bool = False) -> Transform:
-        """Return the frame of the TCP in the base frame."""
+        """Return the TCP's frame relative to the base frame."""
         if self.tcp != self._T_tip_tcp[0]:
             self._T_tip_tcp = self.tcp, transform_of(self.tcp)
         return self.posture(target=target).flange @ self._T_tip_tcp[1]
 
     def flange_wrench(self) -> tuple[Vector3, Vector3]:
-        """Return external force [N] and torque [N·m] at the flange, in base axes."""
+        """Return the external force [N] and torque [N·m] at the flange in base axes."""
         flange, (fx, fy, fz, tx, ty, tz) = self.posture().flange, self.sensed_wrench
         return flange.rotate((fx, fy, fz)), flange.rotate((tx, ty, tz))
 
     @property
     def sensed_wrench(self) -> Six:
-        """External wrench at the flange, in its axes, from the sensor in use."""
+        """External wrench at the flange in flange axes, from the active sensor."""
         if self.rtde_sensor.is_used:
             return self.rtde_sensor.wrench
         return self.arm_sample.wrench
@@ -353,7 +357,7 @@ class UrControlBox:
         return self._once("wrench", False, self._compute_wrench)
 
     def forward(self, q: Sequence[float], tcp: Sequence[float] | None = None) -> Six:
-        """Return the pose of the TCP at joint positions ``q`` [rad]."""
+        """Return the TCP's pose in the base frame at joint positions ``q`` [rad]."""
         T_tip_tcp = transform_of(self.tcp if tcp is None else tcp)
         return pose_of(self._postures_of.forward(q).flange @ T_tip_tcp)
 
@@ -378,12 +382,12 @@ class UrControlBox:
         near: Sequence[float] | None = None,
         tcp: Sequence[float] | None = None,
     ) -> Six:
-        """Return the joint positions nearest to ``near`` with the TCP at a pose [rad].
+        """Return the inverse kinematics solution that is nearest to ``near`` [rad].
 
         Args:
             pose: Pose of the TCP in the base frame.
-            near: Joint positions [rad]; if left out, those of the setpoint.
-            tcp: TCP in the flange; if left out, that of the box.
+            near: Joint positions [rad]; by default, the setpoint's positions.
+            tcp: Pose of the TCP in the flange's frame; by default, the box's TCP.
 
         Raises:
             UnreachableError: If there is no solution; the message contains the reason.
@@ -411,14 +415,14 @@ class UrControlBox:
         return _six([values[k] for k in self._indices])
 
     def posture(self, *, target: bool = False) -> ScalarPosture:
-        """Return the posture in the base frame, measured or at the setpoint."""
+        """Return the arm's posture in the base frame, measured or at the setpoint."""
         if target not in self._postures:
             q = self.target_q if target else self.q
             self._postures[target] = self._postures_of.forward(q)
         return self._postures[target]
 
     def _once(self, what: str, target: bool, compute: Callable[[bool], Six]) -> Six:
-        """Return a quantity of this update, which is computed only once."""
+        """Return a quantity, which is computed only once per update."""
         key = (what, target)
         if key not in self._known:
             self._known[key] = compute(target)

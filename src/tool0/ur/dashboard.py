@@ -1,4 +1,4 @@
-"""The dashboard server, port 29999: each command and answer is a line.
+"""The dashboard server on port 29999; each command and each answer is one line.
 
 Commands and answers follow UR's documentation for the e-Series and CB3:
 https://www.universal-robots.com/articles/ur/dashboard-server/dashboard-server-e-series-port-29999/
@@ -50,9 +50,9 @@ CB3, E_SERIES = "CB3", "e-Series"
 BOTH: Final = frozenset({CB3, E_SERIES})
 
 SETTLE_TIMEOUT: Final = 1.0
-"""Longest wait for a program to pause or resume [wall s]."""
+"""Maximum time to wait for a program to pause or resume [wall s]."""
 MAX_WORDS: Final = 4
-"""Largest number of words in a command."""
+"""Maximum number of words in a command."""
 
 Answer = Callable[[str], Awaitable[str]]
 
@@ -64,9 +64,10 @@ class DashboardCommand:
 
     words: str
     answer: Answer
-    """Function from the text after the command to the answer."""
+    """Function that returns the answer to the command; its argument is the text after
+    ``words``."""
     boxes: frozenset[str] = BOTH
-    """Kinds of control boxes that have the command."""
+    """Types of control boxes that support the command."""
 
 
 @final
@@ -74,7 +75,7 @@ class Dashboard:
     """The dashboard server of one control box."""
 
     def __init__(self, box: UrControlBox, programs: Path | None = None) -> None:
-        """Serve ``box``; programs are loaded from the folder ``programs``."""
+        """Prepare a server for ``box``, which loads programs from ``programs``."""
         self._box, self._files = box, ProgramFiles(programs)
         self._port = Port("dashboard server", self._serve)
         self._loaded: ProgramFile | None = None
@@ -84,7 +85,7 @@ class Dashboard:
         self._table = {command.words.lower(): command for command in known}
 
     async def start(self, host: str, port_base: int) -> None:
-        """Listen.
+        """Open the port.
 
         Raises:
             TransportError: If the port is in use.
@@ -246,7 +247,7 @@ class Dashboard:
         programs = self._box.programs
         changing = (RuntimeState.PAUSING, RuntimeState.RESUMING)
         settled = self._box.until(lambda: programs.state not in changing)
-        with contextlib.suppress(asyncio.TimeoutError):  # time does not pass
+        with contextlib.suppress(asyncio.TimeoutError):  # time does not advance
             await asyncio.wait_for(settled, SETTLE_TIMEOUT)
 
     @property
@@ -360,7 +361,7 @@ class Dashboard:
 
 
 def serial_number(arm: str) -> str:
-    """Return a serial number, which is always the same for the same arm name."""
+    """Return a serial number that depends only on the arm's name."""
     return f"2024{zlib.crc32(arm.encode()) % 10**7:07d}"
 
 

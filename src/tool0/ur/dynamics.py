@@ -1,8 +1,8 @@
-"""Dynamics of an arm that its control box computes for programs.
+"""Dynamics of an arm, which the arm's control box computes for programs.
 
-The model is that of the drives: the robot's description, with the declared payload in
-place of the tool.  Joints are ordered from base to flange, and matrices are tuples of
-rows.
+The model is the same as the model of the drives: the robot's description with the
+declared payload instead of the tool. Joints are ordered from base to flange. Matrices
+are tuples of rows.
 """
 
 from __future__ import annotations
@@ -48,14 +48,14 @@ class MeasuredArm(Protocol):
 class BoxDynamics:
     """Mass matrix, Jacobians and velocity torques of a control box's arm.
 
-    If joint positions [rad] or velocities [rad/s] are left out, the measured ones are
-    used; if the TCP is left out, that of the box is used.
+    If the joint positions [rad] or velocities [rad/s] are omitted, the measured values
+    are used. If the TCP is omitted, the control box's TCP is used.
     """
 
     def __init__(
         self, box: MeasuredArm, model: RobotModel, joint_names: Sequence[str]
     ) -> None:
-        """Use the arm of ``box``; its states are ordered like ``joint_names``."""
+        """Use the arm of ``box``; ``joint_names`` is the joint order of states."""
         self._box, self._model = box, model
         self._own = modelled_payload(model, box.chain.tip)
         in_states = {name: k for k, name in enumerate(joint_names)}
@@ -68,14 +68,14 @@ class BoxDynamics:
             for drive in [model.transmission_by_joint.get(name)]
         ]
         self._known = self._own, JointDynamics(model)
-        """Last payload, and the dynamics of the robot with it."""
+        """Last payload, and the dynamics of the robot with this payload."""
 
     def mass_matrix(
         self, q: Sequence[float] | None = None, *, with_rotors: bool = False
     ) -> Rows:
         """Return the mass matrix of the joints [kg·m²].
 
-        With ``with_rotors``, it includes the inertia of rotors and gears.
+        With ``with_rotors``, the matrix includes the inertia of rotors and gears.
         """
         matrix = self._loaded().mass_matrix(self._position(q))
         matrix = matrix[self._joints][:, self._joints]
@@ -98,7 +98,7 @@ class BoxDynamics:
     def jacobian(
         self, q: Sequence[float] | None = None, tcp: Sequence[float] | None = None
     ) -> Rows:
-        """Return the Jacobian of the TCP in the base's axes, with linear rows first."""
+        """Return the Jacobian of the TCP in base axes; the linear rows come first."""
         posture, point = self._placed(q, tcp)
         return jacobian(posture, point)
 
@@ -133,7 +133,7 @@ class BoxDynamics:
     def _placed(
         self, q: Sequence[float] | None, tcp: Sequence[float] | None
     ) -> tuple[ScalarPosture, Vector3]:
-        """Return a posture, and the position of the TCP in the base frame [m]."""
+        """Return the arm's posture and the TCP's position in the base frame [m]."""
         box = self._box
         posture = box.posture() if q is None else box.posture_at(q)
         x, y, z, *_ = box.tcp if tcp is None else tcp
@@ -143,7 +143,7 @@ class BoxDynamics:
 def jacobian(posture: ScalarPosture, point: Vector3) -> Rows:
     """Return the Jacobian of a point that is fixed to the flange.
 
-    The linear rows come first; axes and ``point`` [m] are in the posture's frame.
+    The linear rows come first. The rows and ``point`` [m] are in the posture's frame.
     """
     columns = []
     for axis, origin in zip(posture.axes, posture.points, strict=True):

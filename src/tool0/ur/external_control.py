@@ -1,8 +1,8 @@
-"""The URCap External Control, which requests its program from UR's driver when played.
+"""The URCap External Control, which requests its program from UR's driver.
 
-The driver waits at a port for ``request_program``, and sends the body of its program.
-The driver leaves the connection open; the program is complete when no more data
-arrives. Source:
+When External Control is played, it sends ``request_program`` to a port of the driver.
+The driver responds with the body of its program and leaves the connection open. The
+program is complete when no more data is received. Source:
 https://github.com/UniversalRobots/Universal_Robots_ExternalControl_URCap
 """
 
@@ -22,13 +22,13 @@ PORT: Final = 50002
 """Default port on which a driver offers its program."""
 REQUEST: Final = b"request_program\n"
 TIMEOUT: Final = 2.0
-"""Longest wait for the driver [wall s]."""
+"""Maximum time to wait for the driver [wall s]."""
 SILENCE: Final = 0.2
-"""Time without data after which the program is complete [wall s]."""
+"""Time without data after which the program is considered complete [wall s]."""
 
 
 def is_external(name: str) -> bool:
-    """Return whether a client's program name means the URCap's program."""
+    """Return whether a program name refers to the URCap's program."""
     return PurePosixPath(name).name in {NAME, f"{NAME}.urp"}
 
 

@@ -1,4 +1,4 @@
-"""The port of the interpreter mode; each line is a command or contains statements."""
+"""The port of the interpreter mode; each line contains a command or statements."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class InterpreterPort:
         self._port = Port("interpreter mode", self._serve)
 
     async def start(self, host: str, port_base: int) -> None:
-        """Listen; TransportError if the port is in use."""
+        """Open the port; raise TransportError if the port is in use."""
         await self._port.listen(host, PORT + port_base)
 
     async def close(self) -> None:
-        """End all connections."""
+        """Close the port and its connections."""
         await self._port.close()
 
     async def _serve(self, peer: Peer) -> None:

@@ -1,4 +1,4 @@
-"""TCP servers that limit the number of clients and the unread data of slow ones."""
+"""TCP servers that limit the number of clients and each client's unread data."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from tool0.server.budget import Budget
 logger = logging.getLogger(__name__)
 
 MAX_CLIENTS: Final = 16
-"""Largest number of clients of a port; further ones are refused."""
+"""Maximum number of clients of a port; additional clients are refused."""
 REQUEST_COST: Final = 0.1e-3
 """Processor time for answering a line or a frame [s]."""
 MAX_OWED: Final = 1 << 20
-"""Amount of unread data above which a client is dropped [bytes]."""
+"""Amount of unread data above which a client is disconnected [bytes]."""
 
 
 @final
@@ -34,12 +34,12 @@ class Peer:
         self.reader = reader
         self._writer = writer
         self.account = _budget().account()
-        """Account of the client's share of processor time; the client's data is read
-        only as fast as the budget that all clients share allows."""
+        """Account that limits the client's use of processor time. All clients share one
+        budget, which limits how fast their data is read."""
         self.address = str(writer.get_extra_info("peername"))
 
     def send(self, data: bytes) -> None:
-        """Send data without waiting; a client that does not read is dropped."""
+        """Send data without waiting; a client that does not read is disconnected."""
         transport = self._writer.transport
         if transport.is_closing():
             return
@@ -55,11 +55,11 @@ class Peer:
         return self._writer.transport.get_write_buffer_size()
 
     def drop(self) -> None:
-        """Close the connection now."""
+        """Close the connection immediately."""
         self._writer.transport.abort()
 
     async def close(self) -> None:
-        """Close the connection after everything has been sent."""
+        """Close the connection after all data has been sent."""
         self._writer.close()
         with contextlib.suppress(OSError):
             await self._writer.wait_closed()
@@ -71,8 +71,8 @@ _budgets: WeakKeyDictionary[asyncio.AbstractEventLoop, Budget] = WeakKeyDictiona
 def _budget() -> Budget:
     """Return the budget that the clients of all ports share.
 
-    It is strict, because clients' data leads to requests to the bring-up, which limits
-    the rate at which it reads those of this process.
+    The budget is strict, because data from clients causes requests to the bring-up, and
+    the bring-up limits the rate at which it reads requests from this process.
     """
     loop = asyncio.get_running_loop()
     if loop not in _budgets:
@@ -92,16 +92,16 @@ def count_clients(host: str) -> int:
 
 @final
 class Port:
-    """A port on which the process listens, and which serves its clients."""
+    """A port on which the process listens for clients and serves them."""
 
     def __init__(self, name: str, serve: Serve, *, limit: int = 1 << 16) -> None:
-        """Prepare a port, without listening yet.
+        """Prepare a port without opening it.
 
         Args:
-            name: Name of the port for messages, such as ``RTDE``.
-            serve: Function that serves one client, and returns when the client has
-                left.
-            limit: Longest line that a client may send [bytes].
+            name: Name of the port in messages, such as ``RTDE``.
+            serve: Function that serves one client and returns when the client has
+                disconnected.
+            limit: Maximum length of a line that a client may send [bytes].
         """
         self.name = name
         self._serve_peer = serve
@@ -110,7 +110,7 @@ class Port:
         self._server: asyncio.Server | None = None
         self._tasks: set[asyncio.Task[None]] = set()
         self.host, self.number = "", 0
-        """Address and number of the port, once it is open."""
+        """Address and number of the port after it has been opened."""
 
     async def listen(self, host: str, port: int) -> None:
         """Accept clients at an address.
@@ -123,7 +123,7 @@ class Port:
                 self._accept, host, port, limit=self._limit, reuse_address=True
             )
         except OSError as error:
-            # asyncio's own text repeats the address
+            # asyncio's error text repeats the address
             reason = os.strerror(error.errno) if error.errno else str(error)
             raise TransportError(
                 f"cannot listen on {host}:{port} ({self.name}): {reason}; "
@@ -159,7 +159,7 @@ class Port:
         try:
             await self._serve_peer(peer)
         except (OSError, asyncio.IncompleteReadError, asyncio.LimitOverrunError):
-            pass  # the client has left, or sent too much
+            pass  # the client has disconnected or sent too much
         except ValueError as error:  # raised by readline for a long line
             logger.warning("%s: %s", self.name, error)
         except asyncio.CancelledError:

@@ -1,4 +1,4 @@
-"""Messages of a control box to the clients of its primary interface."""
+"""Messages from a control box to the clients of its primary interface."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from typing import Final, NamedTuple, final
 from tool0.ur.urscript_errors import URScriptError
 
 MAX_LOG: Final = 10_000
-"""Largest number of messages in the log; older ones are discarded."""
+"""Maximum number of messages in the log; older messages are discarded."""
 
 
 class MessageKind(Enum):
-    """Kinds of messages of UR's primary interface that occur."""
+    """Kinds of messages that are sent on UR's primary interface."""
 
     TEXT = "text"
     """Text of ``textmsg``."""
     POPUP = "popup"
     ERROR = "error"
-    """Error of the robot, or of a program without a location."""
+    """Error of the robot, or error of a program that has no location."""
     EXCEPTION = "exception"
-    """Exception of a program, with its location in the text."""
+    """Exception of a program, with its location in the program's text."""
     PROGRAM = "program"
-    """Name of the program that is running now; empty when it has ended."""
+    """Name of the program that is running; empty when the program has ended."""
 
 
 class Message(NamedTuple):
@@ -36,7 +36,7 @@ class Message(NamedTuple):
     title: str = ""
     """Title of the popup."""
     code: int = 0
-    """UR's number for the error; 0 for errors without one."""
+    """UR's number for the error; 0 if the error has no number."""
     is_warning: bool = False
     """Whether the error is a warning, after which the arm can continue."""
     place: tuple[int, int] = (1, 1)
@@ -45,25 +45,25 @@ class Message(NamedTuple):
 
 @final
 class Messages:
-    """Passes messages to listeners, in the event loop."""
+    """Passes messages to listeners in the event loop."""
 
     def __init__(self) -> None:
         self.listeners: set[Callable[[Message], None]] = set()
         self.popup: Message | None = None
-        """Popup that is being shown."""
+        """Popup that is shown; None if there is no popup."""
         self.log: deque[str] = deque(maxlen=MAX_LOG)
-        """Messages as lines of the log: wall time, kind and text."""
+        """Lines of the log; each line contains a message's wall time, kind and text."""
 
     def text(self, text: str) -> None:
-        """Send a line of ``textmsg``."""
+        """Send a line from ``textmsg``."""
         self._send(Message(MessageKind.TEXT, text))
 
     def error(self, text: str, code: int = 0, *, is_warning: bool = False) -> None:
-        """Send an error, with UR's number for it."""
+        """Send an error with UR's error number."""
         self._send(Message(MessageKind.ERROR, text, code=code, is_warning=is_warning))
 
     def exception(self, error: URScriptError) -> None:
-        """Send an error of a program, in UR's wording if clients rely on it."""
+        """Send a program's error, with UR's wording if clients depend on it."""
         if error.key:
             self.text(error.message)
         text = error.key or error.message
@@ -71,11 +71,11 @@ class Messages:
         self._send(Message(MessageKind.EXCEPTION, text, place=place))
 
     def program(self, name: str) -> None:
-        """Send the name of the program that is running now."""
+        """Send the name of the running program; empty if no program is running."""
         self._send(Message(MessageKind.PROGRAM, name))
 
     def show_popup(self, text: str, title: str) -> None:
-        """Show a popup, which replaces the previous one."""
+        """Show a popup and replace the previous popup."""
         self.popup = Message(MessageKind.POPUP, text, title)
         self._send(self.popup)
 

@@ -1,8 +1,8 @@
-"""Moves of an arm, for URScript's functions and ur_rtde's commands.
+"""Moves of an arm for URScript's functions and ur_rtde's commands.
 
-Moves are planned here and sent as paths.  A move with a blend radius returns shortly
-before the tool comes within this radius of the target: the next move then replaces the
-rest of the path from there on.  If none comes in time, the arm comes to rest at the
+Moves are planned in this process and sent as paths. A move with a blend radius returns
+shortly before the tool enters this radius around the target. The next move then
+replaces the remaining path. If no move is received in time, the arm stops at the
 target.
 """
 
@@ -37,12 +37,12 @@ logger = logging.getLogger(__name__)
 T = TypeVar("T")
 
 LEAD: Final = (0.012, 0.03, 0.1)
-"""Time between the return of a move and its blend, which is left for planning and
-sending the next move: minimum, initial and maximum [s].  It adapts to the time that
-this takes."""
+"""Time from the return of a move to its blend, during which the next move is planned
+and sent: minimum, initial and maximum value [s]. The time adapts to the measured
+duration of planning and sending."""
 _MARGIN: Final = 0.01
-"""Time between the last update and the instant at which a path is replaced [s]; it
-grows after failures."""
+"""Time between the last update and the time at which a path is replaced [s]. The time
+increases after failures."""
 _FIRST_KNOT: Final = 0.002
 """Time of the first knot of a path that replaces another one [s]."""
 _LEAD_FACTOR: Final = 1.5
@@ -51,13 +51,13 @@ _ATTEMPTS: Final = 4
 _SHOWN_WARNINGS: Final = 5
 _ROUNDING: Final = 1e-9
 OWN_STREAM: Final = 1e6
-"""Timeout of streams of the box's own programs [wall s], practically infinite: a
-program may pause between two commands, and there is no external client that could stop
-sending."""
+"""Timeout of streams of the control box's own programs [wall s]. The timeout is
+practically infinite, because a program may pause between two commands, and no external
+client can disconnect."""
 MAX_ACCELERATION: Final = 1000.0
-"""Largest acceleration that requests accept [rad/s², m/s²]."""
+"""Maximum acceleration that requests accept [rad/s², m/s²]."""
 STOP: Final = 4.0
-"""Deceleration of the leading joint when a motion is cancelled or replaced [rad/s²]."""
+"""Deceleration of the leading joint when a motion is canceled or replaced [rad/s²]."""
 
 
 class _Running(NamedTuple):
@@ -65,14 +65,14 @@ class _Running(NamedTuple):
 
     plan: MovePlan
     number: int
-    """Number of the path in the bring-up; 0 if there was nothing to do."""
+    """Number of the path in the bring-up; 0 if no motion was necessary."""
     sent: float
     """Simulated time at which the path was sent [s]."""
 
 
 @final
 class Moves:
-    """Moves the arm of a control box, for one program at a time."""
+    """Moves the arm of a control box for one program at a time."""
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
@@ -80,27 +80,28 @@ class Moves:
         self._lead = LEAD[1]
         self._pacer = Pacer(box)
         self._owed = (0.0, 0.0)
-        """Change of velocity that steps have left to the next one, and the time at
-        which they ended [s]."""
+        """Change of velocity that previous steps have left to the next step, and the
+        time at which these steps ended [s]."""
 
     # ---- moves ----------------------------------------------------------------------
 
     async def move(self, moves: Sequence[Move], *, wait: bool = True) -> None:
         """Execute moves one after another, with blends.
 
-        The first move is blended with the previous one if that has a blend radius; any
-        other motion ends first.  If this call is cancelled while it waits, the arm
-        decelerates to rest.
+        The first move is blended with the previous move if that move has a blend
+        radius. Any other motion ends before the first move starts. If this call is
+        canceled while it waits, the arm decelerates to rest.
 
         Args:
-            moves: Moves, at least one; if one of them is impossible, nothing moves.
+            moves: Moves to execute, at least one. If one of the moves is impossible,
+                the arm does not move.
             wait: Whether to return when the last move has ended or is about to be
                 blended; otherwise, return as soon as the motion is accepted.
 
         Raises:
-            UnreachableError: If a move is impossible; the message contains its number
-                and the reason.
-            ControlError: If the arm may not move now.
+            UnreachableError: If a move is impossible; the message contains the number
+                of the move and the reason.
+            ControlError: If the arm is not allowed to move.
         """
         self._running = running = await self._start(tuple(moves))
         plan = running.plan
@@ -120,7 +121,7 @@ class Moves:
 
     @property
     def progress(self) -> int:
-        """Index of the current one of the last moves; -1 if none is executed."""
+        """Index of the move that is executed; -1 if no move is executed."""
         running = self._running
         if running is None or self._has_ended(running):
             return -1
@@ -129,7 +130,7 @@ class Moves:
     async def movej(
         self, q: Sequence[float], a: float, v: float, t: float = 0.0, r: float = 0.0
     ) -> None:
-        """Move all joints synchronously to positions [rad]."""
+        """Move all joints synchronously to the positions ``q`` [rad]."""
         await self.move([Move(kind="joint", q=q, a=a, v=v, t=t, r=r)])
 
     async def movel(
@@ -171,7 +172,7 @@ class Moves:
     async def servoc(
         self, pose: Sequence[float], a: float, v: float, r: float = 0.0
     ) -> None:
-        """Move the TCP like ``movep``, as a servo motion."""
+        """Move the TCP along the same path as ``movep``, as a servo motion."""
         await self.move([Move(kind="servo_circular", pose=pose, a=a, v=v, r=r)])
 
     # ---- streams and stops ----------------------------------------------------------
@@ -183,7 +184,7 @@ class Moves:
         lookahead_time: float = 0.1,
         gain: float = 300.0,
     ) -> None:
-        """Follow joint positions [rad]; return after ``t`` [s]."""
+        """Follow joint positions [rad] and return after ``t`` [s]."""
         box = self._box
         self._running = None
         box.send(
@@ -199,10 +200,11 @@ class Moves:
         await self._pacer.wait(t)
 
     async def speedj(self, qd: Six, a: float, t: float | None = None) -> None:
-        """Ramp to joint velocities [rad/s]; return after ``t``, or at full speed.
+        """Accelerate to joint velocities [rad/s]; return after ``t`` [s].
 
-        Velocities beyond the joint limits are scaled down proportionally.  The speed
-        scaling slows down the whole motion.
+        If ``t`` is None, return when the velocities are reached. Velocities that exceed
+        the joint limits are scaled down proportionally. The speed scaling slows down
+        the complete motion.
         """
         box, a = self._box, _above_0(a)
         limits = [joint.limits.velocity for joint in box.chain.joints]
@@ -221,7 +223,10 @@ class Moves:
     async def speedl(
         self, xd: Six, a: float, t: float | None = None, a_rot: float | None = None
     ) -> None:
-        """Ramp to a velocity of the TCP [m/s, rad/s]; return like ``speedj``."""
+        """Accelerate to a TCP velocity [m/s, rad/s]; return after ``t`` [s].
+
+        If ``t`` is None, return when the velocity is reached.
+        """
         box, a = self._box, _above_0(a)
         if t is None:
             change = np.subtract(xd, box.tcp_speed(target=True))
@@ -236,9 +241,9 @@ class Moves:
         await self._pacer.wait(t, is_scaled=True)
 
     def _hastened(self, a: float, t: float) -> float:
-        """Return the acceleration for a step of velocities that may begin late.
+        """Return the acceleration for a velocity step that may start late [rad/s²].
 
-        A step that begins late has less time for its ramp.  If the step should already
+        A step that starts late has less time for its ramp. If the step should already
         have ended, the next step executes both ramps.
         """
         scale = self._box.state.speed_scaling
@@ -256,18 +261,18 @@ class Moves:
         return min(change / left, MAX_ACCELERATION)
 
     async def stopj(self, a: float = 2.0) -> None:
-        """Decelerate to rest from any motion; ``a`` is the leading joint's [rad/s²]."""
+        """Decelerate to rest with deceleration ``a`` of the leading joint [rad/s²]."""
         box, request = self._box, StopArm(arm=self._box.arm, deceleration=_above_0(a))
         if box.arm_sample.is_done and not any(box.target_qd):
-            box.send(request)  # also stops a motion that updates do not show yet
+            box.send(request)  # also stops a motion that no update contains yet
             self._running = None
             return
         await box.call(request)
-        self._running = None  # also ends a path that was to begin later
+        self._running = None  # also ends a path that has not begun
         await self._rest()
 
     async def stopl(self, a: float = 20.0, a_rot: float | None = None) -> None:
-        """Decelerate to rest in the time that the TCP needs with ``a`` [m/s²]."""
+        """Decelerate to rest in the stopping time of the TCP at ``a`` [m/s²]."""
         fastest = float(np.abs(self._box.target_qd).max())
         duration = _duration(
             np.array(self._box.tcp_speed(target=True)), _above_0(a), a_rot
@@ -298,12 +303,12 @@ class Moves:
                 await box.next_update()
                 if box.arm_sample.is_done and box.target_q == start:
                     raise
-                # The last update did not show the arm's motion yet.
+                # The last update did not contain the arm's motion yet.
 
     async def _blend(
         self, running: _Running, moves: tuple[Move, ...]
     ) -> _Running | None:
-        """Replace the end of a path; return None if it is too late or not blended."""
+        """Replace the end of a path; return None if a replacement is not possible."""
         box, plan, planner = self._box, running.plan, self._planner()
         margin, start = _MARGIN, self._box.time
         for _ in range(_ATTEMPTS):
@@ -314,8 +319,8 @@ class Moves:
             rest = await _planned(partial(planner.resume, plan, at, moves), moves)
             if rest is None:
                 return None
-            # The path begins with the motion of the old one, which may be 0.02 mm
-            # away: an immediate knot would be a jump.
+            # The new path begins with the motion of the old path, which may be 0.02 mm
+            # away. A knot at time 0 would cause a jump.
             path = rest.path.since(_FIRST_KNOT)
             request = path_request(box.arm, path, after=running.number, at=at)
             try:
@@ -344,7 +349,7 @@ class Moves:
     # ---- waiting --------------------------------------------------------------------
 
     async def _until(self, running: _Running, time: float) -> None:
-        """Wait until a path reaches a time or its end, or is abandoned.
+        """Wait until a path reaches ``time`` [s] or its end, or is no longer followed.
 
         Raises:
             ControlError: If the arm has stopped.
@@ -366,12 +371,12 @@ class Moves:
             raise ControlError(box.stopped)
 
     def _path_time(self, running: _Running) -> float:
-        """Return the time along a path; 0 if it has not begun [s]."""
+        """Return the time along a path [s]; 0 if the path has not begun."""
         update = self._box.arm_sample
         return update.path_time if update.path == running.number else 0.0
 
     def _has_ended(self, running: _Running) -> bool:
-        """Return whether a path was followed to its end, or abandoned."""
+        """Return whether a path has reached its end or is no longer followed."""
         update = self._box.arm_sample
         if update.path == running.number:
             return update.is_done or update.mode != "path"
@@ -384,20 +389,20 @@ class Moves:
 
 
 async def _planned(plan: Callable[[], T], moves: Sequence[Move]) -> T:
-    """Plan here if this is quick, otherwise in another thread."""
+    """Plan in this thread if planning is quick; otherwise, plan in another thread."""
     if len(moves) == 1 and moves[0].kind == "joint":
         return plan()
     return await asyncio.to_thread(plan)
 
 
 def _above_0(acceleration: float) -> float:
-    """Return an acceleration, capped for requests; raise ControlError unless > 0."""
+    """Limit an acceleration for requests; raise ControlError if it is not positive."""
     if not acceleration > 0.0:
         raise ControlError(f"an acceleration must be above 0, got {acceleration}")
     return min(acceleration, MAX_ACCELERATION)
 
 
 def _duration(change: Array, a: float, a_rot: float | None) -> float:
-    """Return the time that a change of the tool's velocity takes [s]."""
+    """Return the duration of a change of the tool's velocity [s]."""
     linear = float(np.linalg.norm(change[:3])) / a
     return max(linear, float(np.linalg.norm(change[3:])) / (a_rot or a))

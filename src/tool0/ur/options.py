@@ -1,4 +1,4 @@
-"""The options of the UR interface, and where it serves each arm."""
+"""Options of the UR interface, and the addresses at which it serves the arms."""
 
 from __future__ import annotations
 
@@ -10,25 +10,27 @@ from typing import Final, final
 from tool0.errors import ConfigError
 
 MAX_PORT_BASE: Final = 65535 - 63352
-"""Largest port base, for which the largest port (the gripper's) is still valid."""
+"""Maximum port base, with which the highest port (the gripper's) is still valid."""
 LOOPBACK: Final = ipaddress.ip_network("127.0.0.0/8")
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UrOptions:
-    """The UR controller."""
+    """Options of the UR controller."""
 
     host: str = "127.0.0.1"
-    """Address to listen on; further arms of a cell get the following ones."""
+    """Address of the first arm to listen on; the other arms get the following
+    addresses."""
     port_base: int = 0
-    """Number added to the ports of a real robot."""
+    """Number that is added to the port numbers of a real robot."""
     programs: Path | None = None
     """Folder with the programs that the dashboard server can load."""
     allow_sockets: bool = False
     """Whether URScript programs may connect to other machines."""
     active_gripper: bool = False
-    """Whether grippers start activated, as if somebody had done it at the pendant."""
+    """Whether grippers are already activated at the start, like after an activation on
+    the pendant."""
 
     def __post_init__(self) -> None:
         try:
@@ -49,13 +51,13 @@ class UrOptions:
 
     @property
     def is_public(self) -> bool:
-        """Whether other machines can reach it."""
+        """Whether other machines can connect to the interface."""
         return ipaddress.IPv4Address(self.host) not in LOOPBACK
 
     def host_of(self, number: int) -> str:
-        """Return the address of arm ``number``, from 0.
+        """Return the address of an arm; ``number`` starts at 0.
 
-        0.0.0.0 stands for all interfaces, so only one arm is possible with it.
+        The address 0.0.0.0 stands for all interfaces, so it can serve only one arm.
         """
         if number and self.host == "0.0.0.0":
             raise ConfigError(
@@ -71,8 +73,10 @@ class UrArm:
     """Address at which an arm is served as a UR."""
 
     address: str
-    """Address with the ports of a UR, and its gripper's socket on 63352."""
+    """Address of the UR's ports and of the gripper's socket on port 63352."""
     modbus_port: int | None = None
-    """Modbus port of its gripper at this address; None without one."""
+    """Modbus port of the arm's gripper at this address; None if there is no such
+    port."""
     serial_port: str | None = None
-    """File of the serial port with the gripper's Modbus RTU; None without one."""
+    """File of the serial port for the gripper's Modbus RTU; None if there is no such
+    port."""

@@ -1,4 +1,4 @@
-"""The process of the UR interface, which starts and ends with a robot."""
+"""The process of the UR interface, which starts and stops together with a robot."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ MODULE: Final = "tool0.ur"
 
 @final
 class UrController(Companion):
-    """Presents a robot like Universal Robots' control boxes do; a context manager.
+    """Context manager that presents a robot like Universal Robots' control boxes.
 
-    Each arm has an address with the ports of a real robot: RTDE, dashboard server,
-    primary, secondary and real-time interface, and those of its gripper.  A separate
-    process serves them.
+    Each arm has an address with the ports of a real robot: RTDE, the dashboard server,
+    the primary, secondary and real-time interfaces, and the gripper's ports. A separate
+    process serves the ports.
     """
 
     title, kind, unavailable = "UR", "interface", TransportError
@@ -33,8 +33,9 @@ class UrController(Companion):
         """Start the process; call ``wait`` to wait until its ports are open.
 
         Args:
-            robot: A robot of this or another process, which the caller must close after
-                the controller; or the name of a bring-up, which may start later.
+            robot: A robot of this process or of another process, which the caller must
+                close after the controller; or the name of a bring-up, which may start
+                later.
             options: Addresses and ports.
         """
         self.options = options = options or UrOptions()

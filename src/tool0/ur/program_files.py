@@ -1,4 +1,4 @@
-"""The dashboard server's files, in one folder: programs, and the saved log."""
+"""The files of the dashboard server in one folder: the programs and the saved log."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ LOG: Final = "log_history.txt"
 SUFFIX: Final = ".script"
 """Suffix of URScript programs; PolyScope's ``.urp`` files are not read."""
 ROOTS: Final = ("/programs", "/ursim/programs")
-"""Program folders of a UR and of UR's simulator; here, both stand for the one
-folder."""
+"""Program folders of a UR and of UR's simulator. In tool0, both program folders refer
+to the dashboard server's folder."""
 
 
 @final
@@ -24,25 +24,26 @@ class ProgramFile:
     """A program that the dashboard server has loaded."""
 
     name: str
-    """Name as given by the client, without folders."""
+    """Name that the client specified, without folders."""
     text: str | None
-    """Text of the program; None for External Control, whose text comes from UR's
+    """Text of the program; None for External Control, which requests the text from UR's
     driver."""
 
 
 @final
 class ProgramFiles:
-    """Reads programs and saves the log in one folder, with no access outside it."""
+    """Reads programs and saves the log in one folder; accesses no other folders."""
 
     def __init__(self, folder: Path | None) -> None:
-        """Use ``folder``; with None, there are no programs."""
+        """Use ``folder``; if it is None, there are no programs."""
         self._folder = None if folder is None else folder.resolve()
 
     def read(self, name: str) -> ProgramFile | None:
-        """Return a program, or None if there is none with that name.
+        """Return a program, or None if there is no program with this name.
 
-        ``pick.urp`` stands for the file ``pick.script``, since programs keep their
-        names when PolyScope exports them.  ``external_control.urp`` needs no file.
+        ``pick.urp`` refers to the file ``pick.script``, because PolyScope keeps the
+        name of a program when it exports the program. ``external_control.urp`` needs no
+        file.
         """
         path = self._find(name)
         if path is None and is_external(name):
@@ -59,7 +60,7 @@ class ProgramFiles:
         return ProgramFile(PurePosixPath(name).name, text)
 
     def save_log(self, lines: Iterable[str]) -> None:
-        """Write the log, replacing the previous one.
+        """Write the log and replace the previous log.
 
         Raises:
             OSError: If the log cannot be written.
@@ -82,6 +83,6 @@ class ProgramFiles:
         try:
             path = (self._folder / relative).with_suffix(SUFFIX).resolve()
             is_ours = path.is_relative_to(self._folder) and path.is_file()
-        except (OSError, ValueError):  # too long, or no name at all
+        except (OSError, ValueError):  # the name is too long or empty
             return None
         return path if is_ours else None

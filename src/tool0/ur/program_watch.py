@@ -1,4 +1,4 @@
-"""Keeps the program of a control box consistent with other uses of the arm."""
+"""Synchronization of a control box's program with the state of the arm."""
 
 from __future__ import annotations
 
@@ -11,35 +11,34 @@ if TYPE_CHECKING:
 PROTECTIVE_STOP: Final = 209
 """UR's error C209: a protective stop was triggered."""
 PATH_DEVIATION: Final = 153
-"""UR's error C153: the position deviates from the path."""
+"""UR's error C153: the arm has deviated from its path."""
 
 
 @final
 class ProgramWatch:
-    """Pauses the program when its arm is paused, and ends it when it loses the arm.
+    """Pauses the program while the arm is paused; ends the program if it loses the arm.
 
-    It also tells the clients why the arm stopped, even if no program is running.
-
-    On a real UR, a protective stop pauses the program, which may continue afterwards.
-    Here, a protective stop ends the program, which must be restarted from the
-    beginning.
+    The watch also reports to the clients why the arm stopped, even if no program is
+    running. On a real UR, a protective stop pauses the program, which may continue
+    afterwards. In tool0, a protective stop ends the program, which must be restarted
+    from the beginning.
     """
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._task: asyncio.Task[None] | None = None
         self._seen = ""
-        """Reason of the stop at the last update."""
+        """Reason for the stop at the last update."""
         self._told = ""
-        """Reason that was last reported."""
+        """Reason that was reported last."""
 
     async def start(self, host: str, port_base: int) -> None:
-        """Start to watch; there is no port."""
+        """Start to monitor the arm; there is no port."""
         del host, port_base
         self._box.when_updated.add(self._look)
 
     async def close(self) -> None:
-        """Stop watching."""
+        """Stop monitoring the arm."""
         self._box.when_updated.discard(self._look)
         if self._task is not None:
             await asyncio.wait([self._task])
@@ -57,14 +56,14 @@ class ProgramWatch:
 
     @property
     def _reason(self) -> str:
-        """Reason why the arm stopped by itself; empty if it did not."""
+        """Reason for a stop without a command; empty if there was no such stop."""
         return self._box.state.protective_stop or self._box.state.motion_failure
 
     def _tell(self) -> None:
         """Report once why the arm has stopped.
 
-        The report waits for a second update, so that clients receive the safety mode
-        first.
+        The report is sent at the second update with the same reason, so that clients
+        receive the safety mode first.
         """
         box, reason = self._box, self._reason
         if reason == self._seen and reason != self._told:

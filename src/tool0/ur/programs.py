@@ -1,4 +1,4 @@
-"""The program of a control box; only one program at a time controls the arm."""
+"""The program of a control box. Only one program at a time controls the arm."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ logger = logging.getLogger(__name__)
 
 
 class RuntimeState(IntEnum):
-    """State of the program, with RTDE's numbers."""
+    """State of the program; the values are RTDE's numbers."""
 
     STOPPING = 0
     STOPPED = 1
@@ -42,7 +42,7 @@ class Holder(Protocol):
         """Send a request without waiting for the response."""
 
     def report(self, error: Tool0Error) -> None:
-        """Report an error to clients and in the log."""
+        """Report an error to the clients and in the log."""
 
 
 BoxT = TypeVar("BoxT", bound=Holder)
@@ -56,7 +56,7 @@ class RunnableProgram(Protocol[Box_contra]):
     def name(self) -> str: ...
 
     async def run(self, box: Box_contra) -> None:
-        """Run to the end; to stop the program, cancel the call.
+        """Run the program to its end; to stop the program, cancel the call.
 
         Raises:
             Tool0Error: If the program fails; the message contains the reason.
@@ -67,7 +67,7 @@ class LineInterpreter(Protocol):
     """The part of a running program that executes lines from clients."""
 
     def submit(self, text: str, reply: Callable[[str], None]) -> None:
-        """Accept a line, and reply to it now or later."""
+        """Accept a line and reply to it immediately or later."""
 
 
 @final
@@ -86,14 +86,14 @@ class ProgramSlot(Generic[BoxT]):
         self.name = ""
         """Name of the current or last program."""
         self.n_stops = 0
-        """Number of stops so far; programs that were sent before the last stop do not
-        start."""
+        """Number of stops since the start. A program that was sent before the last stop
+        is not started."""
         self._n_stops_before = 0
         """Number of stops before the current program was sent."""
 
     @property
     def is_running(self) -> bool:
-        """Whether there is a program, even if it is paused."""
+        """Whether a program is active, even if it is paused."""
         return self._task is not None
 
     @property
@@ -102,28 +102,28 @@ class ProgramSlot(Generic[BoxT]):
         return self.state in {RuntimeState.PAUSING, RuntimeState.PAUSED}
 
     def require_no_stop(self, name: str, n_stops: int) -> None:
-        """Raise ControlError if a stop came after the first ``n_stops``."""
+        """Raise ControlError if ``n_stops`` is not the current number of stops."""
         if n_stops != self.n_stops:
             raise ControlError(
                 f"{name}: not started, since a stop came after it; send it again"
             )
 
     async def start(self, program: RunnableProgram[BoxT], n_stops: int) -> None:
-        """Start a program, which replaces the current one and stops its motion.
+        """Start a program, which replaces the current program and stops its motion.
 
         Args:
             program: The program.
-            n_stops: Number of stops when the program was sent.
+            n_stops: The value of ``self.n_stops`` when the program was sent.
 
         Raises:
-            ControlError: If the arm cannot move now, or was stopped in the meantime.
+            ControlError: If the arm cannot move or has been stopped in the meantime.
         """
         arm = self._box.arm
         async with self._changing:
             self.require_no_stop(program.name, n_stops)
             was_running = await self._cancel()
             try:
-                if was_running:  # the arm stays taken
+                if was_running:  # the arm remains claimed
                     self._box.messages.program("")
                     await self._box.call(StopArm(arm=arm))
                 await self._box.call(TakeArm(arm=arm, by=program.name, protected=True))
@@ -138,10 +138,10 @@ class ProgramSlot(Generic[BoxT]):
             self._task = asyncio.create_task(self._run(program))
 
     def stop(self) -> Coroutine[Any, Any, None]:
-        """Stop the program and the arm when awaited; discard programs sent before.
+        """Discard earlier programs; when awaited, stop the program and the arm.
 
-        Programs sent after this call start normally, even if it has not been awaited
-        yet.
+        Programs that are sent after this call start normally, even if the returned
+        coroutine has not been awaited.
         """
         self.n_stops += 1
         return self._stop(self.n_stops)
@@ -153,7 +153,7 @@ class ProgramSlot(Generic[BoxT]):
                 self._box.messages.program("")
 
     def pause(self) -> None:
-        """Pause the program at its next statement, and its motion.
+        """Pause the program at its next statement, and pause its motion.
 
         Raises:
             ControlError: If no program is running.
@@ -176,9 +176,9 @@ class ProgramSlot(Generic[BoxT]):
         self._box.send(PlayProgram(arm=self._box.arm))
 
     def follow(self, state: ControlBoxState) -> bool:
-        """Follow changes that others made to the control box, such as a pause.
+        """Apply changes that other clients made to the control box, such as a pause.
 
-        Return whether the program has lost the arm and must end.
+        Return whether the program has lost control of the arm and must end.
         """
         if not self.is_running:
             self._has_arm = False
@@ -197,7 +197,7 @@ class ProgramSlot(Generic[BoxT]):
         return False
 
     async def gate(self) -> None:
-        """Wait while the program is paused; return at once if it is not."""
+        """Wait while the program is paused; otherwise, return immediately."""
         await self._gate.wait()
 
     async def _run(self, program: RunnableProgram[BoxT]) -> None:
@@ -209,12 +209,12 @@ class ProgramSlot(Generic[BoxT]):
             logger.exception("the program '%s' failed", program.name)
             self._box.messages.error(f"{program.name}: {error!r}")
         async with self._changing:
-            self._task = None  # it can no longer be cancelled
+            self._task = None  # the task can no longer be canceled
             await self._release()
             self._box.messages.program("")
 
     async def _cancel(self) -> bool:
-        """End the current program; return whether there was one."""
+        """End the current program; return whether a program was ended."""
         task = self._task
         if task is None or task is asyncio.current_task():
             return False

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from typing import Final, final
 
 N_BITS: Final = 128
-"""Number of boolean registers in each direction; 64 and up are for RTDE clients."""
+"""Number of boolean registers per direction; 64 and higher are for RTDE clients."""
 N_NUMBERS: Final = 48
-"""Number of integer and of double registers in each direction; 24 and up are for RTDE
-clients."""
+"""Number of integer registers and of double registers per direction; 24 and higher are
+for RTDE clients."""
 
 N_FLAGS: Final = 32
-"""Number of flags of programs."""
+"""Number of flags that programs can set."""
 
 
 @final
@@ -23,7 +23,7 @@ class RegisterBank:
 
     bits: list[bool] = field(default_factory=lambda: [False] * N_BITS)
     integers: list[int] = field(default_factory=lambda: [0] * N_NUMBERS)
-    """Integer registers: 32 bits, signed."""
+    """Values of the integer registers: 32 bits, signed."""
     doubles: list[float] = field(default_factory=lambda: [0.0] * N_NUMBERS)
 
 
@@ -37,9 +37,9 @@ class Registers:
     outputs: RegisterBank = field(default_factory=RegisterBank)
     """Registers that programs write and clients read."""
     when_written: set[Callable[[Collection[str]], None]] = field(default_factory=set)
-    """Callbacks that get the RTDE names of the inputs which a client has written."""
+    """Callbacks that receive the RTDE names of the inputs that a client has written."""
 
     def written(self, names: Collection[str]) -> None:
-        """Notify everyone that a client has written these inputs."""
+        """Call all callbacks with the names of the inputs that a client has written."""
         for callback in tuple(self.when_written):
             callback(names)

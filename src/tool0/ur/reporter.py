@@ -1,4 +1,4 @@
-"""Shows the activity of a control box's ports in the panel, and guards its arm."""
+"""Reports of a control box's activity to the panel, and its arm's safety limits."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from tool0.ur.registers import RegisterBank
 
 PERIOD: Final = 0.1
-"""Period of checks for changes [wall s]."""
+"""Period of the checks for changes [wall s]."""
 
 
 @final
 class Reporter:
-    """Enables safety limits like those of a UR for the arm, and sends reports."""
+    """Enables a UR's safety limits for the arm, and sends reports to the bring-up."""
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
@@ -34,7 +34,7 @@ class Reporter:
         self._task: asyncio.Task[None] | None = None
 
     async def start(self, host: str, port_base: int) -> None:
-        """Start to report; there is no port."""
+        """Enable the limits and start to report; there is no port."""
         del port_base
         self._host = host
         await self._box.call(SetSafetyLimits(arm=self._box.arm, enabled=True))
@@ -80,7 +80,7 @@ class Reporter:
 
 
 def _set_registers(bank: RegisterBank) -> Iterator[tuple[str, bool | int | float]]:
-    """Yield the registers whose values are neither zero nor infinite."""
+    """Yield the registers with values that are neither zero nor infinite."""
     kinds = (("bit", bank.bits), ("int", bank.integers), ("double", bank.doubles))
     for kind, values in kinds:
         for number, value in enumerate(values):

@@ -1,4 +1,4 @@
-"""A client's force-torque sensor, whose readings arrive through RTDE."""
+"""A client's force-torque sensor, with readings that are received through RTDE."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _NONE: Final = (0.0,) * 6
 
 @final
 class RtdeSensor:
-    """Newest reading of ``external_force_torque``, while programs use this sensor."""
+    """Newest reading of ``external_force_torque``, which programs can use."""
 
     def __init__(self) -> None:
         self._offset: Vector3 | None = None
@@ -21,25 +21,25 @@ class RtdeSensor:
 
     @property
     def is_used(self) -> bool:
-        """Whether this sensor replaces the wrist's own one."""
+        """Whether this sensor replaces the wrist's built-in sensor."""
         return self._offset is not None
 
     def set_offset(self, offset: Vector3 | None) -> None:
-        """Use the sensor, at a point in the flange [m]; None disables it."""
+        """Use the sensor at a point in the flange's frame [m]; None disables it."""
         self._offset = offset
         self._tare = _NONE
 
     def read(self, wrench: Six) -> None:
-        """Store a reading, in the flange's axes [N, N·m]."""
+        """Store a reading in the flange's axes [N, N·m]."""
         self._reading = wrench
 
     def tare(self) -> None:
-        """Tare the sensor: the newest reading becomes zero."""
+        """Tare the sensor, so that the newest reading becomes zero."""
         self._tare = self._reading
 
     @property
     def wrench(self) -> Six:
-        """Wrench at the flange, in its axes [N, N·m]."""
+        """Wrench at the flange in the flange's axes [N, N·m]."""
         x, y, z = self._offset or (0.0, 0.0, 0.0)
         pairs = zip(self._reading, self._tare, strict=True)
         fx, fy, fz, tx, ty, tz = (value - tare for value, tare in pairs)

@@ -1,4 +1,4 @@
-"""The UR interface as a whole, with a box and its ports for each arm."""
+"""The complete UR interface: a control box and its ports for each arm."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from tool0.ur.updates import Updates
 logger = logging.getLogger(__name__)
 
 CONNECT_TIMEOUT: Final = 60.0
-"""Longest wait for the bring-up [wall s]."""
+"""Maximum time to wait for the bring-up [wall s]."""
 _RETRY: Final = 0.02
-"""Pause between attempts to connect [wall s]."""
+"""Delay between attempts to connect [wall s]."""
 
 
 class BoxInterface(Protocol):
-    """An interface of a box, such as RTDE, with one port or several."""
+    """An interface of a control box, such as RTDE, with any number of ports."""
 
     async def start(self, host: str, port_base: int) -> None:
-        """Open the ports; raise TransportError if one is in use."""
+        """Open the ports; raise TransportError if a port is in use."""
 
     async def close(self) -> None:
         """Close connections and ports."""
@@ -82,7 +82,9 @@ async def serve(
     options: UrOptions,
     ready: Callable[[Mapping[str, UrArm]], None],
 ) -> None:
-    """Serve a bring-up's arms until it ends; ``ready`` receives their addresses.
+    """Serve a bring-up's arms until the bring-up ends.
+
+    ``ready`` is called with the addresses of the arms when the ports are open.
 
     Raises:
         TransportError: If there is no arm, or a port is in use.
@@ -141,7 +143,7 @@ async def serve(
 
 
 def _served(host: str, interfaces: list[BoxInterface]) -> UrArm:
-    """Return the addresses of an arm's interfaces, which must have started."""
+    """Return the addresses of an arm's interfaces, which must have been started."""
     from tool0.ur.robotiq.interface import RobotiqInterface
 
     for interface in interfaces:

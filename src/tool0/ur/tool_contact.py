@@ -1,7 +1,8 @@
-"""Detection of tool contacts for URScript's ``tool_contact``, with past positions.
+"""Detection of tool contacts for ``tool_contact``, and storage of past positions.
 
-UR does not publish its criterion.  Here, a contact is an external force at the tool of
-at least ``CONTACT_FORCE``; it began when the force exceeded ``START_FORCE``.
+UR does not publish the criterion for a contact. In tool0, a contact is an external
+force at the tool of at least ``CONTACT_FORCE``. The contact starts when the force
+exceeds ``START_FORCE``.
 """
 
 from __future__ import annotations
@@ -17,15 +18,15 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 CONTACT_FORCE: Final = 5.0
-"""Smallest force of a contact, against the watched direction [N]."""
+"""Minimum force of a contact, opposite to the monitored direction [N]."""
 START_FORCE: Final = 1.0
-"""Force above which a contact counts as begun [N]."""
+"""Force above which a contact has started [N]."""
 MAX_STEPS: Final = 500
-"""Number of updates for which positions are stored."""
+"""Number of updates for which the positions are stored."""
 STEADY_TIME: Final = 0.5
-"""Time at rest after which an arm is steady [s]."""
+"""Time at rest after which the arm is considered steady [s]."""
 STEADY_SPEED: Final = 1e-3
-"""Largest speed of any joint of a steady arm [rad/s]."""
+"""Maximum speed of each joint of a steady arm [rad/s]."""
 
 
 class _Moment(NamedTuple):
@@ -39,7 +40,7 @@ class _Moment(NamedTuple):
 
 @final
 class ToolHistory:
-    """A context manager that records the last moments of an arm."""
+    """A context manager that records an arm's state at the last updates."""
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
@@ -54,7 +55,7 @@ class ToolHistory:
         self._box.when_updated.discard(self._record)
 
     def positions(self, steps: int) -> Six:
-        """Return the joint positions some updates ago, or the oldest ones [rad]."""
+        """Return the joint positions of an earlier update, or the oldest ones [rad]."""
         index = min(max(steps, 0), len(self._moments) - 1)
         return self._moments[-1 - index].q
 
@@ -70,11 +71,12 @@ class ToolHistory:
         return (a, b, c, d, e, f)
 
     def contact(self, direction: Sequence[float]) -> int:
-        """Return the number of updates since a contact began; 0 if there is no contact.
+        """Return the number of updates since a contact started; 0 without a contact.
 
         Args:
             direction: Direction in which the tool approaches objects, in the base
-                frame's axes; a vector of any length, or zero for all directions.
+                frame's axes. The vector may have any length; zero stands for all
+                directions.
         """
         first = self._force_along(self._moments[-1], direction)
         if first < CONTACT_FORCE:
@@ -99,16 +101,16 @@ class ToolHistory:
     def _record(self) -> None:
         box = self._box
         if self._moments and box.time < self._moments[-1].time:
-            self._moments.clear()  # a reset
+            self._moments.clear()  # the time was reset
         fx, fy, fz = box.sensed_wrench[:3]
         is_resting = max(map(abs, box.qd)) <= STEADY_SPEED
         self._moments.append(_Moment(box.time, box.q, box.qd, (fx, fy, fz), is_resting))
 
     def _force_along(self, moment: _Moment, direction: Sequence[float]) -> float:
-        """Return the force that opposes motion in a direction [N].
+        """Return the component of the force that opposes motion in a direction [N].
 
-        The current orientation of the flange is used, as it hardly changes while the
-        arm approaches a contact.
+        The current orientation of the flange is used, because it hardly changes while
+        the arm approaches a contact.
         """
         if not any(direction[:3]):
             return math.hypot(*moment.force)

@@ -1,9 +1,9 @@
-"""Torques of a program, which last for one control period, like on a robot.
+"""Torques of a program, which apply for one control period, like on a real robot.
 
 A program sets torques in every control period; otherwise, the arm returns to position
-control and ramps to rest.  Since programs run in another process, they see updates late
-and may miss a period.  Torque control therefore ends after the second period without
-torques; if the program hangs, the simulation ends it.
+control and decelerates to rest. Programs run in a separate process, so they may receive
+updates late and miss a period. Torque control therefore ends after the second period
+without torques. If the program hangs, the simulation ends torque control.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 MISSED: Final = 2
-"""Number of updates without torques after which torque control ends."""
+"""Number of consecutive updates without torques after which torque control ends."""
 HANGING: Final = 0.04
-"""Simulated time after which torque control ends if the program sees no updates [s]."""
+"""Simulated time after which torque control ends if the program gets no updates [s]."""
 
 
 @final
 class Torques:
-    """Controls a control box's arm with torques, for one program."""
+    """Controls the arm of a control box with torques for one program."""
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
@@ -45,7 +45,7 @@ class Torques:
         viscous_scale: Six = VISCOUS_SCALE,
         coulomb_scale: Six = COULOMB_SCALE,
     ) -> None:
-        """Apply torques to the joints [N·m]; return after a control period.
+        """Apply torques to the joints [N·m] and return after one control period.
 
         Raises:
             ControlError: If the arm cannot be controlled with torques.
@@ -59,7 +59,7 @@ class Torques:
         viscous_scale: Six = VISCOUS_SCALE,
         coulomb_scale: Six = COULOMB_SCALE,
     ) -> None:
-        """Apply torques to the joints [N·m] from now on.
+        """Apply torques to the joints [N·m] without waiting for a control period.
 
         Raises:
             ControlError: If the arm cannot be controlled with torques.
@@ -85,7 +85,7 @@ class Torques:
         box.when_updated.add(self._look)
 
     def _look(self) -> None:
-        """Count an update; end torque control if the program has set no torques."""
+        """Count an update; end torque control if too many updates had no torques."""
         self._missed += 1
         if self._missed > MISSED:
             self._is_driving = False

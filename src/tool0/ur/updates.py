@@ -1,9 +1,10 @@
 """Passes all states of a robot to its control boxes, in order.
 
-If the process is late, it gets several states together.  Programs react only to the
-newest one, but RTDE and the real-time interface send packets for each state, before any
-reaction of a program.  The time for this is limited: a process that is permanently late
-skips states, because its programs would fall further and further behind.
+If the process is delayed, it receives several states together. Programs react only to
+the newest state. RTDE and the real-time interface send packets for each state before
+any program reacts. The time for sending packets of older states is limited. A process
+that is permanently too slow skips states, because the delay of its programs would
+otherwise increase without limit.
 """
 
 from __future__ import annotations
@@ -19,14 +20,16 @@ from tool0.ur.control_box import UrControlBox
 logger = logging.getLogger(__name__)
 
 MOST_TIME: Final = 0.05
-"""Time that may be spent at once on the states before the newest [wall s]; it suffices
-for a quarter of a second of states, at 500 Hz for clients that read everything.  It
-must not be longer, because clients that compute targets from the robot's time see that
-time this much too late."""
+"""Maximum time that is spent consecutively on the states before the newest state [wall
+s]. The time is sufficient for a quarter of a second of states at 500 Hz for clients
+that read everything. A longer time would be a disadvantage for clients that compute
+targets from the robot's time, because these clients receive the robot's time with the
+same delay."""
 SHARE: Final = 0.1
-"""Fraction of the time that may be spent on these states permanently."""
+"""Maximum fraction of time that is permanently spent on the states before the newest
+state."""
 _REPORT_PERIOD: Final = 10.0
-"""Shortest time between two warnings [wall s]."""
+"""Minimum time between two warnings [wall s]."""
 
 
 @final
@@ -34,17 +37,17 @@ class Updates:
     """Passes states to control boxes."""
 
     def __init__(self, boxes: Sequence[UrControlBox]) -> None:
-        """Keep a reference to the list, to which further boxes may be added."""
+        """Keep a reference to the list; boxes may be added to the list later."""
         self._boxes = boxes
         self._left, self._since = MOST_TIME, time.monotonic()
-        """Time that may be spent [wall s], and the instant at which this was computed
-        [wall s]."""
+        """Remaining time that may be spent [wall s], and the time at which this value
+        was computed [wall s]."""
         self._n_left_out = 0
         """Number of skipped states since the last warning."""
         self._warned = -_REPORT_PERIOD
 
     def show(self, arrived: Sequence[Snapshot]) -> None:
-        """Pass on the states that have arrived, oldest first; at least the newest."""
+        """Pass on the received states, oldest first, but at least the newest state."""
         *passed, newest = arrived
         if passed:
             self._show_passed(passed)

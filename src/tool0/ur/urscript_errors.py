@@ -8,7 +8,7 @@ from tool0.errors import Tool0Error
 
 
 class Place(NamedTuple):
-    """A location in a program, counted from 1."""
+    """A location in a program; lines and columns start at 1."""
 
     line: int
     column: int
@@ -16,18 +16,18 @@ class Place(NamedTuple):
 
 @final
 class URScriptError(Tool0Error):
-    """A program that cannot be executed, or that failed during execution."""
+    """Raised if a program cannot be executed or fails during execution."""
 
     def __init__(
         self, message: str, place: Place, program: str = "program", key: str = ""
     ) -> None:
-        """Report ``message`` as ``program:line:column: message``.
+        """Create an error with the text ``program:line:column: message``.
 
         Args:
             message: Description of the problem.
             place: Location of the problem.
             program: Name of the program's source.
-            key: Name of the error on UR's controller; empty if unknown.
+            key: Name of the error on UR's controller; empty if the name is unknown.
         """
         super().__init__(f"{program}:{place.line}:{place.column}: {message}")
         self.message = message
@@ -37,5 +37,5 @@ class URScriptError(Tool0Error):
 
 
 @final
-class ValueProblem(Exception):  # noqa: N818 - becomes a URScriptError with its place
-    """A value that an operator or function rejects; its location is added later."""
+class ValueProblem(Exception):  # noqa: N818 - becomes a URScriptError with a location
+    """Raised for a value that is invalid for an operator or function."""

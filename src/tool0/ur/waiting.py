@@ -1,4 +1,4 @@
-"""Waits of programs for other programs, with a wall-time limit."""
+"""Waits of programs for other programs, with a limit in wall time."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ T = TypeVar("T")
 
 
 async def within(action: Coroutine[Any, Any, T], timeout: float | None) -> T | None:
-    """Return the result of an action; None if it takes longer than a limit [wall s].
+    """Return the result of an action; None if the action exceeds a limit [wall s].
 
-    The wait can be cancelled at any moment, whereas before Python 3.12,
-    asyncio.wait_for loses a cancellation that coincides with the result.
+    The wait can be canceled at any time. In contrast, asyncio.wait_for loses a
+    cancellation that coincides with the result before Python 3.12.
     """
     task = asyncio.ensure_future(action)
     task.add_done_callback(seen)
@@ -26,6 +26,6 @@ async def within(action: Coroutine[Any, Any, T], timeout: float | None) -> T | N
 
 
 def seen(task: asyncio.Future[Any]) -> None:
-    """Retrieve the error of an action that nobody awaits any more."""
+    """Retrieve the error of an action that no task awaits anymore."""
     if not task.cancelled():
         task.exception()

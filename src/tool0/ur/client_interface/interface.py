@@ -20,13 +20,14 @@ if TYPE_CHECKING:
 
 PRIMARY, SECONDARY, REALTIME = 30001, 30002, 30003
 READ_ONLY: Final = 10
-"""Offset from these ports to those that accept no programs."""
+"""Offset from the number of each port to the number of its read-only counterpart, which
+accepts no programs."""
 STATE_PERIOD: Final = 0.1
 """Period of the robot's state on the primary and secondary interfaces, and on all
-interfaces while time stands still [s]."""
+interfaces while simulated time does not advance [s]."""
 MAX_BEHIND: Final = 1 << 16
-"""Amount of unread data above which a client gets no more until it reads [bytes]: many
-clients only send programs, and never read."""
+"""Amount of unread data above which no more data is sent to a client [bytes]. Many
+clients only send programs and never read."""
 BUILD_DATE: Final = "01-01-2024, 00:00:00"
 _SCRIPT_COST: Final = 5e-3
 """Processor time for compiling and starting a program [s]."""
@@ -56,7 +57,7 @@ class ClientInterface:
         self._heart: asyncio.Task[None] | None = None
 
     async def start(self, host: str, port_base: int) -> None:
-        """Start to listen and to send.
+        """Open the ports and start to send data.
 
         Raises:
             TransportError: If a port is in use.
@@ -139,7 +140,7 @@ class ClientInterface:
         self._is_quiet = False
 
     async def _beat(self) -> None:
-        """Keep sending the state while simulated time stands still."""
+        """Keep sending the state while simulated time does not advance."""
         while True:
             await asyncio.sleep(STATE_PERIOD)
             if self._is_quiet:
@@ -158,7 +159,7 @@ class ClientInterface:
             send_to_readers(peers, realtime_packet(self._box))
 
     def _tell(self, message: Message) -> None:
-        """Send a message to clients of the primary interface."""
+        """Send a message to the clients of the primary interface."""
         time = self._box.time
         match message.kind:
             case MessageKind.TEXT:
@@ -194,11 +195,11 @@ def _periods(time: float, period: float) -> int:
 
 
 def readers(peers: Iterable[Peer]) -> list[Peer]:
-    """Return the peers that have read everything that was sent before."""
+    """Return the peers with less than ``MAX_BEHIND`` bytes of unread data."""
     return [peer for peer in peers if peer.owed < MAX_BEHIND]
 
 
 def send_to_readers(peers: Iterable[Peer], packet: bytes) -> None:
-    """Send to the peers that have read everything that was sent before."""
+    """Send a packet to the peers with less than ``MAX_BEHIND`` bytes of unread data."""
     for peer in readers(peers):
         peer.send(packet)

@@ -1,8 +1,8 @@
 """The packet of the real-time interface, port 30003.
 
-Its layout is that of software 5.10.  The order of the values has been the same since
-3.0: later versions only append values, and the first number is the size, so older
-clients can read the part that they know.  Source:
+The packet has the layout of UR's software 5.10. The order of the values has not changed
+since version 3.0: later versions only append values. The first number is the size of
+the packet, so older clients can read the values that they support. Source:
 https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/realtime-guide.html
 """
 

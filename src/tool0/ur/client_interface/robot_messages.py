@@ -13,10 +13,11 @@ from typing import Final
 
 ROBOT_MESSAGE: Final = 20
 MAX_TEXT: Final = 8192
-"""Length at which texts are cut [bytes], since clients have buffers of limited size."""
+"""Maximum length of a text [bytes]. Longer texts are truncated, because the buffers of
+clients have a limited size."""
 MAX_TITLE: Final = 255
 _HEADER: Final = Struct(">iBQbB")
-"""Header of a packet: its size, type, timestamp, source and kind of message."""
+"""Header of a packet: size, type, timestamp, source and kind of message."""
 
 
 class Source(IntEnum):
@@ -39,7 +40,7 @@ class Kind(IntEnum):
 
 
 class ReportLevel(IntEnum):
-    """Severity of an error; from ``VIOLATION`` on, the program has failed."""
+    """Severity of an error; ``VIOLATION`` means that the program has failed."""
 
     WARNING = 2
     VIOLATION = 3
@@ -48,11 +49,11 @@ class ReportLevel(IntEnum):
 PROGRAM_STARTED: Final = "PROGRAM_XXX_STARTED"
 PROGRAM_STOPPED: Final = "PROGRAM_XXX_STOPPED"
 _UNSIGNED_DATA: Final = 1
-"""Type of the number that comes with a message."""
+"""Type code of the data field in a message: an unsigned integer."""
 
 
 def version_message(version: Sequence[int], build_date: str) -> bytes:
-    """Return the first packet of a connection, with the three version numbers."""
+    """Return the first packet of a connection, which contains the version numbers."""
     name = b"URControl"
     major, minor, bugfix = version
     numbers = Struct(f">b{len(name)}sBBii").pack(
@@ -62,28 +63,28 @@ def version_message(version: Sequence[int], build_date: str) -> bytes:
 
 
 def text_message(time: float, text: str) -> bytes:
-    """Return a line of ``textmsg``; ``time`` is in [s], as in all messages."""
+    """Return the message for a line of ``textmsg``; ``time`` is simulated time [s]."""
     return _message(time, Kind.TEXT, _cut(text))
 
 
 def popup_message(
     time: float, title: str, text: str, *, is_warning: bool, is_error: bool
 ) -> bytes:
-    """Return a popup, which does not have to be answered."""
+    """Return the message that shows a popup, which requires no answer."""
     heading = _cut(title, MAX_TITLE)
     head = Struct(">IB???B").pack(0, 0, is_warning, is_error, False, len(heading))
     return _message(time, Kind.POPUP, head + heading + _cut(text))
 
 
 def key_message(time: float, title: str, text: str) -> bytes:
-    """Return the message that a program has started or stopped."""
+    """Return the message for the start or end of a program."""
     heading = _cut(title, MAX_TITLE)
     head = Struct(">iiB").pack(0, 0, len(heading))
     return _message(time, Kind.KEY, head + heading + _cut(text))
 
 
 def exception_message(time: float, place: tuple[int, int], text: str) -> bytes:
-    """Return an error in a program; line and column count from 1."""
+    """Return the message for an error at a line and column, which start at 1."""
     head = Struct(">ii").pack(*place)
     return _message(
         time, Kind.RUNTIME_EXCEPTION, head + _cut(text), Source.REAL_TIME_MACHINE
@@ -91,14 +92,14 @@ def exception_message(time: float, place: tuple[int, int], text: str) -> bytes:
 
 
 def error_message(time: float, text: str, code: int, *, is_warning: bool) -> bytes:
-    """Return an error of the robot; ``code`` is UR's number, or 0 if there is none."""
+    """Return a robot error; ``code`` is UR's error number, or 0 if there is none."""
     level = ReportLevel.WARNING if is_warning else ReportLevel.VIOLATION
     head = Struct(">iiiII").pack(code, 0, level, _UNSIGNED_DATA, 0)
     return _message(time, Kind.ERROR_CODE, head + _cut(text), Source.REAL_TIME_MACHINE)
 
 
 def safety_message(time: float, mode: int) -> bytes:
-    """Return the message that the safety mode has changed."""
+    """Return the message for a change of the safety mode."""
     body = Struct(">iiBII").pack(0, 0, mode, _UNSIGNED_DATA, 0)
     return _message(time, Kind.SAFETY_MODE, body, Source.REAL_TIME_MACHINE)
 
@@ -112,5 +113,5 @@ def _message(
 
 
 def _cut(text: str, limit: int = MAX_TEXT) -> bytes:
-    """Return a text in UTF-8, cut to a limit [bytes] without splitting characters."""
+    """Return a UTF-8 text of at most ``limit`` bytes, without split characters."""
     return text.encode(errors="replace")[:limit].decode(errors="ignore").encode()

@@ -1,7 +1,8 @@
-"""The state of the robot as the primary and secondary interfaces send it at 10 Hz.
+"""The robot state packet, which the primary and secondary interfaces send at 10 Hz.
 
-A packet of type 16 consists of sub-packages, each with its size and type.  Source of
-the layouts, for 5.9 and later and, where they differ, for a CB3 with 3.5 and later:
+A packet of type 16 consists of sub-packages. Each sub-package starts with its size and
+type. The layouts are those of UR's software 5.9 and later. Where the layouts of a CB3
+differ, those of software 3.5 and later are used. Source:
 https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/primary-secondary-guide.html
 """
 
@@ -35,7 +36,7 @@ _TOOL_CONNECTION: Final = Struct(">?iiiff")
 
 
 class Package(IntEnum):
-    """Sub-packages that occur; 9 and 10 are for UR's internal use."""
+    """Types of the sub-packages that are sent; UR reserves types 9 and 10."""
 
     ROBOT_MODE = 0
     JOINTS = 1
@@ -59,14 +60,14 @@ class ControlMode(IntEnum):
 
 
 UNCALIBRATED: Final = 0xFFFFFFFF
-"""Checksum of a joint's calibration if there is no calibration."""
+"""Value of a joint's calibration checksum if the joint is not calibrated."""
 VOLTAGE_RANGE: Final = 1
-"""Number of the 0 … 10 V range of the box's analogue inputs."""
+"""UR's number for the 0 … 10 V range of the control box's analog inputs."""
 MAX_ACCELERATION: Final = 40.0
 """Largest acceleration of a joint in a UR's configuration [rad/s²]."""
 DEFAULTS: Final = (math.radians(60.0), math.radians(80.0), 0.25, 1.2)
-"""Speed and acceleration of joints [rad/s, rad/s²] and of the tool [m/s, m/s²] in
-programs that specify none."""
+"""Default speed and acceleration of the joints [rad/s, rad/s²] and of the tool [m/s,
+m/s²], which apply if a program does not specify them."""
 EQUIVALENT_RADIUS: Final = 0.25
 """Equivalent radius in a UR's configuration [m]."""
 ROBOT_TYPES: Final = {
@@ -78,10 +79,10 @@ ROBOT_TYPES: Final = {
     "UR30": 8,
     "UR15": 9,
 }
-"""UR's numbers for the types of arms."""
+"""UR's type number for each arm model."""
 MASTERBOARD_VERSION, BOX_TYPE, SUB_TYPE = 6, 4, 3
-"""Types of the master board and the box, as reported by UR's own simulator of an
-e-Series."""
+"""Types of the master board and the control box that UR's own simulator reports for an
+e-Series robot."""
 
 
 def robot_state(box: UrControlBox, *, is_first: bool = False) -> bytes:
@@ -110,7 +111,7 @@ def robot_state(box: UrControlBox, *, is_first: bool = False) -> bytes:
 
 
 def robot_model(box: UrControlBox) -> str:
-    """Return UR's name of the arm, such as ``UR5`` for a UR5 and for a UR5e."""
+    """Return UR's name for the arm model: ``UR5`` for both a UR5 and a UR5e."""
     return box.model_name.upper().removesuffix("E") or "UR"
 
 
@@ -126,8 +127,8 @@ def _robot_mode(box: UrControlBox) -> bytes:
     )
     body = _MODE.pack(
         round(box.time * 1e9),
-        True,  # there is a robot
-        True,  # and it is not UR's simulation
+        True,  # a real robot is connected
+        True,  # the real robot is enabled
         state.robot_mode >= RobotMode.POWER_ON,
         is_stopped,
         state.safety_mode is SafetyMode.PROTECTIVE_STOP,
@@ -202,7 +203,7 @@ def _masterboard(box: UrControlBox) -> bytes:
         0.0,  # current of the pins
         state.safety_mode,
         state.safety_mode is SafetyMode.REDUCED,
-        False,  # no interface to injection moulding machines
+        False,  # no interface to injection molding machines
         0,
         False,  # no selector of the operational mode
         0,  # no enabling device
@@ -256,8 +257,8 @@ Six = tuple[float, float, float, float, float, float]
 def dh_parameters(box: UrControlBox) -> tuple[Six, Six, Six, Six]:
     """Return an arm's nominal Denavit-Hartenberg parameters: theta, a, d, alpha.
 
-    The lengths [m] and angles [rad] are computed from the axes with all joints at zero,
-    for an arm built like a UR:
+    The lengths [m] and angles [rad] are computed from the joint axes with all joints at
+    zero. The arm must have the kinematic structure of a UR:
     https://www.universal-robots.com/articles/ur/application-installation/dh-parameters-for-calculations-of-kinematics-and-dynamics/
     """
     posture = box.chain.forward(np.zeros((1, 6)))

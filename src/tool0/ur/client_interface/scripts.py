@@ -1,8 +1,9 @@
-"""Programs in the text that clients send, as complete blocks or single lines.
+"""Extraction of programs from the text that clients send.
 
-A block is ``def`` or ``sec`` … ``end``, with everything nested in it; any other line is
-a separate program.  A line that only calls the preceding block is ignored, because the
-block itself is the program and already runs.  Text may arrive in pieces of any size.
+A program is a block or a single line. A block starts with ``def`` or ``sec`` and ends
+at the matching ``end``, including all nested blocks. Any other line is a separate
+program. A line that only calls the preceding block is ignored, because the block has
+already been started as a program. The text may be received in chunks of any size.
 """
 
 from __future__ import annotations
@@ -14,11 +15,12 @@ from typing import Final, NamedTuple, final
 from tool0.errors import TransportError
 
 MAX_PROGRAM: Final = 1 << 19
-"""Longest program [bytes]; ur_rtde's control program has 42 kB."""
+"""Maximum length of a program [bytes]. For comparison, ur_rtde's control program has 42
+kB."""
 MAX_LINE: Final = 1 << 16
-"""Longest line [bytes]."""
+"""Maximum length of a line [bytes]."""
 UNNAMED: Final = "unnamed"
-"""Name of a program without ``def``."""
+"""Name that is used for a program that consists of a single line."""
 _CODE: Final = re.compile(r"\"[^\"]*\"?|'[^']*'?|#.*|[^\W\d]\w*")
 """Pattern of the strings, comments and words in a line."""
 _OPENING: Final = frozenset({"def", "sec", "thread", "if", "while", "for", "switch"})
@@ -32,8 +34,8 @@ class Script(NamedTuple):
     text: str
     name: str
     is_secondary: bool = False
-    """Whether the program is secondary: it runs alongside the one that moves the
-    arm."""
+    """Whether the program is secondary. A secondary program runs alongside the program
+    that moves the arm."""
 
 
 @final
@@ -48,7 +50,7 @@ class ScriptReader:
 
     @property
     def unfinished(self) -> str:
-        """Name of the block whose ``end`` has not arrived yet; empty if none."""
+        """Name of the block that has no ``end`` yet; empty if no block is open."""
         return "" if self._block is None else self._block.name
 
     def read(self, data: bytes) -> Iterator[Script]:
@@ -91,7 +93,7 @@ class ScriptReader:
 
 @final
 class _Block:
-    """The lines of a ``def`` or ``sec`` so far."""
+    """The lines of a ``def`` or ``sec`` block that have been received."""
 
     def __init__(self, name: str, *, is_secondary: bool) -> None:
         self.name, self._is_secondary = name, is_secondary

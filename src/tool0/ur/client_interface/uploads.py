@@ -25,20 +25,22 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 MAX_WAITING: Final = 32
-"""Largest number of waiting programs.  A further one replaces the oldest, which it
-would replace anyway once both had started."""
+"""Maximum number of queued programs. A program that is received when the queue is full
+replaces the oldest queued program. The start of the new program would end the oldest
+program anyway."""
 MAX_SECONDARY: Final = 16
-"""Largest number of secondary programs at a time."""
+"""Maximum number of secondary programs that run at the same time."""
 
 
 @final
 class Uploads:
-    """Executes scripts; a program replaces the current one, unless it is secondary."""
+    """Executes scripts. A script that is not secondary replaces the current program."""
 
     def __init__(self, box: UrControlBox) -> None:
         self._box = box
         self._waiting: deque[tuple[Script, int]] = deque()
-        """Waiting scripts, each with the number of stops before it arrived."""
+        """Queued scripts, and for each script the number of stops before it was
+        received."""
         self._arrived = asyncio.Event()
         self._is_flooded = False
         self._secondary: set[asyncio.Task[None]] = set()
@@ -52,15 +54,16 @@ class Uploads:
                 UnlockProtectiveStop(arm=arm, at_once=True)
             ),
         }
-        """Lines that are not URScript, but are sent by UR's own client library."""
+        """Handlers of lines that are not URScript but that UR's own client library
+        sends."""
         self._stops: dict[str, Callable[[], Awaitable[object]]] = {
             "power off": self._power_off,
             "stop program": box.programs.stop,
         }
-        """Commands that are executed immediately, before waiting scripts."""
+        """Handlers of commands that are executed immediately, before queued scripts."""
 
     def put(self, script: Script) -> None:
-        """Queue a script behind the waiting ones; execute a stop immediately."""
+        """Add a script to the queue, or execute it immediately if it is a stop."""
         if (stop := self._stops.get(_line(script))) is not None:
             task = asyncio.create_task(self._attempt(script, stop()))
             self._stopping.add(task)
@@ -77,7 +80,7 @@ class Uploads:
         self._arrived.set()
 
     async def close(self) -> None:
-        """End the secondary programs and discard the waiting scripts."""
+        """End the secondary programs and discard the queued scripts."""
         tasks = (self._task, *self._secondary, *self._stopping)
         for task in tasks:
             task.cancel()
@@ -93,7 +96,7 @@ class Uploads:
             await self._attempt(script, self._execute(script, n_stops))
 
     async def _attempt(self, script: Script, execution: Awaitable[object]) -> None:
-        """Execute a script and report errors, which must not stop the others."""
+        """Execute a script and report its errors; other scripts are not affected."""
         try:
             await execution
         except Tool0Error as error:
@@ -103,7 +106,7 @@ class Uploads:
             self._box.messages.error(f"{script.name}: {error!r}")
 
     def _power_off(self) -> Awaitable[object]:
-        """Switch the arm off, and discard the scripts that were sent before."""
+        """Switch the arm off and discard the scripts that were received before."""
         self._box.programs.n_stops += 1
         return self._box.call(PowerOff(arm=self._box.arm))
 
@@ -137,5 +140,5 @@ class Uploads:
 
 
 def _line(script: Script) -> str:
-    """Return the line that forms the whole script; empty for a named program."""
+    """Return the line of an unnamed script in lower case; empty for a named script."""
     return " ".join(script.text.split()).lower() if script.name == UNNAMED else ""

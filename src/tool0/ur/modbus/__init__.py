@@ -1,1 +1,1 @@
-"""Modbus TCP: shared by the gripper's server and by programs, which are clients."""
+"""Modbus TCP, used by the gripper's server and by programs, which are clients."""

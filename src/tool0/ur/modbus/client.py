@@ -1,4 +1,4 @@
-"""A client of a Modbus unit, for one request at a time."""
+"""A client of a Modbus unit that sends one request at a time."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from tool0.devices.modbus_frames import ERROR, HEADER, MAX_LENGTH
 from tool0.ur.waiting import within
 
 TIMEOUT: Final = 2.0
-"""Longest wait for a connection or a response [wall s]."""
+"""Maximum time to wait for a connection or a response [wall s]."""
 DISCONNECTED: Final = -2
-"""Error code for a connection that does not exist."""
+"""Error code that reports that there is no connection."""
 
 
 @final
 class DeviceError(Exception):
-    """A unit refuses a request, with a Modbus exception code."""
+    """Raised if a unit refuses a request; the code is a Modbus exception code."""
 
     def __init__(self, code: int) -> None:
         self.code = code
 
 
 @final
-class ConnectionProblem(Exception):  # noqa: N818 - a state that programs ask for
-    """A unit does not answer; the code is an errno or ``DISCONNECTED``."""
+class ConnectionProblem(Exception):  # noqa: N818 - a state that programs query
+    """Raised if a unit does not respond; the code is an errno or ``DISCONNECTED``."""
 
     def __init__(self, code: int) -> None:
         self.code = code
@@ -33,7 +33,7 @@ class ConnectionProblem(Exception):  # noqa: N818 - a state that programs ask fo
 
 @final
 class ModbusClient:
-    """A client of one address, which connects when needed."""
+    """A client of one address, which connects when it sends a request."""
 
     def __init__(self, host: str, port: int) -> None:
         self._address = host, port
@@ -56,7 +56,7 @@ class ModbusClient:
                 code = error.errno if isinstance(error, OSError) else None
                 raise ConnectionProblem(code or DISCONNECTED) from None
             except BaseException:
-                self.close()  # a late answer would be taken for the next response
+                self.close()  # a late answer must not be read as the next response
                 raise
             if response is None:
                 self.close()

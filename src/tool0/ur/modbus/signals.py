@@ -1,7 +1,7 @@
-"""Signals of Modbus units that programs read and write, kept up to date.
+"""Signals of Modbus units, which are updated periodically for programs.
 
-A signal belongs to the control box: it remains until it is deleted or replaced, even if
-the program that added it ends, which URCaps rely on.
+A signal remains in the control box until it is deleted or replaced, even if the program
+that added it has ended, because URCaps depend on this behavior.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ FREQUENCY: Final = 10.0
 """Default rate of updates [wall Hz]."""
 MAX_FREQUENCY: Final = 500
 WATCHDOG: Final = 2.0
-"""Longest time for which a signal may be invalid before programs notice [wall s]."""
+"""Maximum time for which a signal may be invalid before programs are notified [wall
+s]."""
 PORT: Final = 502
 
 
@@ -61,7 +62,7 @@ _READ: Final = {
     SignalType.DIGITAL_OUTPUTS: ModbusFunction.READ_COILS,
     SignalType.REGISTER_INPUT: ModbusFunction.READ_INPUT,
 }
-"""Functions that read signals; the types that are not listed are holding registers."""
+"""Functions that read signals. Types that are not listed are holding registers."""
 
 
 class WhenStopped(IntEnum):
@@ -71,13 +72,13 @@ class WhenStopped(IntEnum):
     LOW = 1
     HIGH = 2
     LOW_ELSE_HIGH = 3
-    """Low while no program runs, and high while one does."""
+    """Low while no program runs, and high while a program runs."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SignalSpec:
-    """Location of a signal, and its number of values."""
+    """Location of a signal, and the number of its values."""
 
     host: str
     port: int
@@ -101,12 +102,12 @@ class Signal:
         client: ModbusClient | None,
         is_running: Callable[[], bool],
     ) -> None:
-        """Start to keep a signal up to date.
+        """Start to update a signal periodically.
 
         Args:
             spec: Location of the signal.
             client: Client of the unit's address; None if programs must not connect to
-                it.
+                this address.
             is_running: Function that returns whether a program is running.
         """
         self.spec = spec
@@ -126,12 +127,12 @@ class Signal:
 
     @property
     def invalid_for(self) -> float:
-        """Time for which exchanges have failed [wall s]."""
+        """Time for which requests to the unit have failed [wall s]."""
         is_valid = not (self.device_error or self.connection_error)
         return 0.0 if is_valid else time.monotonic() - self._valid
 
     def write(self, values: Sequence[int]) -> None:
-        """Write the first values; the others keep theirs."""
+        """Write the first values; the remaining values do not change."""
         written = list(self._written or self.values)
         if self.spec.write_count:
             written = list(self._written or (0,) * self.spec.write_count)
@@ -142,7 +143,7 @@ class Signal:
         self._due.set()
 
     def set_frequency(self, frequency: float) -> None:
-        """Set the update rate [wall Hz]; if not positive, update on request only."""
+        """Set the update rate [wall Hz]; 0 or less means an update only on request."""
         self._frequency = frequency
         self._due.set()
 
@@ -193,7 +194,7 @@ class Signal:
             await self._send(ModbusFunction.WRITE, data)
 
     def _output(self) -> tuple[int, ...] | None:
-        """Return the values to write now; None if there are none."""
+        """Return the values to write now; None if there are no values to write."""
         choice = self.when_stopped
         is_running = self._is_running()
         if choice is WhenStopped.LOW_ELSE_HIGH:
@@ -239,8 +240,8 @@ class Signals:
         Args:
             name: Name of the signal.
             spec: Location of the signal.
-            is_allowed: Whether programs may connect to the unit; if not, the signal is
-                invalid.
+            is_allowed: Whether programs may connect to the unit; if they may not, the
+                signal is invalid.
 
         Raises:
             ValueError: If there are too many signals.
@@ -252,7 +253,7 @@ class Signals:
         self._signals[name] = Signal(spec, client, self._is_running)
 
     def find(self, name: str) -> Signal | None:
-        """Return the signal with a name, or None."""
+        """Return the signal with this name, or None."""
         return self._signals.get(name)
 
     def of_host(self, host: str) -> list[Signal]:
@@ -277,7 +278,7 @@ class Signals:
                 client.close()
 
     async def start(self, host: str, port_base: int) -> None:
-        """Do nothing: signals have no port."""
+        """Do nothing, because signals have no port."""
 
     async def close(self) -> None:
         """Remove all signals."""

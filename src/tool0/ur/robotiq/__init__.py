@@ -1,1 +1,1 @@
-"""The gripper with Robotiq's own interfaces: URCap socket and Modbus."""
+"""The gripper with Robotiq's interfaces: the URCap's socket and Modbus."""

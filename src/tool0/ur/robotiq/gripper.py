@@ -1,4 +1,4 @@
-"""A simulated gripper that behaves like a Robotiq gripper, with the same registers."""
+"""A simulated gripper that behaves like a Robotiq gripper and has its registers."""
 
 from __future__ import annotations
 
@@ -28,26 +28,26 @@ from tool0.ur.waiting import seen
 R = TypeVar("R")
 
 POLL_PERIOD: Final = 0.02
-"""Polling period of moving fingers [s], and pause before the first poll after a new
-goal, which the simulation's state includes by then."""
+"""Polling period while the fingers move, and delay before the first poll after a new
+goal [s]. After this delay, the simulation's state includes the goal."""
 MOVED: Final = 0.0005
-"""Change of the opening that restarts the polling of fingers at rest [m]: when an
-object is lost, they close further."""
+"""Change of the opening that restarts the polling of fingers at rest [m]. Fingers that
+lose an object, for example, close further."""
 STILL: Final = 0.0001
-"""Change of the opening between two polls, below which fingers near their goal have
-arrived [m]: a third of a count."""
+"""Change of the opening between two polls below which fingers near their goal are at
+rest [m]. The change is a third of a position count."""
 ELSEWHERE: Final = 0.002
-"""Distance from the requested opening beyond which someone else must have moved the
+"""Distance from the requested opening above which another client must have moved the
 fingers [m]."""
 POWER_ON: Final = CommandRegisters(speed=FULL, force=FULL)
-"""Command registers after power-on; speed and force are the URCap's defaults."""
+"""Command registers after power-on. Speed and force are the URCap's defaults."""
 
 
 class GripperLink(Protocol):
     """The part of a control box that the gripper uses."""
 
     when_updated: set[Callable[[], None]]
-    """Callbacks for updates, which run in the event loop."""
+    """Callbacks for updates, which are called in the event loop."""
     snapshot: Snapshot
     """Newest state of the bring-up."""
     state: ControlBoxState
@@ -65,11 +65,11 @@ class GripperLink(Protocol):
 
 @final
 class RobotiqGripper:
-    """A gripper whose clients share its registers, like on a real gripper.
+    """A gripper with one set of registers for all clients, like a real gripper.
 
-    The gripper uses the same requests as every other client of the bring-up, and shows
-    the simulation's measurements no matter who moves the fingers.  Use it only in the
-    event loop.
+    The gripper uses the same requests as every other client of the bring-up. The
+    gripper reports the simulation's measurements, regardless of which client moves the
+    fingers. Use the gripper only in the event loop.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class RobotiqGripper:
         geometry: ParallelGripper,
         joint_index: int,
     ) -> None:
-        """Represent a gripper that has just been powered on.
+        """Represent a gripper that has just been switched on.
 
         Args:
             link: The control box.
@@ -95,26 +95,26 @@ class RobotiqGripper:
         self.command = POWER_ON
         """Command registers, which clients write."""
         self.address: tuple[str, int] | None = None
-        """Host and port of the URCap's socket, once it is open."""
+        """Host and port of the URCap's socket; None until the socket is open."""
         self._activation = Activation.RESET
         self._object = ObjectStatus.MOVING
         self._fault = Fault.NONE
         self._goal: float | None = None
-        """Requested opening [m]; None if someone else has moved the fingers."""
+        """Requested opening [m]; None if another client has moved the fingers."""
         self._task: asyncio.Task[None] | None = None
         self._asked: asyncio.Future[GoalStarted] | None = None
-        """Last request for a motion that was sent to the bring-up."""
+        """Last motion request that was sent to the bring-up."""
         self._changed = asyncio.Event()
         self._waits: list[tuple[Callable[[], bool], asyncio.Event]] = []
         link.when_updated.add(self._look_at_update)
 
     def assume_activated(self) -> None:
-        """Set the registers to activated, as if this had been done on the pendant."""
+        """Set the registers to activated, like after an activation on the pendant."""
         self.command = replace(self.command, activate=True)
         self._activation = Activation.COMPLETE
 
     async def close(self) -> None:
-        """Stop following the simulation; the fingers finish their motion."""
+        """Stop monitoring the simulation; the fingers complete their motion."""
         self._link.when_updated.discard(self._look_at_update)
         task, self._task = self._task, None
         if task is not None:
@@ -125,12 +125,12 @@ class RobotiqGripper:
 
     @property
     def is_powered(self) -> bool:
-        """Whether the arm supplies its tool with power."""
+        """Whether the arm supplies the gripper with power."""
         return self._link.state.robot_mode > RobotMode.POWER_OFF
 
     @property
     def status(self) -> StatusRegisters:
-        """Status registers that the gripper reports now."""
+        """Status registers that the gripper currently reports."""
         position, effort = self._measured()
         is_active = self._activation is Activation.COMPLETE
         return StatusRegisters(
@@ -145,11 +145,11 @@ class RobotiqGripper:
         )
 
     def change(self, **fields: Any) -> None:
-        """Write some of the registers, by the names of ``CommandRegisters``' fields."""
+        """Write some of the registers; the names are fields of ``CommandRegisters``."""
         self.write(replace(self.command, **fields))
 
     def write(self, command: CommandRegisters) -> None:
-        """Accept a command, and start the requested action."""
+        """Accept a command and start the requested action."""
         if not self.is_powered:
             return
         before, self.command = self.command, command
@@ -159,7 +159,7 @@ class RobotiqGripper:
             wants = command.go_to or command.release
             self._fault = Fault.ACTIVATION_NEEDED if wants else Fault.NONE
         elif self._fault.is_major:
-            pass  # only a reset helps
+            pass  # only a reset clears a major fault
         elif command.release:
             self._activation = Activation.RESET
             self._fault = Fault.RELEASE_IN_PROGRESS
@@ -176,7 +176,7 @@ class RobotiqGripper:
             self._start(self._go)
         self._tell()
 
-    # ---- what URScript's functions rq_… do ------------------------------------------
+    # ---- functions for URScript's rq_… -----------------------------------------------
 
     @property
     def is_activated(self) -> bool:
@@ -185,52 +185,52 @@ class RobotiqGripper:
 
     @property
     def is_object_detected(self) -> bool:
-        """Whether the fingers have met an object."""
+        """Whether an object has stopped the fingers."""
         return self._object in {ObjectStatus.MET_OPENING, ObjectStatus.MET_CLOSING}
 
     @property
     def is_motion_complete(self) -> bool:
-        """Whether the fingers have arrived or met an object."""
+        """Whether the fingers have reached their goal or met an object."""
         return self._object is not ObjectStatus.MOVING
 
     @property
     def has_goal(self) -> bool:
-        """Whether the fingers are where they were sent, not moved by someone else."""
+        """Whether the last goal is valid because no other client moved the fingers."""
         return self._goal is not None
 
     @property
     def position(self) -> int:
-        """Measured position count: 0 open … 255 closed."""
+        """Measured position count: 0 is open, 255 is closed."""
         return self.counts.count(self._measured()[0])
 
     def reset(self) -> None:
-        """Deactivate the gripper, which also clears its faults."""
+        """Deactivate the gripper and clear its faults."""
         self.change(activate=False, release=False)
 
     def activate(self) -> None:
-        """Start the activation, unless it is complete."""
+        """Start the activation, unless the gripper is already activated."""
         if not self.is_activated:
             self.reset()
         self.change(activate=True)
 
     async def activate_and_wait(self) -> None:
-        """Activate the gripper and wait; the wait also ends when the power is lost."""
+        """Activate the gripper and wait; a loss of power also ends the wait."""
         self.activate()
         await self.wait_until(
             lambda: self.is_activated or self._fault.is_major or not self.is_powered
         )
 
     def move(self, position: int) -> None:
-        """Start a motion to a position count: 0 open … 255 closed."""
+        """Start a motion to a position count; 0 is open, 255 is closed."""
         self.change(position=position, go_to=True)
 
     async def move_and_wait(self, position: int) -> None:
-        """Move to a position count, or until an object stops the fingers."""
+        """Move to a position count; wait until the goal or an object is reached."""
         self.move(position)
         await self.wait()
 
     async def wait(self) -> None:
-        """Wait until the motion is complete, or can no longer be completed."""
+        """Wait until the motion is complete or can no longer be completed."""
         await self.wait_until(
             lambda: (
                 self.is_motion_complete or not self.is_activated or not self.is_powered
@@ -238,22 +238,22 @@ class RobotiqGripper:
         )
 
     def stop(self) -> None:
-        """Stop the fingers where they are."""
+        """Stop the fingers at their current position."""
         self.change(go_to=False)
 
     async def release_and_wait(self, *, opening: bool) -> None:
-        """Release slowly, like after an emergency; the gripper must then be reset."""
+        """Release slowly, like in an emergency; a reset is necessary afterwards."""
         self.change(activate=True, release=True, release_opening=opening)
         await self.wait_until(
             lambda: self._fault is Fault.RELEASE_COMPLETE or not self.is_powered
         )
 
     async def wait_until(self, condition: Callable[[], bool]) -> None:
-        """Wait until the registers fulfil a condition."""
+        """Wait until the registers fulfill a condition."""
         while not condition():
             await self._changed.wait()
 
-    # ---- motions, each a task; a new one replaces the last --------------------------
+    # ---- motions: each is a task, and a new motion replaces the last one ------------
 
     def _start(self, motion: Callable[[], Awaitable[None]]) -> None:
         self._cancel()
@@ -277,7 +277,7 @@ class RobotiqGripper:
             self._link.report(error)
 
     async def _activate(self) -> None:
-        """Close and open, as a real gripper does to find the ends of its stroke."""
+        """Close and open, like a real gripper, to find the ends of the stroke."""
         for count in (FULL, 0):
             await self._grip(self.counts.opening(count), speed=FULL, force=0)
             await self._settle()
@@ -305,14 +305,14 @@ class RobotiqGripper:
         await self._watch()
 
     async def _hold(self) -> None:
-        """Stop the fingers where they are."""
+        """Stop the fingers at their current position."""
         opening = self._geometry.opening(self._measured()[0])
         self._goal = min(max(opening, 0.0), self._geometry.max_opening)
         command = self.command
         await self._grip(self._goal, speed=command.speed, force=command.force)
 
     async def _watch(self) -> None:
-        """Keep the registers up to date until the next command."""
+        """Update the registers until the next command."""
         while True:
             state = await self._settle()
             self._show(state)
@@ -330,7 +330,7 @@ class RobotiqGripper:
                 self._object = ObjectStatus.ARRIVED
                 if goal is not None and abs(state.opening - goal) > ELSEWHERE:
                     self._goal = None
-            case "blocked":  # a real gripper cannot tell this from an object
+            case "blocked":  # a real gripper also reports an object
                 is_opening = goal is not None and goal > state.opening
                 self._object = (
                     ObjectStatus.MET_OPENING if is_opening else ObjectStatus.MET_CLOSING
@@ -340,10 +340,11 @@ class RobotiqGripper:
         self._tell()
 
     async def _grip(self, opening: float, *, speed: int, force: int) -> None:
-        """Start a motion of the fingers to an opening [m]; speed and force are counts.
+        """Start a motion to an opening [m]; speed and force are register values.
 
-        The call first waits for the response to the previous motion, even if that was
-        replaced, so fast commands cannot fill the queue of this process's requests.
+        The call first waits for the response to the previous motion request, even if
+        that motion was replaced. Fast commands therefore cannot fill the request queue
+        of the UR process.
         """
         if self._asked is not None:
             await asyncio.wait({self._asked})
@@ -359,7 +360,7 @@ class RobotiqGripper:
         await self._pass(POLL_PERIOD)
 
     async def _settle(self) -> GraspState:
-        """Wait until the fingers stand still, and return their state."""
+        """Wait until the fingers are at rest, and return their state."""
         opening = math.inf
         while True:
             state = await self._link.call(ReadGripper(gripper=self.name))
@@ -376,7 +377,7 @@ class RobotiqGripper:
     # ---- power and time -------------------------------------------------------------
 
     def _reset(self) -> None:
-        """Deactivate: moving fingers stop; a gripper with a gear keeps its grip."""
+        """Deactivate: moving fingers stop, and fingers at rest keep their grip."""
         is_moving = (
             self._task is not None
             and not self._task.done()
@@ -410,12 +411,12 @@ class RobotiqGripper:
             self._waits.remove(wait)
 
     async def _pass(self, duration: float) -> None:
-        """Wait for simulated time to pass [s]; a reset of the time ends the wait."""
+        """Wait for a duration in simulated time [s]; a time reset ends the wait."""
         start = self._link.time
         await self._until(lambda: not 0.0 <= self._link.time - start < duration)
 
     async def _until_moved(self, opening: float) -> None:
-        """Wait until the opening changes from a value [m], or the time is reset."""
+        """Wait until the opening differs from ``opening`` [m], or the time is reset."""
         start = self._link.time
 
         def has_moved() -> bool:
@@ -430,6 +431,6 @@ class RobotiqGripper:
         return snapshot.position[self._index], snapshot.effort[self._index]
 
     def _tell(self) -> None:
-        """Wake everyone who waits for the registers."""
+        """Wake up all tasks that wait for a change of the registers."""
         self._changed.set()
         self._changed = asyncio.Event()

@@ -1,4 +1,4 @@
-"""All interfaces of a gripper together."""
+"""All interfaces of a gripper in one object."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class RobotiqInterface:
     """The URCap's socket, Modbus TCP, and a serial port with Modbus RTU."""
 
     def __init__(self, gripper: RobotiqGripper, serial_port: Path) -> None:
-        """Prepare the interfaces; clients will open the file ``serial_port``."""
+        """Prepare the interfaces; ``serial_port`` is the file that clients open."""
         self.serial_port: Path | None = serial_port
         """File of the serial port; None if it could not be created."""
         self._gripper = gripper
@@ -44,7 +44,7 @@ class RobotiqInterface:
             logger.warning("no serial port for the gripper: %s", error)
 
     async def close(self) -> None:
-        """Close all interfaces; the fingers finish their motion."""
+        """Close all interfaces; the fingers complete their motion."""
         await self._stack.aclose()
 
 

@@ -1,7 +1,7 @@
-"""Modbus: function codes and registers of the gripper, for any transport.
+"""Modbus function codes and registers of the gripper, for any transport.
 
-Functions and exceptions are those of "MODBUS Application Protocol Specification V1.1b3"
-(https://modbus.org), registers those of Robotiq's instruction manuals.
+The functions and exceptions follow "MODBUS Application Protocol Specification V1.1b3"
+(https://modbus.org). The registers follow Robotiq's instruction manuals.
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ from tool0.devices.robotiq_registers import BLOCK_BYTES, CommandRegisters
 from tool0.ur.robotiq.gripper import RobotiqGripper
 
 COMMAND: Final = 1000
-"""First register of the command, 0x03E8."""
+"""First command register, 0x03E8."""
 STATUS: Final = 2000
-"""First register of the status, 0x07D0."""
+"""First status register, 0x07D0."""
 REGISTERS: Final = BLOCK_BYTES // 2
-"""Number of registers in each block; the last five are reserved: they read 0, and
-writing to them has no effect."""
+"""Number of registers in each block. The last five registers are reserved: reading them
+returns 0, and writing to them has no effect."""
 MAX_READ: Final = 125
 MAX_WRITTEN: Final = 123
 MAX_WRITTEN_AND_READ: Final = 121
-"""Largest numbers of registers in the specification."""
+"""Maximum numbers of registers that the specification allows."""
 _FUNCTIONS: Final = {
     *(ModbusFunction.READ_HOLDING, ModbusFunction.READ_INPUT, ModbusFunction.WRITE_ONE),
     *(ModbusFunction.WRITE, ModbusFunction.READ_AND_WRITE),
@@ -43,13 +43,14 @@ def refusal(function: int, why: Refusal) -> bytes:
 
 
 def respond(gripper: RobotiqGripper, request: bytes, *, is_tcp: bool = False) -> bytes:
-    """Return the response to a request; both consist of a function code and data.
+    """Return the response to a request; both start with a function code.
 
     Args:
         gripper: The gripper.
-        request: Request of at least one byte, whose length has not been checked yet.
-        is_tcp: Whether command and status are also at register 0, like in Robotiq's
-            grippers with built-in Modbus TCP.
+        request: Request of at least one byte; the length of the request has not been
+            checked.
+        is_tcp: Whether the command and status blocks are also available at register 0,
+            like in Robotiq's grippers with built-in Modbus TCP.
     """
     function, data = request[0], request[1:]
     try:
@@ -85,7 +86,7 @@ class _RegisterFile:
             case ModbusFunction.READ_AND_WRITE if len(data) >= 9:
                 source, wanted, address, count = _RANGES.unpack(data[:8])
                 self._check(count, MAX_WRITTEN_AND_READ, data[8], data[9:])
-                self._read(function, source, wanted)  # refuse before writing
+                self._read(function, source, wanted)  # check the range before writing
                 self._write(address, data[9:])
                 found = self._read(function, source, wanted)
                 return bytes([len(found)]) + found

@@ -1,8 +1,8 @@
-"""Modbus RTU on a pseudo-terminal, which clients open as a serial port.
+"""Modbus RTU on a pseudo-terminal that clients open as a serial port.
 
-"MODBUS over Serial Line Specification V1.02" (https://modbus.org).  A pseudo-terminal
-has no baud rate and does not preserve pauses, so the length of a frame is determined
-from its function, not from the silence after it.
+The frames follow "MODBUS over Serial Line Specification V1.02" (https://modbus.org). A
+pseudo-terminal has no baud rate and does not preserve pauses. The length of a frame is
+therefore determined from its function code, not from the silence after the frame.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from tool0.ur.robotiq.gripper import RobotiqGripper
 from tool0.ur.robotiq.modbus import respond
 
 SLAVE: Final = 9
-"""The gripper's factory-set address."""
+"""The gripper's factory-set slave address."""
 BROADCAST: Final = 0
 MIN_FRAME: Final = 4
 MAX_FRAME: Final = 256
-"""Largest size of a frame [bytes]."""
+"""Maximum size of a frame [bytes]."""
 PAUSE: Final = 0.05
-"""Silence that ends a frame of unknown length [wall s]."""
+"""Time without data that ends a frame of unknown length [wall s]."""
 
 
 def frame_length(frame: bytes) -> int | None:
     """Return the length of the request at the start of ``frame`` [bytes].
 
-    The length is None if it is not known, or not known yet.
+    The length is None if it cannot be determined, or if more data is needed.
     """
     if len(frame) < 2:
         return None
@@ -54,14 +54,14 @@ def frame_length(frame: bytes) -> int | None:
 
 @final
 class RtuReceiver:
-    """Finds the requests in a stream of bytes, and answers them."""
+    """Finds the requests in a stream of bytes and answers them."""
 
     def __init__(self, gripper: RobotiqGripper) -> None:
         self._gripper = gripper
         self._received = b""
 
     def take(self, data: bytes) -> bytes:
-        """Return the answers to all requests that are now complete."""
+        """Add received data and return the answers to all complete requests."""
         self._received += data
         answers = b""
         while (length := frame_length(self._received)) is not None:
@@ -72,12 +72,12 @@ class RtuReceiver:
                 answers += self._answer(frame)
                 self._received = self._received[length:]
             else:
-                self._received = self._received[1:]  # a frame may begin anywhere
+                self._received = self._received[1:]  # a frame may begin at any byte
         self._received = self._received[-MAX_FRAME:]
         return answers
 
     def pause(self) -> bytes:
-        """Return the answers to the data before a silence; usually empty."""
+        """Return the answers to the data before a period of silence; usually empty."""
         answers = b""
         while frame := self._received:
             if len(frame) >= MIN_FRAME and checksum(frame[:-2]) == frame[-2:]:
@@ -100,14 +100,14 @@ class RtuReceiver:
 
 @final
 class ModbusRtu:
-    """A pseudo-terminal with the gripper at its other end, and a link to its file."""
+    """A pseudo-terminal to which the gripper is connected, and a link to its file."""
 
     def __init__(self, gripper: RobotiqGripper, link: Path) -> None:
-        """Prepare the terminal, without opening it yet.
+        """Prepare the terminal without opening it.
 
         Args:
             gripper: The gripper.
-            link: Path that clients open, a symbolic link that exists while the terminal
+            link: Path that clients open: a symbolic link that exists while the terminal
                 is open.
         """
         self.link = link
@@ -118,7 +118,8 @@ class ModbusRtu:
     def open(self) -> None:
         """Open the terminal."""
         ours, theirs = self._ends = os.openpty()
-        # Our end stays open, too: without any client, reading would fail.
+        # Both ends remain open, because reading fails if no process has opened the
+        # client's end.
         tty.setraw(theirs)
         os.set_blocking(ours, False)
         self.link.unlink(missing_ok=True)
@@ -140,7 +141,8 @@ class ModbusRtu:
     def _read(self, ours: int, theirs: int) -> None:
         if self._timer is not None:
             self._timer.cancel()
-        # A client may request exclusive use, which the terminal keeps when it leaves.
+        # A client may request exclusive access, which would remain after the client has
+        # closed the file.
         fcntl.ioctl(theirs, termios.TIOCNXCL)
         self._send(ours, self._receiver.take(os.read(ours, MAX_FRAME)))
         loop = asyncio.get_running_loop()

@@ -1,6 +1,7 @@
 """Modbus TCP: frames with a header instead of an address and a checksum.
 
-"MODBUS Messaging on TCP/IP Implementation Guide V1.0b" (https://modbus.org).
+The frames follow "MODBUS Messaging on TCP/IP Implementation Guide V1.0b"
+(https://modbus.org).
 """
 
 from __future__ import annotations
@@ -15,12 +16,12 @@ from tool0.ur.robotiq.modbus import refusal, respond
 
 PORT: Final = 502
 UNPRIVILEGED_PORT: Final = 1502
-"""Port for users without permission to listen on ports below 1024."""
+"""Port that is used if the user has no permission to listen on ports below 1024."""
 
 
 @final
 class ModbusTcp:
-    """The gripper behind a Modbus gateway, which answers for every unit number."""
+    """The gripper behind a Modbus gateway, which responds to every unit number."""
 
     def __init__(self, gripper: RobotiqGripper) -> None:
         self._gripper = gripper
@@ -28,18 +29,18 @@ class ModbusTcp:
 
     @property
     def number(self) -> int:
-        """Number of the port, once it is open."""
+        """Number of the port after it has been opened."""
         return self._port.number
 
     async def start(self, host: str, port_base: int) -> None:
-        """Listen; TransportError if the port is in use."""
+        """Open the port; raise TransportError if the port is in use."""
         port = PORT + port_base
         if not _may_listen(host, port):
             port = UNPRIVILEGED_PORT + port_base
         await self._port.listen(host, port)
 
     async def close(self) -> None:
-        """End all connections."""
+        """Close the port and its connections."""
         await self._port.close()
 
     async def _serve(self, peer: Peer) -> None:
@@ -47,7 +48,7 @@ class ModbusTcp:
             header = await peer.reader.readexactly(HEADER.size)
             transaction, protocol, length, unit = HEADER.unpack(header)
             if protocol != 0 or not 2 <= length <= MAX_LENGTH:
-                return  # not Modbus: the start of the next frame is unknown
+                return  # not Modbus, so the start of the next frame is unknown
             request = await peer.reader.readexactly(length - 1)
             if self._gripper.is_powered:
                 response = respond(self._gripper, request, is_tcp=True)
@@ -66,5 +67,5 @@ def _may_listen(host: str, port: int) -> bool:
         except PermissionError:
             return False
         except OSError:
-            pass  # another reason, which the real attempt reports
+            pass  # the call that opens the port reports other errors
     return True

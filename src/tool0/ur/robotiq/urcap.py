@@ -1,13 +1,14 @@
-"""The URCap's socket: lines of ASCII such as ``SET POS 255 GTO 1`` and ``GET OBJ``.
+"""The URCap's socket, with ASCII lines such as ``SET POS 255 GTO 1`` and ``GET OBJ``.
 
-The protocol is the one that its clients expect (cmodel_urcap.py of cambel/robotiq,
-ur_rtde's robotiq_gripper.cpp, and the URScript functions ``rq_…`` of Robotiq's URCap):
+The protocol is the one that the URCap's clients expect (cmodel_urcap.py of
+cambel/robotiq, ur_rtde's robotiq_gripper.cpp, and the URScript functions ``rq_…`` of
+Robotiq's URCap):
 
-* ``SET VAR n [VAR n …]`` is answered by ``ack``, without a newline;
-* ``GET VAR`` with a newline is answered by ``VAR n`` and a newline;
-* ``GET VAR`` without a newline, as the URCap's own functions send it, is answered by
-  the value alone, of a fixed width: ``3``, ``00``, ``255``;
-* everything else is answered by ``?``, as is everything without power.
+* The answer to ``SET VAR n [VAR n …]`` is ``ack`` without a newline.
+* The answer to ``GET VAR`` with a newline is ``VAR n`` and a newline.
+* The answer to ``GET VAR`` without a newline, which the URCap's functions send, is only
+  the value with a fixed width: ``3``, ``00``, ``255``.
+* The answer to any other command is ``?``. Without power, the answer is always ``?``.
 """
 
 from __future__ import annotations
@@ -25,9 +26,10 @@ PORT: Final = 63352
 SLAVE: Final = 9
 """The gripper's address on the control box's bus."""
 MAX_LINE: Final = 1024
-"""Longest command, and most data that is handled before others have a turn [bytes]."""
+"""Maximum length of a command, and maximum amount of data that is processed before
+other tasks can run [bytes]."""
 NEWLINE_TIMEOUT: Final = 0.03
-"""Time after which a command without a newline counts as complete [wall s]."""
+"""Time after which a command without a newline is considered complete [wall s]."""
 
 _WRITABLE: Final[dict[str, tuple[str, Callable[[int], int | bool]]]] = {
     "ACT": ("activate", bool),
@@ -39,9 +41,9 @@ _WRITABLE: Final[dict[str, tuple[str, Callable[[int], int | bool]]]] = {
     "SPE": ("speed", int),
     "FOR": ("force", int),
 }
-"""Variables with their field of the command and the field's value.  ARD 0 opens the
-gripper in the URCap's functions and in ur_rtde, unlike the register rARD;
-robotiq_gripper.py calls the variable ADR."""
+"""Variables, each with its command register and the conversion to the register's value.
+ARD 0 opens the gripper in the URCap's functions and in ur_rtde, unlike the register
+rARD. In robotiq_gripper.py, the variable ARD is named ADR."""
 _READABLE: Final[
     dict[str, tuple[int, Callable[[CommandRegisters, StatusRegisters], int]]]
 ] = {
@@ -59,19 +61,20 @@ _READABLE: Final[
     "FLT": (2, lambda _, status: status.fault),
     "COU": (3, lambda _, status: status.current),
 }
-"""Variables with the number of digits of an answer without a name, and their value."""
+"""Variables, each with the number of digits in an answer without a name, and a function
+that returns the value."""
 _SLAVE_VARIABLE: Final = "SID"
 _BYTE = re.compile(r"\d{1,3}", re.ASCII)
 _WITHOUT_NEWLINE = re.compile(rb"\s*GET +[A-Z]{3}")
 
 
 def answer(gripper: RobotiqGripper, line: str, *, is_short: bool = False) -> str:
-    """Return the answer to a command; empty for an empty line.
+    """Return the answer to a command; the answer to an empty line is empty.
 
     Args:
         gripper: The gripper.
         line: The command.
-        is_short: Whether to answer with the value only.
+        is_short: Whether the answer contains only the value.
     """
     match line.split():
         case []:
@@ -98,7 +101,7 @@ def _value(gripper: RobotiqGripper, name: str, *, is_short: bool) -> str:
 
 
 def _set(gripper: RobotiqGripper, words: list[str]) -> str:
-    """Write all variables at once, or none if one is invalid."""
+    """Write all variables together, or no variable if any of them is invalid."""
     names, values = words[::2], words[1::2]
     if not (names and len(names) == len(values) and gripper.is_powered):
         return "?"
@@ -118,19 +121,19 @@ def _set(gripper: RobotiqGripper, words: list[str]) -> str:
 
 @final
 class UrcapSocket:
-    """The URCap's port; any number of clients share the gripper."""
+    """The URCap's port, at which all clients share one gripper."""
 
     def __init__(self, gripper: RobotiqGripper) -> None:
         self._gripper = gripper
         self._port = Port("gripper", self._serve, limit=MAX_LINE)
 
     async def start(self, host: str, port_base: int) -> None:
-        """Listen; TransportError if the port is in use."""
+        """Open the port; raise TransportError if the port is in use."""
         await self._port.listen(host, PORT + port_base)
         self._gripper.address = (host, PORT + port_base)
 
     async def close(self) -> None:
-        """End all connections."""
+        """Close the port and its connections."""
         await self._port.close()
 
     async def _serve(self, peer: Peer) -> None:

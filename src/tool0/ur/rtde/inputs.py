@@ -1,6 +1,6 @@
-"""The fields that clients of RTDE can send, and their effects.
+"""The fields that RTDE clients can send, and their effects.
 
-A field belongs to the first connection that sets it up until that connection ends.
+A field is reserved for the first connection that sets it up until that connection ends.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _COMMANDS: Final = {
     **{f"{kind}_digital_output_mask": "UINT8" for kind in _FIRST_PIN},
     **{f"{kind}_digital_output": "UINT8" for kind in _FIRST_PIN},
 }
-"""Fields that are not registers, with their types."""
+"""Types of the fields that are not registers."""
 
 Write = Callable[["RegisterBank", Any], None]
 
@@ -90,15 +90,15 @@ INPUTS: Final[dict[str, str]] = {
 
 @final
 class InputClaims:
-    """Keeps track of which connection may send which fields."""
+    """Records which connection may send which fields."""
 
     def __init__(self) -> None:
         self._owners: dict[str, object] = {}
 
     def claim(self, names: Sequence[str], owner: object) -> tuple[str, ...]:
-        """Return the type of each field, and claim the fields if all are available.
+        """Return the type of each field; claim the fields if all of them are available.
 
-        ``NOT_FOUND`` and ``IN_USE`` mark the fields that are not.
+        The type of a field that is not available is ``NOT_FOUND`` or ``IN_USE``.
         """
         types = tuple(self._type(name, owner) for name in names)
         if not {NOT_FOUND, IN_USE} & set(types):
@@ -132,7 +132,7 @@ class InputRecipe:
         """Write registers and send commands to the bring-up.
 
         Data after the values is ignored, because ur_rtde's ``getForwardKinematics``
-        sends more than its recipe contains.
+        sends more data than its recipe contains.
 
         Raises:
             TransportError: If the packet is too short for the recipe.
@@ -158,7 +158,7 @@ class InputRecipe:
 
 
 def _command(box: UrControlBox, values: dict[str, Any]) -> None:
-    """Set the slider and pins that the masks select, and store a force reading."""
+    """Set the slider and the pins that the masks select; store a wrench reading."""
     if "external_force_torque" in values:
         box.rtde_sensor.read(values["external_force_torque"])
     if values.get("speed_slider_mask", 0) == 1:

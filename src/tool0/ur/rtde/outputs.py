@@ -1,9 +1,10 @@
-"""The fields that clients of RTDE can receive.
+"""The fields that RTDE clients can receive.
 
-Names and types follow UR's guide.  Every box offers the fields of the e-Series.  Some
-fields have no meaning in a simulation and are therefore constant: encoders, the
-injection moulding machine's interface, momentum, energies, the window of currents,
-deviation and collision ratios, forces on the base and execution times.
+The names and types follow UR's guide. Every control box offers the fields of the
+e-Series. Some fields have no meaning in a simulation and are therefore constant: the
+encoders, the interface to injection molding machines, the momentum, the energies, the
+current window, the deviation and collision ratios, the forces on the base, and the
+execution times.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ if TYPE_CHECKING:
 
 NOT_FOUND: Final = "NOT_FOUND"
 FIRST_SINGLE_BIT: Final = 64
-"""First boolean register with a field of its own; lower ones are sent 32 at a time."""
+"""First boolean register that has a field. Lower boolean registers are sent in groups
+of 32."""
 
 
 Read = Callable[["UrControlBox"], Any]
@@ -30,7 +32,7 @@ Bank = Callable[["UrControlBox"], "RegisterBank"]
 
 
 class OutputField(NamedTuple):
-    """A field's type, and a function that returns its value or vector."""
+    """Type of a field, and the function that returns its value or vector."""
 
     type: str
     read: Read
@@ -59,7 +61,7 @@ def _read_double(bank: Bank, k: int) -> Read:
 
 
 def _registers(direction: str) -> dict[str, OutputField]:
-    """Return the registers of a direction; clients can read both directions."""
+    """Return the register fields of a direction; clients can read both directions."""
     bank = _BANKS[direction]
     fields = {
         f"{direction}_bit_registers{start}_to_{start + 31}": OutputField(
@@ -100,7 +102,7 @@ OUTPUTS: Final[dict[str, OutputField]] = {
     "joint_temperatures": _constant("VECTOR6D", (q.ROOM_TEMPERATURE,) * 6),
     "joint_mode": OutputField("VECTOR6INT32", q.joint_modes),
     "actual_joint_voltage": OutputField("VECTOR6D", lambda box: (q.voltage(box),) * 6),
-    # ---- tool centre point ----
+    # ---- tool center point ----
     "actual_TCP_pose": OutputField("VECTOR6D", lambda box: box.tcp_pose()),
     "actual_TCP_speed": OutputField("VECTOR6D", lambda box: box.tcp_speed()),
     "actual_TCP_force": OutputField("VECTOR6D", lambda box: box.tcp_wrench()),
@@ -190,7 +192,7 @@ OUTPUTS: Final[dict[str, OutputField]] = {
     "tool_output_mode": _constant("UINT8", 0),
     "tool_digital_output0_mode": _constant("UINT8", 0),
     "tool_digital_output1_mode": _constant("UINT8", 0),
-    # ---- not there ----
+    # ---- not simulated ----
     "encoder0_raw": _constant("INT32", 0),
     "encoder1_raw": _constant("INT32", 0),
     "euromap67_input_bits": _constant("UINT32", 0),
@@ -204,7 +206,7 @@ OUTPUTS: Final[dict[str, OutputField]] = {
 
 
 def output_types(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the type of each field, or ``NOT_FOUND``."""
+    """Return the type of each field; the type of an unknown field is ``NOT_FOUND``."""
     return tuple(OUTPUTS[name].type if name in OUTPUTS else NOT_FOUND for name in names)
 
 
@@ -213,7 +215,7 @@ class OutputRecipe:
     """Packs the same fields at every update; equal recipes pack equal bytes."""
 
     def __init__(self, names: Sequence[str], *, recipe_id: int | None) -> None:
-        """Pack known fields; ``recipe_id`` comes first if it is not None."""
+        """Prepare to pack known fields; ``recipe_id`` comes first if it is not None."""
         self._key = (recipe_id, tuple(names))
         fields = [OUTPUTS[name] for name in names]
         self._reads = [(field.read, LENGTHS[field.type] > 1) for field in fields]

@@ -1,8 +1,9 @@
-"""Quantities that a control box reports, but tool0 does not measure.
+"""Quantities that a control box reports but that tool0 does not measure.
 
-The physics has no motors, voltages or temperatures.  Quantities that depend on them are
-nominal constants, or are computed from efforts by the rules below; each docstring says
-which.
+The simulation has no motors, voltages or temperatures. Quantities that depend on
+motors, voltages or temperatures are nominal constants or are computed from the drive
+efforts with the rules below. Each docstring states whether the quantity is a constant
+or computed.
 """
 
 from __future__ import annotations
@@ -20,21 +21,22 @@ if TYPE_CHECKING:
 Three = tuple[float, float, float]
 
 TORQUE_PER_AMPERE: Final = 10.0
-"""Effort of a joint for each ampere of its motor [N·m/A].
+"""Torque of a joint per ampere of its motor current [N·m/A].
 
-The value is a convention: UR does not publish the constants of its motors, which differ
-from joint to joint; with a gear ratio of 101, they are of this magnitude.  A reported
-current multiplied by this value is the effort of the drive.
+The value is a convention. The torque constants of UR's motors are not published and
+differ between joints. With a gear ratio of 101, the torque constants have the same
+order of magnitude as the value. The product of a reported current and the value is the
+torque of the drive.
 """
 SUPPLY_VOLTAGE: Final = 48.0
-"""Nominal supply voltage of the box, the arm and its motors [V]."""
+"""Nominal supply voltage of the control box, the arm and its motors [V]."""
 ROOM_TEMPERATURE: Final = 25.0
-"""Temperature of the joints, which nothing heats [°C]."""
+"""Temperature of the joints, which is constant in the simulation [°C]."""
 GRAVITY: Final = 9.80665
-"""Standard gravity, along the base's axis of an upright arm [m/s²]."""
+"""Standard gravity, which acts along the z axis of an upright arm's base [m/s²]."""
 
 _STEP: Final = 1e-5
-"""Time step of finite differences of velocities [s]."""
+"""Time step for finite differences of velocities [s]."""
 
 JOINT_MODES: Final = {
     RobotMode.POWER_OFF: 239,
@@ -59,7 +61,7 @@ _SAFETY_BITS: Final = {
 }
 """Bits 0 … 10: normal, reduced, protective stop, recovery, safeguard stop, system
 emergency stop, robot emergency stop, any emergency stop, violation, fault, and stopped
-for safety."""
+due to safety."""
 
 
 def is_powered(box: UrControlBox) -> bool:
@@ -68,7 +70,7 @@ def is_powered(box: UrControlBox) -> bool:
 
 
 def currents(box: UrControlBox) -> Six:
-    """Return the motors' currents, computed with ``TORQUE_PER_AMPERE`` [A]."""
+    """Return the motor currents, computed with ``TORQUE_PER_AMPERE`` [A]."""
     a, b, c, d, e, f = (effort / TORQUE_PER_AMPERE for effort in box.effort)
     return (a, b, c, d, e, f)
 
@@ -80,7 +82,7 @@ def robot_current(box: UrControlBox) -> float:
 
 
 def voltage(box: UrControlBox) -> float:
-    """Return the nominal voltage, or 0 without power [V]."""
+    """Return the nominal voltage, or 0 if the arm has no power [V]."""
     return SUPPLY_VOLTAGE if is_powered(box) else 0.0
 
 
@@ -101,12 +103,12 @@ def robot_status_bits(box: UrControlBox) -> int:
 
 
 def safety_status_bits(box: UrControlBox) -> int:
-    """Return the safety status as the bits of ``_SAFETY_BITS``."""
+    """Return the safety status in the bits that ``_SAFETY_BITS`` defines."""
     return _SAFETY_BITS.get(box.state.safety_mode, 1 << 9)
 
 
 def digital_bits(levels: tuple[bool, ...]) -> int:
-    """Return pins as bits: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
+    """Return pin levels as bits: standard 0 … 7, configurable 8 … 15, tool 16, 17."""
     return sum(1 << pin for pin, level in enumerate(levels) if level)
 
 
@@ -116,28 +118,28 @@ def configurable_bits(levels: tuple[bool, ...]) -> int:
 
 
 def analog_io_types(box: UrControlBox) -> int:
-    """Return bits 0 … 3: whether inputs and outputs 0 and 1 are voltages."""
+    """Return bits 0 … 3: whether inputs 0 and 1 and outputs 0 and 1 are voltages."""
     pins = (*box.state.analog_inputs, *box.state.analog_outputs)
     return sum((pin.domain is AnalogDomain.VOLTAGE) << k for k, pin in enumerate(pins))
 
 
 def tool_analog_input_types(box: UrControlBox) -> int:
-    """Return bits 0 and 1: whether the tool's inputs are voltages."""
+    """Return bits 0 and 1, which are 1 if the tool's analog inputs are voltages."""
     pins = box.state.tool_analog_inputs
     return sum((pin.domain is AnalogDomain.VOLTAGE) << k for k, pin in enumerate(pins))
 
 
 def tool_accelerometer(box: UrControlBox) -> Three:
-    """Return the reading of an accelerometer in the tool at rest [m/s²].
+    """Return the reading of an accelerometer in the tool [m/s²].
 
-    The acceleration of the motion is not included.
+    The reading contains only gravity, not the acceleration of the tool's motion.
     """
     x, y, z = box.tcp_frame().rotation[2]
     return (GRAVITY * x, GRAVITY * y, GRAVITY * z)
 
 
 def elbow_position(box: UrControlBox) -> Three:
-    """Return the position of the third joint's axis (elbow) in the base frame [m]."""
+    """Return the position of the elbow (third joint) in the base frame [m]."""
     return box.posture().points[2]
 
 
@@ -150,8 +152,9 @@ def elbow_velocity(box: UrControlBox) -> Three:
 def tcp_acceleration(box: UrControlBox, *, target: bool = False) -> Six:
     """Return the acceleration of the TCP in the base frame's axes [m/s², rad/s²].
 
-    The motion is the measured one or that of the setpoint.  Joint accelerations are not
-    measured, so those of the setpoint are used in both cases.
+    The motion is either the measured motion or the setpoint's motion. Joint
+    accelerations are not measured, so the setpoint's accelerations are used in both
+    cases.
     """
     q, qd = (box.target_q, box.target_qd) if target else (box.q, box.qd)
     changes = zip(q, qd, box.target_qdd, strict=True)
@@ -168,6 +171,6 @@ def tcp_force(box: UrControlBox) -> float:
 
 
 def payload_moments(box: UrControlBox) -> Six:
-    """Return the payload's Ixx, Iyy, Izz, Ixy, Ixz, Iyz at its centre [kg·m²]."""
+    """Return the payload's Ixx, Iyy, Izz, Ixy, Ixz, Iyz at its mass center [kg·m²]."""
     inertia = box.state.payload.inertia
     return (inertia, inertia, inertia, 0.0, 0.0, 0.0)

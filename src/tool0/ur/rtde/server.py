@@ -1,4 +1,4 @@
-"""Port 30004: clients exchange fields with the control box."""
+"""The server on port 30004, where clients exchange fields with the control box."""
 
 from __future__ import annotations
 
@@ -29,17 +29,19 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 MAX_RECIPES: Final = 255
-"""Largest number of input recipes of a connection, since their numbers have one
+"""Maximum number of input recipes per connection, because a recipe number has one
 byte."""
 MAX_UNREAD: Final = 1 << 15
-"""Amount of unread data above which a client gets no more data [bytes]."""
+"""Amount of unread data above which no more data is sent to a client [bytes]."""
 SLOW_TIMEOUT: Final = 5.0
-"""Time with that much unread data after which a client is dropped [wall s]."""
+"""Time with more unread data than ``MAX_UNREAD`` after which a client is disconnected
+[wall s]."""
 HEARTBEAT: Final = 0.1
-"""Period at which data is sent while there are no updates [wall s]: the simulation may
-be paused, and clients interpret silence as a lost connection."""
+"""Period at which data is sent while there are no updates [wall s]. The simulation may
+be paused, and clients interpret a lack of data as a lost connection."""
 VERSION_1_RATE: Final = 125.0
-"""Rate for clients with version 1 of the protocol, which cannot choose it [Hz]."""
+"""Rate for clients with version 1 of the protocol, which cannot choose the rate
+[Hz]."""
 
 _CHUNK: Final = 1 << 16
 _VERSION: Final = struct.Struct(">H")
@@ -60,13 +62,13 @@ class RtdeServer:
         self._heart: asyncio.Task[None] | None = None
 
     async def start(self, host: str, port_base: int) -> None:
-        """Listen; TransportError if the port is in use."""
+        """Open the port; raise TransportError if the port is in use."""
         await self._port.listen(host, port_base + PORT)
         self._box.when_shown.add(self._publish)
         self._heart = asyncio.create_task(self._beat())
 
     async def close(self) -> None:
-        """End the connections and the port."""
+        """Close the port and its connections."""
         self._box.when_shown.discard(self._publish)
         if self._heart is not None:
             self._heart.cancel()
@@ -94,14 +96,14 @@ class RtdeServer:
             if recipe not in packed:
                 try:
                     values = recipe.pack(self._box)
-                except struct.error as error:  # a register beyond its range
+                except struct.error as error:  # a register's value is out of range
                     logger.warning("RTDE: %s", error)
                     continue
                 packed[recipe] = packet(PacketType.DATA, values)
             client.peer.send(packed[recipe])
 
     async def _beat(self) -> None:
-        """Repeat the last state while there are no updates."""
+        """Send the last state repeatedly while there are no updates."""
         loop = asyncio.get_running_loop()
         while True:
             await asyncio.sleep(HEARTBEAT)
@@ -111,7 +113,7 @@ class RtdeServer:
 
 @final
 class _Client:
-    """A connection and its setup."""
+    """A connection, with its version and recipes."""
 
     def __init__(self, box: UrControlBox, peer: Peer, claims: InputClaims) -> None:
         self._box = box
@@ -131,14 +133,14 @@ class _Client:
         return self._outputs if self._is_started else None
 
     def is_due(self, time: float) -> bool:
-        """Return whether the client's next period has begun [simulated s]."""
+        """Return whether the client's next period has begun at a simulated time [s]."""
         step = math.floor(time * self._rate + 1e-6)
         is_due = step != self._step
         self._step = step
         return is_due
 
     def is_slow(self, now: float) -> bool:
-        """Return whether the client reads slowly; drop it after a while [wall s]."""
+        """Return whether the client reads slowly; disconnect it after a timeout."""
         if self.peer.owed <= MAX_UNREAD:
             self._slow_since = math.inf
             return False
@@ -149,7 +151,7 @@ class _Client:
         return True
 
     async def serve(self) -> None:
-        """Answer packets until the client leaves or breaks the protocol."""
+        """Answer packets until the client disconnects or violates the protocol."""
         buffer = PacketBuffer()
         while data := await self.peer.reader.read(_CHUNK):
             try:
@@ -193,7 +195,7 @@ class _Client:
         self._reply(PacketType.PROTOCOL_VERSION, bytes((accepted,)))
 
     def _setup_outputs(self, payload: bytes) -> None:
-        """Set the client's output fields; if one is unknown, nothing changes."""
+        """Set the client's output fields; if a field is unknown, change nothing."""
         rate, recipe_id = VERSION_1_RATE, None
         if self._version > 1:
             if len(payload) < _FREQUENCY.size:
@@ -211,7 +213,7 @@ class _Client:
         self._reply(PacketType.SETUP_OUTPUTS, reply + _joined(types))
 
     def _setup_inputs(self, payload: bytes) -> None:
-        """Add an input recipe; answer with number 0 if a field is not available."""
+        """Add an input recipe; the answer is number 0 if a field is not available."""
         names = field_names(payload)
         if len(self._inputs) >= MAX_RECIPES:
             raise TransportError(f"more than {MAX_RECIPES} input recipes")

@@ -1,7 +1,7 @@
 """The commands of ur_rtde's control program.
 
-The numbers are those of its ``process_cmd``; arguments begin at register 0.  A command
-that fails ends the program, like an error in URScript.
+The numbers are those of ur_rtde's ``process_cmd``. Arguments start at register 0. A
+command that fails ends the program, like an error in URScript.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ NO_OFFSET: Final = (0.0,) * 6
 LAST_SCALE: Final = 17
 """Register with the last friction scale of ``directTorque``."""
 UPRIGHT: Final = math.radians(1.0)
-"""Largest angle between the gravity that a client sets and the base's axis [rad]."""
+"""Maximum angle between the gravity that a client sets and the base's axis [rad]."""
 
 Action = Callable[[], Awaitable[None] | None]
 DYNAMICS: Final = frozenset({66, 67, 68, 69, 70, 71})
 STREAMED: Final = DYNAMICS | {6, 9, 10, 11, 12, 24, 25, 26, 27, 38, 55, 58, 99}
-"""Commands that are executed whenever they are written.  These include ``servoC`` (12),
-``setExternalForceTorque`` (55) and ``kickWatchdog`` (99), because the client does not
-wait for them either."""
+"""Commands that are executed every time they are written. The commands include
+``servoC`` (12), ``setExternalForceTorque`` (55) and ``kickWatchdog`` (99), because the
+client does not wait for these commands either."""
 POLLED: Final = DYNAMICS | {25, 26, 27, 38, 58}
-"""Commands that are executed again at every update: queries that the client does not
-wait for, whose answers must stay up to date, and ``directTorque``, which continues
-until another command."""
+"""Commands that are executed again at every update: queries with answers that must stay
+up to date without a request, and ``directTorque``, which continues until the next
+command."""
 
 
 @final
@@ -57,7 +57,7 @@ class Commands:
         path: Sequence[Move],
         wake: Callable[[], None],
     ) -> None:
-        """Use ``path`` for command 45; ``wake`` makes the server look for contacts."""
+        """Use ``path`` for command 45; ``wake`` makes the server check for contacts."""
         self._box, self._exchange, self._history = box, exchange, history
         self._torques = Torques(box)
         moves = Moves(box)
@@ -94,7 +94,7 @@ class Commands:
             31: self._stop_protectively,
             33: motions.stop_tool,
             34: motions.stop_joints,
-            35: lambda: None,  # the server's
+            35: lambda: None,  # executed by the server
             36: lambda: exchange.answer_integer(box.has_inverse(exchange.six(0))),
             37: lambda: exchange.answer_integer(self._is_within_limits()),
             38: self._external_torques,
@@ -111,7 +111,7 @@ class Commands:
             52: compliance.start_freedrive,
             53: compliance.end_freedrive,
             54: lambda: exchange.answer_integer(0),  # not at a limit
-            55: lambda: None,  # the wrist's own sensor is used
+            55: lambda: None,  # the wrist's built-in sensor is used
             56: self._enable_wrench_input,
             57: self._enable_wrench_input,
             58: lambda: exchange.answer(box.forward(box.q, NO_OFFSET)),
@@ -123,18 +123,18 @@ class Commands:
             64: lambda: exchange.answer_integer(motions.contact_steps),
             65: self._set_payload,
             66: self._drive_torques,
-            # Like in the original program, the client's arguments are ignored; it gets
-            # the current posture.
+            # Like in the original program, the client's arguments are ignored, and the
+            # answer is for the current posture.
             67: lambda: exchange.answer_matrix(box.dynamics.mass_matrix()),
             68: lambda: exchange.answer(box.dynamics.velocity_torques()),
             69: lambda: exchange.answer(box.target_qdd),
             70: lambda: exchange.answer_matrix(box.dynamics.jacobian()),
             71: lambda: exchange.answer_matrix(box.dynamics.jacobian_derivative()),
-            99: lambda: None,  # the server's
+            99: lambda: None,  # executed by the server
         }
 
     def is_streamed(self, command: int) -> bool:
-        """Return whether a command is executed whenever it is written."""
+        """Return whether a command is executed every time it is written."""
         return command in STREAMED
 
     def is_polled(self, command: int) -> bool:
@@ -142,7 +142,7 @@ class Commands:
         return command in POLLED
 
     async def execute(self, command: int) -> None:
-        """Execute a command, and return when it is complete.
+        """Execute a command and return when the command is complete.
 
         Raises:
             Tool0Error: If the command fails.
@@ -157,7 +157,7 @@ class Commands:
             await pending
 
     async def look_for_contact(self) -> None:
-        """Return to the point of contact if contact detection has found one."""
+        """Return to the contact point if contact detection has detected a contact."""
         await self._motions.look_for_contact()
 
     def check(self) -> None:
@@ -174,7 +174,7 @@ class Commands:
         await self._box.call(ZeroWrench(arm=self._box.arm))
 
     async def _set_payload(self) -> None:
-        """Set mass and centre of gravity; zeros keep the current centre."""
+        """Set the mass and center of gravity; zeros keep the current center."""
         center = self._exchange.three(1)
         if not any(center):
             center = self._box.state.payload.center_of_gravity
@@ -192,7 +192,7 @@ class Commands:
         await self._box.call(request)
 
     async def _drive_torques(self) -> None:
-        """Apply torques to the joints: direct_torque, with friction scales.
+        """Apply torques to the joints with friction scales: direct_torque.
 
         Older clients send a flag instead of the scales.
         """
@@ -206,13 +206,13 @@ class Commands:
             await self._torques.set(torques, NO_OFFSET, NO_OFFSET)
 
     def _enable_wrench_input(self) -> None:
-        """Select external_force_torque of RTDE, or the wrist's own sensor."""
+        """Select RTDE's external_force_torque or the wrist's built-in sensor."""
         is_enabled = self._exchange.integer(1) != 0
         offset = self._exchange.three(1) if is_enabled else None
         self._box.rtde_sensor.set_offset(offset)
 
     def _check_gravity(self) -> None:
-        """Check that the requested gravity is that of the simulation."""
+        """Check that the requested gravity is equal to the simulation's gravity."""
         x, y, z = self._exchange.three(0)
         if not math.atan2(math.hypot(x, y), z) <= UPRIGHT:
             raise ControlError(
@@ -226,7 +226,7 @@ class Commands:
         self._exchange.answer_integer(self._history.contact(self._exchange.three(0)))
 
     def _external_torques(self) -> None:
-        """Answer the drive torques that resist external forces at the tool [N·m]."""
+        """Answer with the drive torques that resist external tool forces [N·m]."""
         efforts = self._box.posture().efforts(*self._box.flange_wrench())
         self._exchange.answer([-effort for effort in efforts])
 
@@ -235,7 +235,7 @@ class Commands:
         self._exchange.answer(pose_of(transform_of(first) @ transform_of(second)))
 
     def _forward(self) -> None:
-        """Answer the pose of the client's TCP, or of the box's if none was given."""
+        """Answer with the pose of the client's TCP, or of the box's TCP by default."""
         tcp = self._exchange.six(6) if self._exchange.has_number(6) else None
         self._exchange.answer(self._box.forward(self._exchange.six(0), tcp))
 

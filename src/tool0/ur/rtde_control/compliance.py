@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 DAMPING: Final = 0.025
 GAIN_SCALING: Final = 0.5
-"""Damping and gain of force mode when the program begins."""
+"""Damping and gain of force mode at the start of the program."""
 FORCE_STOP: Final = 10.0
 """Deceleration of the tool when the program ends force mode [m/s²]."""
 
@@ -36,7 +36,7 @@ class Compliance:
         self._damping, self._gain_scaling = DAMPING, GAIN_SCALING
 
     async def force_mode(self) -> None:
-        """Comply along some axes of a frame, and press along them: force_mode."""
+        """Comply along some axes of a frame and press along them: force_mode."""
         exchange = self._exchange
         a, b, c, d, e, f = (exchange.integer(k) != 0 for k in range(2, 8))
         kind = exchange.integer(1)
@@ -79,11 +79,11 @@ class Compliance:
             self._box.send(self._force)
 
     async def start_teaching(self) -> None:
-        """Start guiding the arm by hand: teach_mode."""
+        """Start to guide the arm manually: teach_mode."""
         await self._box.call(StartFreedrive(arm=self._box.arm))
 
     async def start_freedrive(self) -> None:
-        """Start guiding the arm along some axes of a frame: freedrive_mode."""
+        """Start to guide the arm along some axes of a frame: freedrive_mode."""
         exchange = self._exchange
         a, b, c, d, e, f = (exchange.integer(k) != 0 for k in range(1, 7))
         request = StartFreedrive(
@@ -92,5 +92,5 @@ class Compliance:
         await self._box.call(request)
 
     async def end_freedrive(self) -> None:
-        """Hold the position again: end_freedrive_mode, end_teach_mode."""
+        """Hold the arm's position again: end_freedrive_mode, end_teach_mode."""
         await self._box.call(EndFreedrive(arm=self._box.arm))

@@ -17,13 +17,14 @@ COMMAND: Final = 0
 STATE: Final = 0
 """Integer output register with the state of the command."""
 RESULT: Final = 1
-"""Integer output register with the result of queries for one number."""
+"""Integer output register with the result of a query that returns one number."""
 PROGRESS: Final = 2
 """Integer output register with the progress of asynchronous motions."""
 
 _LOWER: Final = 24
 _UPPER: Final = 36
-"""Registers with the two halves of a matrix: from the first one, and from this one."""
+"""First register of a matrix's last 12 values; the first 24 values start at register
+0."""
 _COUNTS: Final = 128
 """Number of values of a progress counter, which has seven bits."""
 _MAX_PROGRESS: Final = 0x7FFF
@@ -39,15 +40,15 @@ class State(IntEnum):
 
 @final
 class Exchange:
-    """The registers from ``offset`` on, through which commands and results pass."""
+    """The registers starting at ``offset`` that transfer commands and results."""
 
     def __init__(self, registers: Registers, offset: int) -> None:
         self._inputs, self._outputs = registers.inputs, registers.outputs
         self._offset = offset
         self.command_name = f"input_int_register_{offset + COMMAND}"
-        """RTDE's name of the register with the command."""
+        """RTDE's name for the register with the command."""
         self.written: Collection[str] = ()
-        """RTDE's names of the inputs in the packet with the last command."""
+        """RTDE's names for the inputs in the packet with the last command."""
         self._writes = 0
         self._operations = 0
 
@@ -94,11 +95,11 @@ class Exchange:
         self._outputs.doubles[first : first + len(values)] = values
 
     def answer_matrix(self, rows: Sequence[Six]) -> None:
-        """Set the result of a query that returns a matrix, shape (6, 6), by columns.
+        """Set the result of a query that returns a (6, 6) matrix, column by column.
 
         Raises:
             ControlError: If the client uses the upper registers, because a matrix needs
-                both ranges.
+                both register ranges.
         """
         if self._offset:
             raise ControlError(
@@ -110,14 +111,15 @@ class Exchange:
         doubles[:_LOWER], doubles[_UPPER:] = values[:_LOWER], values[_LOWER:]
 
     def answer_integer(self, value: int) -> None:
-        """Set the result of a query: an integer, or 0 and 1 for false and true."""
+        """Set the result of a query that returns an integer or a boolean (0 or 1)."""
         self._outputs.integers[self._offset + RESULT] = int(value)
 
     def show_progress(self, progress: int | None) -> None:
-        """Show the progress of an asynchronous motion: initially 0, finally None.
+        """Show the progress of an asynchronous motion: first 0, and None at the end.
 
-        Bits 0 … 14 contain the progress, and bit 15 is set while the motion runs; bits
-        16 … 22 count the values written here, bits 24 … 30 the motions.
+        Bits 0 … 14 contain the progress. Bit 15 is set while the motion is active. Bits
+        16 … 22 count the values that this method writes. Bits 24 … 30 count the
+        motions.
         """
         self._writes = (self._writes + 1) % _COUNTS
         if progress == 0:

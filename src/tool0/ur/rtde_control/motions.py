@@ -22,20 +22,20 @@ if TYPE_CHECKING:
 JOG_STOP, CONTACT_STOP = 1.2, 3.0
 """Deceleration of the tool after jogging and at a contact [m/s²]."""
 RETURN_ACCELERATION, RETURN_SPEED = 1.2, 0.25
-"""Acceleration and speed of the return to a contact, with URScript's defaults [m/s²,
-m/s]."""
+"""Acceleration and speed of the return to a contact, which are URScript's defaults
+[m/s², m/s]."""
 BASE, TOOL, CUSTOM = 0, 1, 2
-"""Frames for jogging."""
+"""Numbers of the frames for jogging."""
 ASYNCHRONOUS: Final = 1
-"""Value of integer register 1 if the client does not wait for the end of the motion."""
+"""Value of integer register 1 if the client does not wait for the end of a motion."""
 CANCEL_DECELERATION: Final = 2.0
-"""Deceleration before a motion that replaces an asynchronous one [rad/s²]; stopj's
-default."""
+"""Deceleration before a motion that replaces an asynchronous motion [rad/s²], which is
+stopj's default."""
 
 
 @final
 class Motions:
-    """Moves an arm; a new motion replaces an asynchronous one that is still running."""
+    """Moves an arm; a new motion replaces an asynchronous motion that is active."""
 
     def __init__(
         self,
@@ -54,25 +54,25 @@ class Motions:
         self._failure: BaseException | None = None
         self._is_tool_speed = False
         self._circular: Move | None = None
-        """Target of servoc."""
+        """Current target of servoc."""
         self._jog_frame = Transform()
         self._is_jogging = False
         self._detection: asyncio.Task[None] | None = None
         self._is_contact_new = False
         self.contact_steps = 0
-        """Number of updates between the beginning of the last contact and its
-        detection; 0 if there was no contact."""
+        """Number of updates between the start of the last contact and its detection; 0
+        if there was no contact."""
         self.waypoint: Six = box.tcp_pose(target=True)
         """Target pose of the last move."""
 
     # ---- moves ----------------------------------------------------------------------
 
     async def move_joints(self) -> None:
-        """Move to joint positions in joint space: movej."""
+        """Move to joint positions along a path in joint space: movej."""
         await self._move_joints(self._exchange.six(0))
 
     async def move_joints_to_pose(self) -> None:
-        """Move to a pose in joint space, with inverse kinematics: movej."""
+        """Move to a pose along a path in joint space: movej with inverse kinematics."""
         await self._move_joints(self._box.inverse(self._exchange.six(0)))
 
     async def _move_joints(self, q: Six) -> None:
@@ -80,18 +80,18 @@ class Motions:
         await self._run([self._move("joint", q=q)])
 
     async def move_tool(self) -> None:
-        """Move to a pose along a line: movel."""
+        """Move to a pose along a straight line: movel."""
         self.waypoint = pose = self._exchange.six(0)
         await self._run([self._move("linear", pose=pose)])
 
     async def move_tool_to_joints(self) -> None:
-        """Move to joint positions along a line: movel."""
+        """Move to joint positions along a straight line: movel."""
         q = self._exchange.six(0)
         self.waypoint = self._box.forward(q)
         await self._run([self._move("linear", q=q)])
 
     async def move_path(self) -> None:
-        """Move along the uploaded path; the progress is the number of the move."""
+        """Move along the uploaded path; the progress is the current move's index."""
         await self._run(self._path)
 
     def _move(
@@ -101,7 +101,7 @@ class Motions:
         return Move(kind=kind, q=q, pose=pose, a=acceleration, v=speed)
 
     async def _run(self, moves: Sequence[Move]) -> None:
-        """Execute moves to the end, or only start them if the client does not wait."""
+        """Start moves, and wait until they end unless the motion is asynchronous."""
         await self._cancel()
         self._exchange.show_progress(0)
         if self._is_asynchronous():
@@ -110,11 +110,11 @@ class Motions:
             await self._follow(moves)
 
     async def _follow(self, moves: Sequence[Move]) -> None:
-        """Execute moves, and show the current one as progress.
+        """Execute moves, and show the index of the current move as progress.
 
         Raises:
-            ControlError: If the arm has stopped; the command is then not reported as
-                done.
+            ControlError: If the arm has stopped. After a stop, the command is not
+                reported as done.
         """
         await self._moves.move(moves, wait=False)
         shown = 0
@@ -133,7 +133,7 @@ class Motions:
         await self._servo(self._exchange.six(0))
 
     async def servo_tool(self) -> None:
-        """Follow a pose, with inverse kinematics: servoj."""
+        """Follow a pose: servoj with inverse kinematics."""
         await self._servo(self._box.inverse(self._exchange.six(0)))
 
     async def _servo(self, q: Six) -> None:
@@ -150,7 +150,7 @@ class Motions:
         )
 
     async def servo_circular(self) -> None:
-        """Move to a pose at constant speed, blended with the last move: servoc."""
+        """Move to a pose at constant speed, blended with the previous move: servoc."""
         exchange = self._exchange
         target = Move(
             kind="servo_circular",
@@ -167,7 +167,7 @@ class Motions:
             self._circular = target
 
     async def _servo_circular(self) -> None:
-        """Follow the last target forever."""
+        """Move to the newest target until the task is canceled."""
         try:
             while self._circular is not None:
                 target = self._circular
@@ -190,7 +190,7 @@ class Motions:
         )
 
     async def speed_tool(self) -> None:
-        """Move the tool at a velocity until the client stops it: speedl."""
+        """Move the tool at a velocity until the client stops the tool: speedl."""
         await self._cancel()
         self._is_tool_speed = True
         self._speed_tool(self._exchange.six(0), self._exchange.number(6))
@@ -215,9 +215,9 @@ class Motions:
         await self._moves.stopl(self._exchange.number(0))
 
     async def start_jog(self) -> None:
-        """Move the tool at a velocity in a frame until the client stops it.
+        """Move the tool at a velocity in a frame until the client stops the tool.
 
-        Another call changes the velocity, but not the frame.
+        A second call changes the velocity but not the frame.
         """
         exchange = self._exchange
         if not self._is_jogging:
@@ -230,7 +230,7 @@ class Motions:
         self._speed_tool((*linear, *angular), exchange.number(7))
 
     def _frame(self, feature: float) -> Transform:
-        """Return the frame for the axes of jogging, in the base frame."""
+        """Return the frame for jogging, relative to the base frame."""
         if feature == BASE:
             return Transform()
         if feature == TOOL:
@@ -270,7 +270,7 @@ class Motions:
     # ---- contacts -------------------------------------------------------------------
 
     async def move_until_contact(self) -> None:
-        """Move the tool at a velocity until a contact, and return to this point."""
+        """Move the tool at a velocity until a contact; return to the contact point."""
         await self._cancel()
         exchange, box = self._exchange, self._box
         direction = exchange.six(6)
@@ -282,21 +282,21 @@ class Motions:
         await self._return_to_contact(steps)
 
     async def start_contact_detection(self) -> None:
-        """Start contact detection in a direction; zero for that of the motion."""
+        """Start contact detection; a direction of zero means the motion's direction."""
         await self.end_contact_detection()
         self.contact_steps = 0
         direction = self._exchange.six(0)
         self._detection = asyncio.create_task(self._detect(direction))
 
     async def end_contact_detection(self) -> None:
-        """Stop contact detection, and answer whether there was a contact."""
+        """Stop contact detection and answer whether there was a contact."""
         if self._detection is not None:
             self._detection.cancel()
             self._detection = None
         self._exchange.answer_integer(self.contact_steps)
 
     async def _detect(self, direction: Six) -> None:
-        """Wait until there is no contact, and then for a new one."""
+        """Wait until there is no contact, and then wait for a new contact."""
         is_free = False
         while True:
             sought = direction if any(direction) else self._box.tcp_speed(target=True)
@@ -310,7 +310,7 @@ class Motions:
         self._wake()
 
     async def look_for_contact(self) -> None:
-        """Return to the point of contact if one was detected since the last call."""
+        """Return to the contact point if a contact was detected since the last call."""
         if self._is_contact_new:
             self._is_contact_new = False
             await self._return_to_contact(self.contact_steps)
@@ -349,7 +349,7 @@ class Motions:
         return self._exchange.integer(1) == ASYNCHRONOUS
 
     async def _abandon(self) -> None:
-        """Cancel an asynchronous motion's task, without stopping the arm."""
+        """Cancel the task of an asynchronous motion without stopping the arm."""
         task, self._task = self._task, None
         if task is None or task.done():
             return
@@ -358,7 +358,7 @@ class Motions:
         self._exchange.show_progress(None)
 
     async def _cancel(self) -> None:
-        """End an asynchronous motion, and decelerate the arm to rest."""
+        """End an asynchronous motion and decelerate the arm to rest."""
         if self._task is None or self._task.done():
             return
         await self._abandon()

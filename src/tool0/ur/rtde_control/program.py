@@ -1,8 +1,9 @@
-"""The control program of ur_rtde, a server for commands in registers.
+"""The control program of ur_rtde, which is a server for commands in registers.
 
-The client writes a command and its arguments in one RTDE packet.  A command is executed
-once; then the state is DONE until the client writes 0, after which it is READY again.
-Streamed commands are executed whenever they are written, and the state stays READY.
+The client writes a command and its arguments in one RTDE packet. A command is executed
+once, and its state is then DONE until the client writes 0, which sets the state to
+READY. Streamed commands are executed every time they are written, and the state remains
+READY.
 """
 
 from __future__ import annotations
@@ -22,15 +23,15 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 NOTHING, STOP = 0, 255
-"""Commands that every revision of the program has."""
+"""Commands that all revisions of the program support."""
 
 
 def recognise(text: str) -> RtdeControl | None:
-    """Return ur_rtde's program from a script's text; None if it is another program.
+    """Return ur_rtde's program from a script; None if the script is another program.
 
     Raises:
-        ConfigError: If it is ur_rtde's program, but with a path that ur_rtde does not
-            write.
+        ConfigError: If the script is ur_rtde's program, but contains a path that
+            ur_rtde cannot have written.
     """
     script = parse(text)
     return None if script is None else RtdeControl(script)
@@ -51,8 +52,8 @@ class RtdeControl:
         """Execute commands until the client stops the program.
 
         Raises:
-            Tool0Error: If a command fails; this ends the program, like an error in
-                URScript.
+            Tool0Error: If a command fails. The failure ends the program, like an error
+                in URScript.
         """
         with ToolHistory(box) as history:
             server = _CommandServer(box, self._script, history)
@@ -77,7 +78,7 @@ class _CommandServer:
 
     @contextlib.contextmanager
     def listening(self) -> Iterator[None]:
-        """Wake the server when the client writes registers, as a context."""
+        """Return a context in which written registers wake the server."""
         self._box.registers.when_written.add(self._take)
         self._box.when_updated.add(self._look)
         try:
@@ -87,7 +88,7 @@ class _CommandServer:
             self._box.when_updated.discard(self._look)
 
     async def serve(self) -> None:
-        """Execute commands until the client or its watchdog stops the program."""
+        """Execute commands until the client or the watchdog stops the program."""
         serving = asyncio.create_task(self._serve())
         watching = asyncio.create_task(self._watchdog.wait())
         tasks = {serving, watching}
@@ -128,21 +129,21 @@ class _CommandServer:
             await self._box.programs.gate()
 
     def _take(self, names: Collection[str]) -> None:
-        """Wake the server for a command, and restart the watchdog's time."""
+        """Wake the server for a command and restart the watchdog's timeout."""
         if self._exchange.command_name in names:
             self._exchange.written = names
             self._watchdog.kick()
             self._wake.set()
 
     def _look(self) -> None:
-        """Keep the answers to polled queries up to date."""
+        """Wake the server at each update for commands that are polled."""
         if self._commands.is_polled(self._exchange.command):
             self._wake.set()
 
 
 @final
 class _Watchdog:
-    """Fails if the client has not written for too long."""
+    """Raises an error if the client has not written a command within a timeout."""
 
     def __init__(self) -> None:
         self._is_set = asyncio.Event()
@@ -150,7 +151,7 @@ class _Watchdog:
         self._last = 0.0
 
     def start(self, min_frequency: float) -> None:
-        """Expect packets at least this often from now on [Hz]; 0 disables this."""
+        """Expect packets at a minimum rate [Hz]; 0 disables the watchdog."""
         self.kick()
         if min_frequency > 0.0:
             self._timeout = 1.0 / min_frequency
@@ -159,14 +160,14 @@ class _Watchdog:
             self._is_set.clear()
 
     def kick(self) -> None:
-        """Restart the timeout when a packet arrives."""
+        """Restart the timeout, because a packet has been received."""
         self._last = asyncio.get_running_loop().time()
 
     async def wait(self) -> None:
-        """Wait until no packet has arrived in time.
+        """Wait until no packet has been received within the timeout.
 
         Raises:
-            ControlError: When the time has run out.
+            ControlError: If the timeout has expired.
         """
         loop = asyncio.get_running_loop()
         while True:

@@ -1,9 +1,9 @@
-"""Recognises the program that ur_rtde's RTDEControlInterface uploads.
+"""Detection of the program that ur_rtde's RTDEControlInterface uploads.
 
-The program is a server for commands that come through RTDE registers.  It is always the
-same, except for the offset of its registers and the path of ``moveJ(path)``,
-``moveL(path)`` and ``movePath``, which the client inserts as lines of URScript. The
-script itself is not interpreted; ``program.py`` executes the commands.
+The program is a server for commands that are received through RTDE registers. The
+program is always the same, except for the offset of its registers and the path of
+``moveJ(path)``, ``moveL(path)`` and ``movePath``, which the client inserts as lines of
+URScript. The script itself is not interpreted; ``program.py`` executes the commands.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from tool0.errors import ConfigError
 from tool0.motion.moves import Move, MoveKind
 
 MAX_WAYPOINTS: Final = 10_000
-"""Largest number of waypoints in a path."""
+"""Maximum number of waypoints in a path."""
 
 _MARKS: Final = (
     "global reg_offset_float =",
@@ -25,7 +25,7 @@ _MARKS: Final = (
     "def signal_done_with_cmd():",
     'textmsg("RTDE Control Script Loaded',
 )
-"""Lines that occur in all revisions of the program."""
+"""Lines that all revisions of the program contain."""
 _NAME: Final = re.compile(r"^\s*def\s+(\w+)\s*\(\s*\)\s*:")
 _REVISION: Final = re.compile(r"RTDE Control Script Loaded \(([^)\"]*)\)")
 _OFFSET: Final = re.compile(r"# (float|int) register offset\n\s*(\d+)")
@@ -50,25 +50,25 @@ _MOVE: Final = re.compile(
 @final
 @dataclass(frozen=True, slots=True)
 class ControlScript:
-    """The parts of an upload in which it differs from others."""
+    """The parts of an uploaded script that differ between scripts."""
 
     name: str
     revision: str
     """Revision date that the program displays."""
     offset: int
-    """Offset of the registers: 0, or 24 for the upper range."""
+    """Offset of the register numbers: 0, or 24 for the upper range."""
     codes: frozenset[int]
-    """Numbers of the commands that the program has."""
+    """Numbers of the commands that the program supports."""
     path: tuple[Move, ...]
     """Path of command 45."""
 
 
 def parse(text: str) -> ControlScript | None:
-    """Return ur_rtde's program from a text; None if the text is something else.
+    """Return ur_rtde's program from a script; None if the script is another program.
 
     Raises:
-        ConfigError: If it is ur_rtde's program, but with a path that ur_rtde does not
-            write.
+        ConfigError: If the script is ur_rtde's program, but contains a path that
+            ur_rtde cannot have written.
         ControlError: If no arm can follow the path.
     """
     name = _NAME.match(text)

@@ -1,1 +1,1 @@
-"""URScript: grammar, checker, interpreter and library of a subset of the language."""
+"""The grammar, checker, interpreter and library of a subset of URScript."""

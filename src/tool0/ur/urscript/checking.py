@@ -1,4 +1,4 @@
-"""Checks a whole program before any part of it runs."""
+"""Checks a complete program before any part of it is executed."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
 
 @final
 class _Unknown:
-    """A value that is only known when the program runs."""
+    """A value that is known only when the program runs."""
 
 
 _UNKNOWN: Final = _Unknown()
@@ -37,15 +37,16 @@ _Known: TypeAlias = Value | _Unknown
 
 @final
 class Checker:
-    """Checks a program in order, and raises URScriptError at the first mistake."""
+    """Checks a program in order and raises URScriptError at the first mistake."""
 
     def __init__(self, program: str, *, has_servers: bool = False) -> None:
         """Prepare to check a program.
 
         Args:
-            program: Name of the program, for messages.
-            has_servers: Whether the program may contain handles of servers; methods
-                that lists do not have may then be functions of these servers.
+            program: Name of the program, for error messages.
+            has_servers: Whether the program may contain handles of XML-RPC servers.
+                With such handles, a method that lists do not have may be a function of
+                a server.
         """
         self._program = program
         self._has_servers = has_servers
@@ -53,7 +54,7 @@ class Checker:
         self._loops = 0
 
     def check(self, scope: Scope) -> None:
-        """Check a definition's body, and the definitions inside."""
+        """Check the body of a definition and the definitions inside this body."""
         outer = getattr(self, "_scope", None), self._loops
         self._scope, self._loops = scope, 0
         definition = scope.definition
@@ -63,7 +64,7 @@ class Checker:
             self._scope, self._loops = outer[0], outer[1]
 
     def check_block(self, scope: Scope, block: s.Block) -> None:
-        """Check further statements of a definition's body."""
+        """Check additional statements of a definition's body."""
         self._scope = scope
         self._block(block)
 
@@ -147,7 +148,7 @@ class Checker:
     # ---- expressions ----------------------------------------------------------------
 
     def _fold(self, expression: s.Expression) -> _Known:
-        """Check an expression, and return its value if it is constant."""
+        """Check an expression; return its value if the expression is constant."""
         match expression:
             case s.Literals(value=value):
                 return value
@@ -328,7 +329,7 @@ class Checker:
         required: set[str],
         function: Function | None = None,
     ) -> list[int]:
-        """Return the index of the parameter to which each argument belongs."""
+        """Return the index of the parameter that each argument sets."""
         positions: list[int] = []
         for argument in call.arguments:
             name = argument.name
@@ -384,7 +385,7 @@ class Checker:
 
 
 def _not_found(name: str) -> str:
-    """Return the message of UR's controller about an unknown name."""
+    """Return the message of UR's controller for an unknown name."""
     return f"compile_error_name_not_found:{name}:"
 
 

@@ -1,4 +1,4 @@
-"""Compiled programs: closures that run on a frame of variables."""
+"""Compiled programs, which are closures that run on a frame of variables."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from tool0.ur.urscript.values import Value, weight
 from tool0.ur.urscript_errors import Place, ValueProblem
 
 _LONG: Final = 5
-"""Number of elements above which a list's size counts as work."""
+"""Length of a list above which the work for the list is charged as statements."""
 _PER_STATEMENT: Final = 10
-"""Number of elements whose work is that of one statement."""
+"""Number of list elements that are charged as one statement."""
 
 
 @final
@@ -29,7 +29,7 @@ class CallFrame:
     locals: dict[str, Value]
 
 
-# Any: a Value, or with ``is_async`` an awaitable one.
+# Any: a Value; with ``is_async``, an awaitable Value.
 Run: TypeAlias = Callable[[CallFrame], Any]
 Combine: TypeAlias = Callable[[CallFrame, list[Value]], Value]
 
@@ -42,7 +42,7 @@ class Node(NamedTuple):
 
 
 def combined(nodes: Sequence[Node], combine: Combine) -> Node:
-    """Return a node that combines the values of other nodes, evaluated in order."""
+    """Return a node that evaluates other nodes in order and combines their values."""
     runs = [node.run for node in nodes]
     if not any(node.is_async for node in nodes):
 
@@ -58,21 +58,21 @@ def combined(nodes: Sequence[Node], combine: Combine) -> Node:
 
 
 def charged(frame: CallFrame, value: Value) -> Value:
-    """Return a value; the work of making a long list counts as statements."""
+    """Return a value; the work of making a long list is charged as statements."""
     if type(value) is tuple and len(value) > _LONG:
         frame.thread.left -= weight(value) // _PER_STATEMENT
     return value
 
 
 async def evaluated(nodes: Sequence[Node], frame: CallFrame) -> list[Value]:
-    """Return the values of nodes, evaluated in order."""
+    """Evaluate nodes in order and return their values."""
     return [
         await node.run(frame) if node.is_async else node.run(frame) for node in nodes
     ]
 
 
 class Jump(Enum):
-    """Target of a statement that jumps."""
+    """Kind of a statement that jumps within a loop."""
 
     BREAK = "break"
     CONTINUE = "continue"
@@ -96,7 +96,7 @@ class Code:
 
     definition: s.Definition
     n_variables: int
-    """Number of local variables; a program's variables are global."""
+    """Number of local variables; for a program, the number of global variables."""
     defaults: dict[str, Node]
     body: Body
 
@@ -111,7 +111,7 @@ class Code:
         return self.definition.at
 
     async def call(self, thread: Thread, arguments: Mapping[str, Value]) -> Value:
-        """Execute the code, and return its value."""
+        """Execute the code and return its value."""
         if thread.depth >= MAX_DEPTH:
             raise ValueProblem(f"calls are nested deeper than {MAX_DEPTH} levels")
         execution = thread.execution
@@ -130,7 +130,7 @@ class Code:
 
 
 async def not_compiled(frame: CallFrame) -> Outcome:
-    """Placeholder for a body that is not compiled yet."""
+    """Raise an error, as the placeholder of a body that is not compiled yet."""
     raise AssertionError(frame)
 
 
@@ -138,7 +138,7 @@ class Interpreted(NamedTuple):
     """Statements that were compiled while the program was running."""
 
     scope: Scope
-    """Scope of the statements that follow."""
+    """Scope for the statements that follow."""
     body: Body
     own: set[Code]
     """Functions and threads that the statements define."""
@@ -150,13 +150,13 @@ class Codes(Protocol):
     """Compiled functions and threads."""
 
     def find(self, scope: Scope, name: str) -> Code | None:
-        """Return a function or thread that is visible in a scope."""
+        """Return the function or thread with a name that is visible in a scope."""
 
     def extended(self) -> Codes:
-        """Return a copy, to which code can be added without changing the original."""
+        """Return a copy to which code can be added without changing the original."""
 
     def interpreted(self, text: str, scope: Scope) -> Interpreted:
-        """Compile statements in a scope; raise URScriptError if they are wrong."""
+        """Compile statements in a scope; raise URScriptError if they are invalid."""
 
 
 @final

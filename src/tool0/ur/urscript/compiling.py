@@ -1,4 +1,4 @@
-"""Compiles statements to closures, and functions and threads made of them."""
+"""Compiles statements to closures, and definitions to functions and threads."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ from tool0.ur.urscript.values import Handle, Value, described, truth, with_eleme
 from tool0.ur.urscript_errors import Place, URScriptError, ValueProblem
 
 INTERPRETER: Final = "interpreter"
-"""Name for messages about statements that clients send."""
+"""Program name in error messages about statements that clients send."""
 
 
 class CompiledStatement(NamedTuple):
     """A compiled statement."""
 
-    # Any: an Outcome, or with ``is_async`` an awaitable one.
+    # Any: an Outcome; with ``is_async``, an awaitable Outcome.
     run: Callable[[CallFrame], Any]
     is_async: bool
     at: Place
@@ -49,7 +49,7 @@ class Compiler:
         self._codes = codes or {}
 
     def compile(self, scope: Scope) -> Code:
-        """Compile a definition, and the definitions inside, to closures."""
+        """Compile a definition and the definitions inside it to closures."""
         code = self._declared(scope.definition)
         is_program = scope.parent is None
         code.n_variables = len(scope.globals if is_program else scope.locals)
@@ -66,14 +66,14 @@ class Compiler:
         return code
 
     def extended(self) -> Compiler:
-        """Return a compiler that knows these definitions; new ones are kept apart."""
+        """Return a copy of the compiler, which keeps new definitions separate."""
         return Compiler(INTERPRETER, dict(self._codes))
 
     def interpreted(self, text: str, scope: Scope) -> Interpreted:
         """Compile statements in a scope while the program is running.
 
         Raises:
-            URScriptError: If the statements are wrong.
+            URScriptError: If the statements are invalid.
         """
         block = parse(text, self._program)
         inner = scope.extended(block)
@@ -92,7 +92,7 @@ class Compiler:
         return Interpreted(inner, body, own, "clear_interpreter" in called)
 
     def find(self, scope: Scope, name: str) -> Code | None:
-        """Return a function or thread that is visible in a scope."""
+        """Return the function or thread with a name that is visible in a scope."""
         found = scope.find(name)
         return None if found is None else self._declared(found[0])
 
@@ -112,7 +112,7 @@ class Statements:
         self._scope = scope
 
     def block(self, block: s.Block) -> Body:
-        """Return a block as a coroutine function."""
+        """Compile a block to a coroutine function."""
         steps = [self._step(x) for x in block if not isinstance(x, s.Definition)]
 
         async def run(frame: CallFrame) -> Outcome:
@@ -214,7 +214,7 @@ class Statements:
             (thread,) = await evaluated([handle], frame)
             if isinstance(thread, Handle):
                 await thread.kill()
-            elif type(thread) is not int:  # a variable for a thread, before the first
+            elif type(thread) is not int:  # a thread variable before its first thread
                 message = f"'kill' ends a thread, not {described(thread)}"
                 raise self._expressions.error(message, statement.at)
             return None
@@ -278,7 +278,7 @@ class Statements:
 
 
 def _called(block: s.Block) -> set[str]:
-    """Return the names of functions that the statements of a block call directly."""
+    """Return the names of the functions that a block's statements call directly."""
     values = [item.value for item in block if isinstance(item, s.Evaluate)]
     return {value.name for value in values if isinstance(value, s.Call)}
 

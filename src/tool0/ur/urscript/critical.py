@@ -1,4 +1,4 @@
-"""The critical section of a program: one thread at a time, in a fair order."""
+"""The critical section of a program, which threads enter one at a time."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from typing import final
 
 @final
 class CriticalSection:
-    """While a thread is inside, no other thread executes a statement.
+    """While a thread is in the section, no other thread executes a statement.
 
-    A thread leaves the section while it waits for something that takes time.  UR
-    documents neither this nor the order of the threads, but its driver's program relies
-    on it: the program executes trajectories and reads sockets inside.  Here, ready
-    threads run before another thread enters, even if that has just left.
+    A thread leaves the section while it waits for an action that takes time. UR does
+    not document when a thread leaves the section or in which order threads enter it.
+    The program of UR's driver executes trajectories and reads sockets inside the
+    section, so the driver depends on threads that leave the section while they wait. In
+    tool0, ready threads run before another thread enters the section, even if that
+    thread has just left the section.
     """
 
     def __init__(self) -> None:
@@ -21,27 +23,27 @@ class CriticalSection:
         self._free = asyncio.Event()
 
     def is_inside(self, thread: object) -> bool:
-        """Return whether the thread is inside."""
+        """Return whether the thread is in the section."""
         return self._owner is thread
 
     async def wait(self, thread: object) -> None:
-        """Wait while another thread is inside."""
+        """Wait while another thread is in the section."""
         while self._owner is not None and self._owner is not thread:
             await self._free.wait()
 
     async def enter(self, thread: object) -> None:
-        """Wait for the thread's turn and enter."""
+        """Wait for the thread's turn and enter the section."""
         await asyncio.sleep(0)
         await self.resume(thread)
 
     async def resume(self, thread: object) -> None:
-        """Enter again, at once if no other thread is inside."""
+        """Enter the section again, immediately if no other thread is in the section."""
         await self.wait(thread)
         self._owner = thread
         self._free.clear()
 
     def leave(self, thread: object) -> None:
-        """Leave the section, if the thread is inside."""
+        """Leave the section if the thread is in the section."""
         if self._owner is thread:
             self._owner = None
             self._free.set()

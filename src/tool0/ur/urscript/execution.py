@@ -1,7 +1,7 @@
-"""A running program, with its threads, their timing and their end.
+"""A running program, with its threads, their timing and their termination.
 
-Threads are tasks of one event loop.  Like on the robot, a thread that computes
-endlessly uses up its share of a control period and continues in the next one.
+Threads are tasks of one event loop. Like on a real robot, a thread that computes
+without pausing uses up its share of a control period and continues in the next period.
 """
 
 from __future__ import annotations
@@ -30,20 +30,20 @@ T = TypeVar("T")
 
 MAX_THREADS: Final = 50
 MAX_VARIABLES: Final = 2_000
-"""Largest number of variables of the program and all unfinished calls."""
+"""Maximum number of variables of the program and of all unfinished calls."""
 MAX_DEPTH: Final = 100
-"""Largest depth of nested calls."""
+"""Maximum depth of nested calls."""
 SLICE: Final = 100
-"""Number of statements that a thread executes before others have their turn."""
+"""Number of statements that a thread executes before other threads can run."""
 PER_PERIOD: Final = 500
-"""Number of a program's statements in a control period; the rest waits for the next
-one."""
+"""Maximum number of statements that a program executes per control period. The
+remaining statements are executed in the next period."""
 MAX_UPDATES: Final = 20
-"""Largest number of updates to wait for a change, which another client may have
-reverted."""
+"""Maximum number of updates to wait for a change. Another client may have reverted the
+change."""
 MAX_SPIN: Final = 1_000_000
-"""Largest number of a thread's statements without one that takes time, such as
-sync()."""
+"""Maximum number of statements that a thread executes without a statement that takes
+time, such as sync()."""
 
 
 class Runnable(Protocol):
@@ -69,20 +69,20 @@ class Interpreting(Protocol):
         """End ``run``."""
 
     async def clear(self) -> None:
-        """Forget everything that was interpreted."""
+        """Remove all definitions and variables of interpreted statements."""
 
     def close(self) -> None:
-        """Reject the waiting statements."""
+        """Reject the queued statements."""
 
 
 @final
-class Halted(Exception):  # noqa: N818 - the end of a program, not an error
+class Halted(Exception):  # noqa: N818 - ends a program, is not an error
     """Raised by the statement ``halt``."""
 
 
 @final
 class Thread:
-    """A thread of a program; the program itself is the first one."""
+    """A thread of a program; the first thread is the program itself."""
 
     def __init__(
         self, execution: Execution, name: str, *, is_main: bool = False
@@ -92,11 +92,11 @@ class Thread:
         self.is_main = is_main
         """Whether the thread is the program itself."""
         self.left = SLICE
-        """Number of statements left before others have their turn."""
+        """Number of remaining statements before other threads can run."""
         self.depth = 0
         """Depth of nested calls."""
         self.pacer = Pacer(execution.box)
-        """Pacer for the thread's waits."""
+        """Pacer for the waits of this thread."""
         self._spun = 0
 
     @property
@@ -110,7 +110,7 @@ class Thread:
         return self.execution.moves
 
     async def give_way(self, at: Place) -> None:
-        """Yield to other threads after a number of statements."""
+        """Let other threads run after a number of statements."""
         used = SLICE - self.left
         self.left = SLICE
         self._spun += used
@@ -125,7 +125,7 @@ class Thread:
         await self.hold()
 
     async def timed(self, action: Awaitable[T]) -> T:
-        """Wait for an action that takes time, and for permission to continue."""
+        """Wait for an action that takes time, and until the thread may continue."""
         self._spun = 0
         critical = self.execution.critical
         was_inside = critical.is_inside(self)
@@ -139,19 +139,19 @@ class Thread:
         return value
 
     async def hold(self) -> None:
-        """Wait while the program is paused, or another thread is in the section."""
+        """Wait while the program is paused or the critical section is occupied."""
         await self.execution.gate()
         await self.execution.critical.wait(self)
 
     async def until_shown(self, condition: Callable[[], bool]) -> None:
-        """Wait until an update shows the effect of a request."""
+        """Wait until an update contains the effect of a request."""
         for _ in range(MAX_UPDATES):
             if condition():
                 return
             await self.box.next_update()
 
     async def moving(self, motion: Callable[[], Awaitable[None]]) -> None:
-        """Execute a motion; only one thread at a time can do this.
+        """Execute a motion; only one thread at a time can move the arm.
 
         Raises:
             ValueProblem: If another thread is moving the robot, or the motion is
@@ -169,7 +169,7 @@ class Thread:
 
 @final
 class Execution:
-    """A run of a program."""
+    """One run of a program."""
 
     def __init__(
         self,
@@ -179,14 +179,14 @@ class Execution:
         *,
         is_secondary: bool = False,
     ) -> None:
-        """Prepare to run.
+        """Prepare to run a program.
 
         Args:
-            name: Name of the program's source, for messages.
+            name: Name of the program's source, for error messages.
             box: The control box.
             moves: Moves of the control box's arm.
-            is_secondary: Whether it is a secondary program, which runs alongside the
-                main program even while that is paused.
+            is_secondary: Whether the program is secondary. A secondary program runs
+                alongside the main program, even while the main program is paused.
         """
         self.name = name
         self.box = box
@@ -194,26 +194,27 @@ class Execution:
         self.torques = Torques(box)
         self.sockets = Sockets(box)
         self.servers: set[RemoteServer] = set()
-        """Servers whose functions the program can call."""
+        """Servers with functions that the program can call."""
         self.watchdogs = Watchdogs(box, self._finish)
         self.history = ToolHistory(box)
         self._is_secondary = is_secondary
         self.waypoint: Pose | None = None
-        """Target of the last move; None before the first one."""
+        """Target of the last move; None before the first move."""
         self.motion_version = 1
-        """Version of movej and movel; both versions are the same here."""
+        """Version of movej and movel. In tool0, both versions are the same."""
         self.force_damping = 0.005
-        """Damping of the next force mode."""
+        """Damping of the next force mode that is started."""
         self.force_gain = 1.0
-        """Gain scaling of the next force mode."""
+        """Gain scaling of the next force mode that is started."""
         self.globals: dict[str, Value] = {}
         self.critical = CriticalSection()
         self.mover: Thread | None = None
-        """Thread that is moving the robot."""
+        """Thread that currently moves the robot."""
         self.interpreter: Interpreting
-        """Interpreter of statements that clients send; set before the program runs."""
+        """Interpreter of statements that clients send, which is set before the program
+        runs."""
         self._motion: asyncio.Task[None] | None = None
-        """Motion that can be aborted."""
+        """Current motion, which can be aborted."""
         self._tasks: dict[asyncio.Task[Value], Runnable] = {}
         self._end: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._variables = 0
@@ -221,10 +222,10 @@ class Execution:
         self._used = 0
 
     async def run(self, code: Runnable) -> None:
-        """Run a program to its end, and end its threads.
+        """Run a program to its end, and then end its threads.
 
         Raises:
-            URScriptError: If the program fails; the error has the location.
+            URScriptError: If the program fails; the error contains the location.
         """
         with self.history:
             main = self._start(code, is_main=True)
@@ -243,12 +244,12 @@ class Execution:
                     server.close()
 
     async def gate(self) -> None:
-        """Wait while the program is paused, unless it is secondary."""
+        """Wait while the program is paused, unless the program is secondary."""
         if not self._is_secondary:
             await self.box.programs.gate()
 
     def add_variables(self, count: int) -> None:
-        """Count the variables of a call; the count is negative when the call has ended.
+        """Add the variables of a call; the count is negative at the end of the call.
 
         Raises:
             ValueProblem: If there are too many variables.
@@ -265,7 +266,7 @@ class Execution:
         return Handle(code.name, self._start(code))
 
     async def end_threads(self, codes: Collection[object]) -> None:
-        """End the threads that were started from these definitions."""
+        """End the threads that were started from the given definitions."""
         tasks = {task for task, code in self._tasks.items() if code in codes}
         for task in tasks:
             task.cancel()
@@ -273,7 +274,7 @@ class Execution:
             await asyncio.wait(tasks)
 
     async def abortable(self, motion: Awaitable[None]) -> None:
-        """Execute a motion until its end, or until ``abort`` is called."""
+        """Execute a motion until the motion ends or ``abort`` is called."""
         self._motion = task = asyncio.ensure_future(motion)
         task.add_done_callback(seen)
         try:
@@ -287,7 +288,7 @@ class Execution:
             task.result()
 
     def abort(self) -> None:
-        """Abort the current motion, if there is one; the arm decelerates to rest."""
+        """Abort the current motion if there is one; the arm decelerates to rest."""
         if self._motion is not None:
             self._motion.cancel()
 
@@ -308,7 +309,7 @@ class Execution:
         except RecursionError:
             message = "calls, blocks and expressions are nested too deep"
             self._finish(URScriptError(message, code.at, self.name))
-        except Exception as error:  # whoever runs the program reports it
+        except Exception as error:  # the caller of run reports the error
             self._finish(error)
         finally:
             self.critical.leave(thread)
@@ -323,7 +324,7 @@ class Execution:
             self._end.set_exception(error)
 
     async def share(self, statements: int) -> None:
-        """Count statements in this control period; wait if there were too many."""
+        """Count statements in this control period; wait if there are too many."""
         self._look_at_time()
         self._used += statements
         if self._used < PER_PERIOD:
@@ -335,6 +336,6 @@ class Execution:
     def _look_at_time(self) -> None:
         elapsed, self._period = self.box.time - self._period, self.box.time
         if elapsed:
-            # A late process sees several periods at once.
+            # A delayed process receives several periods together.
             periods = max(round(elapsed * self.box.rate), 1)
             self._used = max(self._used - PER_PERIOD * periods, 0)

@@ -1,8 +1,8 @@
 """Compiles expressions to closures.
 
-Only expressions that may wait are coroutines: library functions that take time, the
-program's own functions, and expressions that contain them.  Ordinary functions evaluate
-all others.
+Only expressions that may wait are compiled to coroutines: library functions that take
+time, the program's functions, and expressions that contain such calls. All other
+expressions are compiled to ordinary functions.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Expressions:
         self._codes = codes
 
     def error(self, problem: Exception | str, at: Place) -> URScriptError:
-        """Return a problem as an error with its location in the program."""
+        """Return a problem as an error that contains its location in the program."""
         return URScriptError(str(problem), at, self._program)
 
     def node(self, expression: s.Expression) -> Node:
@@ -71,7 +71,7 @@ class Expressions:
             case s.ListOf(items=items, at=at):
                 return self._made([self.node(x) for x in items], checked_list, at)
             case s.PoseOf(items=items, at=at):
-                if len(items) == 1:  # a variable that is named p
+                if len(items) == 1:  # an element of a variable named p
                     return self._index(s.Index(at, s.Name(at, "p"), items))
                 return self._made([self.node(x) for x in items], checked_pose, at)
             case s.StructOf(at=at, names=names, values=values):
@@ -143,7 +143,7 @@ class Expressions:
         return combined(nodes, combine)
 
     def _method(self, call: s.Method) -> Node:
-        """Compile a call of a list's method, or of a server's function."""
+        """Compile a call of a list's method or of a server's function."""
         nodes = [self.node(call.base), *map(self.node, call.arguments)]
         whole = call.base
         base, places = (
@@ -238,7 +238,7 @@ class Expressions:
         return Node(run, is_async=False)
 
     def _until(self, word: str, nodes: list[Node], places: list[Place]) -> Node:
-        """Compile ``and`` or ``or``, which evaluate only as many operands as needed."""
+        """Compile ``and`` or ``or``, which evaluate only the necessary operands."""
         decisive = word == "or"
         located = list(zip(nodes, [places[0], *places], strict=True))
 
@@ -388,7 +388,7 @@ class Expressions:
             (thread,) = await evaluated([handle], frame)
             if isinstance(thread, Handle):
                 return await frame.thread.timed(thread.end())
-            if type(thread) is int:  # of a variable for threads, before the first
+            if type(thread) is int:  # a thread variable before its first thread
                 return None
             message = f"'join' waits for a thread, not for {described(thread)}"
             raise self.error(message, expression.at)
@@ -411,7 +411,7 @@ def _inverted(value: Value) -> Value:
 
 
 def _positions(call: s.Call, names: list[str]) -> list[int]:
-    """Return the index of each argument's parameter, which must exist."""
+    """Return the index of the parameter of each argument; the parameters must exist."""
     return [
         k if argument.name is None else names.index(argument.name)
         for k, argument in enumerate(call.arguments)

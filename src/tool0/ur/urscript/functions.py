@@ -14,7 +14,7 @@ NO_DEFAULT: Final = object()
 _THREAD: Final = "thread"
 _SITE: Final = "site"
 
-# Any: the arguments of an implementation have the types its kinds convert to.
+# Any: the arguments have the types to which the kinds convert the values.
 Implementation: TypeAlias = Callable[..., Value] | Callable[..., Awaitable[Value]]
 
 
@@ -25,7 +25,7 @@ class Parameter:
 
     name: str
     kind: Kind
-    # Any: the default of the implementation.
+    # Any: the default value of the implementation's parameter.
     default: Any
 
     @property
@@ -35,7 +35,7 @@ class Parameter:
 
     @property
     def text(self) -> str:
-        """Parameter as shown in a signature; ``[name]`` if its default is None."""
+        """Text of the parameter in a signature; ``[name]`` if the default is None."""
         if self.is_required:
             return self.name
         if self.default is None:
@@ -57,14 +57,14 @@ class Function:
     takes_thread: bool
     """Whether the first argument is the calling thread."""
     takes_site: bool
-    """Whether the first argument is the location of the call; only coroutines have
-    it."""
+    """Whether the first argument is the location of the call. Only coroutine functions
+    can receive the location of the call."""
     is_physical: bool
-    """Whether the function takes the robot's time, which is forbidden in secondary
-    programs."""
+    """Whether the function takes robot time, so that secondary programs must not call
+    it."""
     cost: int = 0
-    """Number of additional statements that a call counts as; each stands for 4 µs of
-    processor time."""
+    """Number of additional statements that are charged for a call. Each additional
+    statement stands for 4 µs of processor time."""
 
     @property
     def signature(self) -> str:
@@ -79,7 +79,7 @@ def function(
     physical: bool = False,
     cost: int = 0,
 ) -> Function:
-    """Return a library function, described by the annotations of ``call``."""
+    """Return a library function that is described by the annotations of ``call``."""
     hints = get_type_hints(call, include_extras=True)
     parameters = []
     takes_thread = takes_site = False

@@ -1,9 +1,9 @@
-"""The grammar of URScript for lark, and the parser made from it.
+"""The grammar of URScript for lark, and the parser that is generated from it.
 
-Blocks end with ``end``; indentation has no meaning.  A new line ends a statement,
-except inside brackets.  The operators, from the lowest precedence, are ``or``, ``xor``,
-``and``, ``not``, comparisons, ``+ -``, ``* / %``, signs, indexes (URScript manual 5.x,
-section "Numbers, Variables, and Types").
+Blocks end with ``end``; indentation has no meaning. A new line ends a statement, except
+inside brackets. The operators, in order of increasing precedence, are ``or``, ``xor``,
+``and``, ``not``, comparisons, ``+ -``, ``* / %``, signs and indexes (URScript manual
+5.x, section "Numbers, Variables, and Types").
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ BLANK: /[ \t\f]+/
 
 @cache
 def parser() -> Lark:
-    """Return the parser, whose trees consist of the nodes of ``syntax``."""
+    """Return the parser, which returns trees of the nodes in ``syntax``."""
     from lark import Lark
 
     from tool0.ur.urscript.layout import Layout

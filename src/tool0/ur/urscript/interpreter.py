@@ -1,8 +1,7 @@
-"""The interpreter mode: statements that clients send become part of a program.
+"""The interpreter mode, in which clients add statements to a running program.
 
-Source: URScript manual 5.x, "Interpreter Mode".  A statement is compiled in the scope
-of the call of ``interpreter_mode``, acknowledged, and executed after the previous
-statements.
+Source: URScript manual 5.x, "Interpreter Mode". A statement is compiled in the scope of
+the ``interpreter_mode`` call, acknowledged, and executed after the previous statements.
 """
 
 from __future__ import annotations
@@ -21,13 +20,13 @@ if TYPE_CHECKING:
     from tool0.ur.urscript.scopes import Scope
 
 MAX_QUEUE: Final = 1000
-"""Largest number of statements that wait to be interpreted or executed."""
+"""Maximum number of statements that wait to be interpreted or executed."""
 NOT_RUNNING: Final = "no program is running"
 STATES: Final = (
     *("statelastexecuted", "statelastinterpreted", "statelastcleared"),
     "stateunexecuted",
 )
-"""Commands that query a number, which is 0 if no program runs."""
+"""Commands that query a number; the number is 0 if no program is running."""
 _CLEANED: Final = "cleared when the interpreter mode began"
 
 Reply: TypeAlias = Callable[[str], None]
@@ -46,14 +45,14 @@ class _Ready(NamedTuple):
 
 
 def discarded(reason: str, text: str) -> str:
-    """Return the reply to a statement that was rejected."""
+    """Return the reply to a statement that is rejected."""
     return f"discard: {reason}: {text}"
 
 
 @final
 @dataclass(slots=True, eq=False)
 class _Session:
-    """Statements that were interpreted in a scope since it was last cleared."""
+    """Statements that were interpreted in a scope since the scope was last cleared."""
 
     site: Site
     codes: Codes
@@ -74,8 +73,8 @@ class Interpreter:
         self._is_ready = asyncio.Event()
         self._session: _Session | None = None
         self._kept: dict[int, _Session] = {}
-        """Sessions kept by calls with clearOnEnd = False, by the definition with the
-        call."""
+        """Sessions of calls with clearOnEnd = False. The key identifies the definition
+        that contains the call."""
         self._ends = False
         self._is_clearing = False
         self._interpreted = self._executed = self._cleared = 0
@@ -83,7 +82,7 @@ class Interpreter:
     # ---- the client's side ----------------------------------------------------------
 
     def submit(self, text: str, reply: Reply) -> None:
-        """Accept a line from a client; reply now, or once it has been interpreted."""
+        """Accept a line from a client; reply immediately or after interpreting it."""
         match text:
             case "skipbuffer":
                 self._ready.clear()
@@ -112,7 +111,7 @@ class Interpreter:
         reply(f"ack: {self._interpreted}: {text}")
 
     def close(self) -> None:
-        """Reject the waiting statements, because the program has ended."""
+        """Reject the queued statements, because the program has ended."""
         self._discard(NOT_RUNNING)
 
     def _discard(self, reason: str) -> None:
@@ -163,7 +162,7 @@ class Interpreter:
         self._is_ready.set()
 
     async def clear(self) -> None:
-        """Forget everything that was interpreted before.
+        """Remove all definitions and variables of interpreted statements.
 
         Raises:
             ValueProblem: If the program is not in the interpreter mode.
@@ -175,7 +174,7 @@ class Interpreter:
         self._cleared = self._executed
 
     async def _forget(self, session: _Session) -> None:
-        """Remove a session's functions and variables, and end their threads."""
+        """Remove a session's functions and variables, and end the session's threads."""
         await self._execution.end_threads(session.own)
         site, scope = session.site, session.scope
         for names, variables in (
@@ -204,7 +203,7 @@ class Interpreter:
         self._arrived.set()
 
     async def _interpret(self, session: _Session) -> None:
-        """Compile arriving statements, unless a statement that clears is waiting."""
+        """Compile received statements, except while a clear is queued."""
         while True:
             is_clearing = self._is_clearing or any(item.clears for item in self._ready)
             if is_clearing or not self._received:

@@ -1,7 +1,7 @@
-"""The kinds of values that library functions accept, for annotations.
+"""The kinds of values that library functions accept, for use in annotations.
 
-A kind converts a value for the implementation, or raises an error that states which
-values are accepted.
+A kind converts a value for the implementation. If a value cannot be converted, the kind
+raises an error that states the accepted values.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ class Kind:
     """The values that a parameter accepts."""
 
     words: str
-    # Any: each converter returns what its annotation says.
+    # Any: the type that the annotation with this kind specifies.
     convert: Callable[[Value], Any]
     """Function that converts a value, or raises ValueProblem."""
     sizes: tuple[int, ...] = ()
-    """Allowed lengths of list literals; any length if empty."""
+    """Allowed lengths of list literals; empty if any length is allowed."""
 
 
 def _wrong(words: str, value: Value) -> ValueProblem:
@@ -47,7 +47,7 @@ def _number(value: Value) -> float:
 
 
 def _integer(value: Value) -> int:
-    """Return an integer; like on the robot, floats without a fraction are accepted."""
+    """Return an integer; like on a robot, a float without a fraction is accepted."""
     if type(value) is float and value.is_integer() and int(value) in INT_RANGE:
         return int(value)
     if type(value) is not int:
@@ -81,7 +81,7 @@ def _pose(value: Value) -> Pose:
 
 
 def _check(values: tuple[Value, ...], largest: float) -> None:
-    """Raise ValueProblem if numbers are too large, or not finite."""
+    """Raise ValueProblem if a number is too large or not finite."""
     for value in cast("tuple[float, ...]", values):
         if not math.isfinite(value):
             raise ValueProblem(f"finite numbers are needed, not {value}")

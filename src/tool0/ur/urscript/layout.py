@@ -1,4 +1,4 @@
-"""Between lexer and parser: handles new lines, nesting limits and unclosed blocks."""
+"""Token processing between lexer and parser: new lines, nesting and unclosed blocks."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from lark.lark import PostLex
 from tool0.ur.urscript_errors import Place, URScriptError
 
 MAX_NESTING: Final = 100
-"""Largest depth of nested blocks and brackets, and largest number of consecutive
+"""Maximum depth of nested blocks and brackets, and maximum number of consecutive
 signs."""
 _CLOSERS: Final = {"_CLOSE": "(", "RSQB": "["}
 _OPENERS: Final = {"_OPEN": ")", "LIST_OPEN": "]"}
@@ -27,13 +27,13 @@ _FIRST: Final = frozenset(
     {"NAME", "SCOPE", "DEFINE", "IF", "WHILE", "RETURN", "KILL", "JOIN", "RUN"}
     | {"BREAK", "CONTINUE", "HALT", "PAUSE", "ENTER_CRITICAL", "EXIT_CRITICAL"}
 )
-"""Tokens that begin another statement on the same line if they follow one of
+"""Tokens that start another statement on the same line if they follow a token of
 ``_LAST``."""
 
 
 @final
 class Layout(PostLex):
-    """Keeps the new lines that end statements, and adds missing ones.
+    """Keeps the new lines that end statements and adds missing new lines.
 
     Inside brackets and after an operator, a statement continues on the next line.
     """
@@ -41,13 +41,13 @@ class Layout(PostLex):
     always_accept = ()
 
     def process(self, stream: Iterator[Token]) -> Iterator[Token]:
-        """Yield the tokens, with one new line after each statement and header."""
+        """Yield the tokens, with one new line after each statement and block header."""
         opened: list[Token] = []
         in_brackets = signs = 0
         is_fresh = True
-        n_tokens = 0  # of this statement
+        n_tokens = 0  # in this statement
         last: Token | None = None
-        askew: Token | None = None  # a block whose 'end' is not aligned
+        askew: Token | None = None  # start of a block with an 'end' that is not aligned
         for token in stream:
             kind = token.type
             if kind == "_NL":
@@ -108,7 +108,7 @@ def _new_line(beside: Token) -> Token:
 
 
 def _is_aligned(opener: Token, end: Token) -> bool:
-    """Return whether ``end`` is in the column or the line where its block starts."""
+    """Return whether ``end`` is in the column or the line in which its block starts."""
     return opener.line == end.line or opener.column == end.column
 
 

@@ -1,7 +1,7 @@
 """Methods of lists, such as ``items.append(1)``.
 
-Source: URScript manual 5.15 and later, "Lists and Structs".  UR's lists have a
-capacity; here, only the limit for all lists applies.
+Source: URScript manual 5.15 and later, "Lists and Structs". UR's lists have individual
+capacities. In tool0, only the common limit for all lists applies.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ Items: TypeAlias = tuple[Value, ...]
 
 
 class Outcome(NamedTuple):
-    """Effect of a method."""
+    """Effect of a method call."""
 
     items: Sequence[Value]
-    """List after the call."""
+    """The list after the call."""
     value: Value
     """Return value of the method."""
 
@@ -40,10 +40,10 @@ class ListMethod(NamedTuple):
     call: Callable[..., Outcome]
     n_arguments: int
     changes: bool
-    """Whether the method changes the list, which must then be a variable."""
+    """Whether the method changes the list, which must be a variable in this case."""
 
     def apply(self, items: Items, arguments: Sequence[Value]) -> tuple[Items, Value]:
-        """Return the list after the call, and the method's result.
+        """Return the list after the call and the return value of the method.
 
         Raises:
             ValueProblem: If the arguments are invalid.
@@ -117,7 +117,7 @@ LIST_METHODS: Final = {
 
 
 def list_method(name: str, n_arguments: int) -> ListMethod:
-    """Return a method of lists.
+    """Return the list method with this name.
 
     Raises:
         ValueProblem: If there is no such method with this number of arguments.

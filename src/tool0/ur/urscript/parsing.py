@@ -1,4 +1,4 @@
-"""Parses a URScript program to a syntax tree, or an error with its location."""
+"""Parses a URScript program to a syntax tree, or raises an error with a location."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from lark import Token
 
 MAX_SIZE: Final = 1_000_000
-"""Largest size of a program [characters]."""
+"""Maximum size of a program [characters]."""
 _SHOWN: Final = 30
 _NEVER: Final = {
     "for": "URScript has no 'for'; count in a 'while'",
@@ -55,11 +55,11 @@ def parse(text: str, name: str) -> syntax.Block:
 
     Args:
         text: The program; lines end with LF, CRLF or CR.
-        name: Name of the program, for messages.
+        name: Name of the program, for error messages.
 
     Raises:
-        URScriptError: If the text is not a valid program; the error has line and
-            column.
+        URScriptError: If the text is not a valid program; the error contains the line
+            and the column.
     """
     if len(text) > MAX_SIZE:
         message = f"the program has {len(text)} characters; at most {MAX_SIZE} are read"
@@ -73,7 +73,7 @@ def parse(text: str, name: str) -> syntax.Block:
     except URScriptError as error:
         place = Place(error.line, error.column)
         raise URScriptError(error.message, place, name) from None
-    except VisitError as error:  # raised by lark around errors of ``trees``
+    except VisitError as error:  # lark's wrapper of errors in ``trees``
         cause = error.orig_exc
         if not isinstance(cause, URScriptError):
             raise
@@ -99,7 +99,7 @@ def _about_character(char: str) -> str:
 def _about_token(
     token: Token, accepted: set[str], text: str, place: Place
 ) -> tuple[str, Place]:
-    """Return the problem at a token, and the location where a reader would look."""
+    """Return the problem at a token, and the location that a reader would expect."""
     line = text.split("\n")[place.line - 1]
     before = line[: place.column - 1]
     previous = re.search(r"(\w+)\W*$", before)

@@ -1,4 +1,4 @@
-"""Compiles programs from clients to a form that a control box can run."""
+"""Compiles programs from clients for execution on a control box."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @final
 class URScriptProgram:
-    """A checked program."""
+    """A checked and compiled program."""
 
     def __init__(self, code: Code, name: str) -> None:
         self._code = code
@@ -29,19 +29,19 @@ class URScriptProgram:
 
     @property
     def name(self) -> str:
-        """Name of the program's ``def``; for bare statements, that of the source."""
+        """Name of the program's ``def``; for bare statements, the source's name."""
         return self._code.name
 
     @property
     def is_secondary(self) -> bool:
-        """Whether the program is a ``sec``, which runs alongside and moves nothing."""
+        """Whether the program is a ``sec``, which cannot move the arm."""
         return self._code.definition.kind == "sec"
 
     async def run(self, box: UrControlBox) -> None:
         """Run the program on a control box to its end.
 
         Raises:
-            URScriptError: If the program fails; the error has the location.
+            URScriptError: If the program fails; the error contains the location.
         """
         execution = Execution(
             self._source,
@@ -61,19 +61,19 @@ class URScriptProgram:
 
 
 def compile_program(text: str, name: str = "program") -> URScriptProgram:
-    """Return a checked program that is ready to run.
+    """Check and compile a program.
 
-    A program is a ``def`` or a ``sec`` without parameters, or bare statements.  If
-    there are several definitions, the last one is the program, which can call the
-    others.  Since compiling a long program takes time, call this outside the event
-    loop's thread.
+    A program is a ``def`` or a ``sec`` without parameters, or bare statements. If there
+    are several definitions, the last one is the program, and it can call the other
+    definitions. Compiling a long program takes time, so call this function outside the
+    event loop's thread.
 
     Args:
         text: The program; lines end with LF, CRLF or CR.
-        name: Name of the source, for messages.
+        name: Name of the source, for error messages.
 
     Raises:
-        URScriptError: If the program is wrong; the error has line and column.
+        URScriptError: If the program is invalid; the error contains line and column.
     """
     main = _main(parse(text, name), name)
     scope = program_scope(main)

@@ -1,8 +1,8 @@
-"""Servers whose functions a program calls: XML-RPC over HTTP.
+"""XML-RPC servers with functions that a program can call over HTTP.
 
-A call waits in a separate thread, since the server, such as a camera, may take any
-time.  If the program is stopped in the meantime, the connection is closed, which ends
-the call.
+A call waits in a separate thread, because the server, such as a camera, may need any
+amount of time. If the program is stopped during the call, the connection is closed,
+which ends the call.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from xml.parsers.expat import ExpatError
 from tool0.ur.urscript_errors import ValueProblem
 
 OPEN_TIMEOUT: Final = 2.0
-"""Longest wait for a connection [wall s]."""
+"""Maximum time to wait for a connection [wall s]."""
 MAX_RESPONSE: Final = 1 << 20
-"""Largest response of a server [bytes]."""
+"""Maximum size of a server's response [bytes]."""
 CLOSE: Final = "closeXMLRPCClientConnection"
-"""Name of the only method that belongs to the handle itself."""
+"""Name of the only method that is not a function of the server."""
 _CHUNK: Final = 1 << 16
 
 
 @final
 class _Connection(http.client.HTTPConnection):
-    """A connection with a timeout for connecting, but none for replies."""
+    """A connection with a timeout for connecting and no timeout for replies."""
 
     is_abandoned = False
 
@@ -43,7 +43,7 @@ class _Connection(http.client.HTTPConnection):
             raise ConnectionAbortedError("the connection was closed")
 
     def abandon(self) -> None:
-        """Close the connection; a thread that waits for a reply gets an error."""
+        """Close the connection; a thread that waits for a reply receives an error."""
         self.is_abandoned = True
         if self.sock is not None:
             with suppress(OSError):
@@ -53,7 +53,7 @@ class _Connection(http.client.HTTPConnection):
 
 @final
 class _Transport(xmlrpc.client.Transport):
-    """A transport that limits the size of responses, and accepts no compression."""
+    """A transport that limits the size of responses and accepts no compression."""
 
     accept_gzip_encoding = False
 
@@ -61,14 +61,14 @@ class _Transport(xmlrpc.client.Transport):
         super().__init__()
         self._live: _Connection | None = None
 
-    # Any: the signatures of the standard library.
+    # Any: the signatures are those of the standard library.
     def make_connection(self, host: Any) -> http.client.HTTPConnection:
         if self._live is None:
             self._live = _Connection(host, timeout=OPEN_TIMEOUT)
         return self._live
 
     def close(self) -> None:
-        """Forget the connection after it has ended."""
+        """Discard the connection after it has ended."""
         live, self._live = self._live, None
         if live is not None:
             live.close()
@@ -82,7 +82,7 @@ class _Transport(xmlrpc.client.Transport):
     def request(
         self, host: Any, handler: str, request_body: Any, verbose: bool = False
     ) -> Any:
-        """Send a request; retry if the server has closed an earlier connection."""
+        """Send a request; repeat it if the server has closed an earlier connection."""
         live = self._live
         try:
             return self.single_request(host, handler, request_body, verbose)
@@ -105,28 +105,28 @@ class _Transport(xmlrpc.client.Transport):
 
 @final
 class RemoteServer:
-    """A handle of ``rpc_factory``, whose methods are the functions of a server."""
+    """A handle that ``rpc_factory`` returns; the methods are functions of a server."""
 
     def __init__(self, url: str, when_closed: Callable[[RemoteServer], object]) -> None:
-        """Create a handle, without connecting yet.
+        """Create a handle without connecting to the server.
 
         Args:
             url: URL of the server, which has been checked.
-            when_closed: Called when the connection has been closed.
+            when_closed: Function that is called when the connection has been closed.
         """
         self._when_closed = when_closed
-        host, port = address_of(url)  # what was allowed, and nothing else of the URL
+        host, port = address_of(url)  # only the parts of the URL that were checked
         self._host = f"{host}:{port}"
         self._path = urlsplit(url).path or "/RPC2"
         self._transport = _Transport()
         self._turn = asyncio.Lock()
 
     async def call(self, name: str, arguments: Sequence[object]) -> object:
-        """Return the result of a server's function; values are those of xmlrpc.client.
+        """Return the result of a server's function as a value of xmlrpc.client.
 
         Raises:
-            ValueProblem: If the function cannot be called, or fails; the error has the
-                reason.
+            ValueProblem: If the function cannot be called or fails; the error contains
+                the reason.
         """
         given = cast("Any", tuple(arguments))
         body = xmlrpc.client.dumps(given, name).encode()
@@ -137,12 +137,12 @@ class RemoteServer:
         return cast("tuple[object]", answer)[0]
 
     def close(self) -> None:
-        """Close the connection; the next call opens another one."""
+        """Close the connection; the next call opens a new connection."""
         self._transport.abandon()
         self._when_closed(self)
 
     async def _apart(self, action: Callable[[], object]) -> object:
-        """Return the result of an action that runs in a separate thread."""
+        """Run an action in a separate thread and return its result."""
         loop = asyncio.get_running_loop()
         done: asyncio.Future[Callable[[], object]] = loop.create_future()
 
@@ -165,7 +165,7 @@ class RemoteServer:
 
 
 def _outcome(action: Callable[[], object]) -> Callable[[], object]:
-    """Return a function that returns the action's result, or raises its problem."""
+    """Return a function that returns the action's result or raises its error."""
     try:
         result = action()
     except ValueProblem as problem:
@@ -193,7 +193,7 @@ def address_of(url: str) -> tuple[str, int]:
     """Return the host and port in the URL of an XML-RPC server.
 
     Raises:
-        ValueProblem: If the URL is not of the form ``http://ADDRESS:PORT/PATH``.
+        ValueProblem: If the URL does not have the form ``http://ADDRESS:PORT/PATH``.
     """
     try:
         parts = urlsplit(url)

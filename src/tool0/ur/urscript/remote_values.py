@@ -1,6 +1,6 @@
-"""Conversions between values of programs and of XML-RPC.
+"""Conversions between URScript values and XML-RPC values.
 
-A pose is a struct of x, y, z, rx, ry and rz, like in the examples of UR's support pages
+A pose is a struct of x, y, z, rx, ry and rz, like in the examples on UR's support pages
 (https://www.universal-robots.com/articles/ur/interface-communication/xml-rpc-communication/).
 """
 
@@ -29,7 +29,7 @@ def sent(value: Value) -> object:
     """Convert a program's value for xmlrpc.client.
 
     Raises:
-        ValueProblem: If XML-RPC has no such kind of value.
+        ValueProblem: If XML-RPC does not support the type of the value.
     """
     match value:
         case Pose():
@@ -50,7 +50,7 @@ def received(value: object) -> Value:
     """Convert a value from xmlrpc.client to a program's value.
 
     Raises:
-        ValueProblem: If programs have no such kind of value, or it is too large.
+        ValueProblem: If URScript does not support the type, or the value is too large.
     """
     match value:
         case None | bool() | float():

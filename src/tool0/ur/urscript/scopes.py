@@ -1,8 +1,10 @@
 """Scopes of variables and functions (URScript manual, "Scoping rules").
 
-Variables of the program's first level are global.  In a function or a thread a name is
-global if the program has such a global, and local otherwise or after ``local``.
-Functions and threads are visible where they are defined and further inside.
+Variables at the program's first level are global. In a function or thread, a name is
+global if the program has a global variable with this name. A name is local if the
+program has no global variable with this name, or if the name is declared with
+``local``. Functions and threads are visible in the body that defines them and in all
+bodies inside that body.
 """
 
 from __future__ import annotations
@@ -24,13 +26,13 @@ class Scope:
     definition: s.Definition
     parent: Scope | None
     functions: dict[str, s.Definition]
-    """Definitions in this body."""
+    """Definitions in this body, by name."""
     locals: frozenset[str]
     globals: frozenset[str]
-    """Global names of the program, which are the same in each scope."""
+    """Global names of the program, which are the same in all scopes."""
 
     def find(self, name: str) -> tuple[s.Definition, Scope] | None:
-        """Return a visible function or thread, with the scope that defines it."""
+        """Return a visible function or thread and the scope that defines it."""
         scope: Scope | None = self
         while scope is not None:
             if name in scope.functions:
@@ -41,7 +43,8 @@ class Scope:
     def output_call(self, statement: s.Assign) -> s.Evaluate | None:
         """Return the call that ``digital_out[n] = b`` stands for; None for a variable.
 
-        The assignment is the oldest form of ``set_digital_out(n, b)``; urx sends it.
+        The assignment is the oldest form of ``set_digital_out(n, b)``, which urx still
+        sends.
         """
         name, at = statement.name, statement.at
         if name != _OUTPUTS or len(statement.indexes) != 1:
@@ -58,9 +61,9 @@ class Scope:
         return own + (self.parent.visible_functions() if self.parent else [])
 
     def extended(self, block: s.Block) -> Scope:
-        """Return this scope, extended by the names in further statements of its body.
+        """Return the scope with the names of additional statements of the body.
 
-        New variables are global at the program's first level, and local in a function.
+        New variables are global at the program's first level and local in a function.
         """
         own = list(_own(block))
         functions = {item.name: item for item in own if isinstance(item, s.Definition)}
@@ -81,12 +84,12 @@ class Scope:
         )
 
     def inner(self, definition: s.Definition) -> Scope:
-        """Return the scope of a definition inside this one's body."""
+        """Return the scope of a definition inside the body of the scope."""
         return _scope(definition, self, self.globals)
 
 
 def program_scope(program: s.Definition) -> Scope:
-    """Return the scope of a whole program."""
+    """Return the scope of a complete program."""
     own = {
         item.name
         for item in _own(program.body)
@@ -118,7 +121,7 @@ def _scope(
 
 
 def _own(block: s.Block) -> Iterator[s.Statement]:
-    """Yield the statements of a body, without those of nested definitions."""
+    """Yield the statements of a body, without the statements of nested definitions."""
     for item in block:
         yield item
         for inner in _blocks(item):

@@ -1,4 +1,4 @@
-"""A program's TCP connections, as a client of other programs."""
+"""TCP connections of a program, which is the client of other programs."""
 
 from __future__ import annotations
 
@@ -18,23 +18,25 @@ T = TypeVar("T")
 
 MAX_SOCKETS: Final = 16
 OPEN_TIMEOUT: Final = 2.0
-"""Longest wait for a connection, and for a peer that does not read [wall s]; the same
-as on the robot."""
+"""Maximum time to wait for a connection, or for a peer that does not read [wall s]. The
+maximum time is the same as on a real robot."""
 MAX_BUFFER: Final = 1 << 16
-"""Largest amount of unread data from a peer [bytes]."""
+"""Maximum amount of unread data from a peer [bytes]."""
 OWN_GRIPPER: Final = ("127.0.0.1", 63352)
-"""Address at which programs expect their gripper, which may listen elsewhere."""
+"""Address at which programs expect their gripper; the gripper may use a different
+address."""
 _LOOPBACK: Final = ipaddress.ip_network("127.0.0.0/8")
 
 
 @final
 class Connection(asyncio.Protocol):
-    """A connection; strings have one character for each byte."""
+    """A connection; the strings contain one character for each byte."""
 
     def __init__(self) -> None:
         self._buffer = bytearray()
         self._arrived = asyncio.Event()
-        """Event that is set when data has arrived or the connection has changed."""
+        """Event that is set when data has been received or the connection has
+        changed."""
         self._is_writable = asyncio.Event()
         self._is_writable.set()
         self._transport: asyncio.Transport | None = None
@@ -47,7 +49,7 @@ class Connection(asyncio.Protocol):
         self._transport = transport
 
     def data_received(self, data: bytes) -> None:
-        """Store arriving data; the peer must wait if the program does not read it."""
+        """Store received data; stop reading if the program does not use the data."""
         self._buffer += data
         if len(self._buffer) > MAX_BUFFER and self._transport is not None:
             self._transport.pause_reading()
@@ -62,7 +64,7 @@ class Connection(asyncio.Protocol):
         self._is_writable.set()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """End every wait."""
+        """End every wait, because the connection has been lost."""
         self._transport = None
         self._arrived.set()
         self._is_writable.set()
@@ -70,7 +72,7 @@ class Connection(asyncio.Protocol):
     # ---- the program's side ---------------------------------------------------------
 
     async def send(self, data: bytes) -> bool:
-        """Send data, and return whether the peer is connected."""
+        """Send data and return whether the peer is connected."""
         if self._transport is None or self._transport.is_closing():
             return False
         self._transport.write(data)
@@ -79,10 +81,10 @@ class Connection(asyncio.Protocol):
         return self._transport is not None and self._is_writable.is_set()
 
     def take(self, find: Callable[[bytearray], T | None]) -> T | None:
-        """Find a value in the received bytes, remove it from them and return it.
+        """Find a value in the received bytes, remove its bytes and return the value.
 
-        ``find`` removes what it returns from the buffer; it returns None if there is
-        nothing.
+        ``find`` must remove the bytes of the value from the buffer. ``find`` returns
+        None if the buffer contains no complete value.
         """
         found = find(self._buffer)
         if len(self._buffer) > MAX_BUFFER and found is None:
@@ -94,14 +96,15 @@ class Connection(asyncio.Protocol):
     async def receive(
         self, find: Callable[[bytearray], T | None], timeout: float
     ) -> T | None:
-        """Return the value that ``take`` finds, as soon as it has arrived.
+        """Return the value that ``take`` finds as soon as the value has been received.
 
         Args:
             find: Function for ``take``.
-            timeout: Longest wait [wall s]; no limit if 0 or less.
+            timeout: Maximum time to wait [wall s]; there is no limit if it is 0 or
+                less.
 
         Returns:
-            The value; None after the timeout, or if the connection has ended.
+            The value, or None after the timeout or if the connection has ended.
         """
         return await within(self._wait_for(find), timeout if timeout > 0.0 else None)
 
@@ -121,17 +124,18 @@ class Connection(asyncio.Protocol):
 
 @final
 class Sockets:
-    """The connections of a program's run, by name."""
+    """The connections of one run of a program, by name."""
 
     def __init__(self, box: UrControlBox) -> None:
-        """Allow connections to this machine only, unless the box allows others."""
+        """Allow connections to other machines only if the box allows them."""
         self._box = box
         self._connections: dict[str, Connection] = {}
 
     async def open(self, address: str, port: int, name: str) -> bool:
-        """Connect, and return whether this succeeded; a name in use is closed first.
+        """Connect and return whether the connection was opened.
 
-        An address that is not allowed is reported to the clients.
+        An open connection with the same name is closed first. An address that is not
+        allowed is reported to the clients.
 
         Raises:
             ValueProblem: If there are too many connections.
@@ -148,7 +152,8 @@ class Sockets:
         except ValueProblem as problem:
             self._box.report(ControlError(str(problem)))
             return False
-        # Registered first, so that a program that is killed meanwhile closes it, too.
+        # The connection is registered first, so that the end of a program also closes
+        # it.
         self._connections[name] = connection = Connection()
         attempt = asyncio.get_running_loop().create_connection(
             lambda: connection, host, port
@@ -181,11 +186,11 @@ class Sockets:
         return made is not None
 
     def find(self, name: str) -> Connection | None:
-        """Return an open connection."""
+        """Return the open connection with this name, or None."""
         return self._connections.get(name)
 
     def close(self, name: str) -> None:
-        """Close a connection, if it is open."""
+        """Close a connection if it is open."""
         connection = self._connections.pop(name, None)
         if connection is not None:
             connection.close()

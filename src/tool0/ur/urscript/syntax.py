@@ -1,6 +1,6 @@
 """The syntax tree of a URScript program.
 
-Chains of operators are flat, so a long sum does not become a deep tree.
+Chains of operators are stored in one node, so a long sum does not become a deep tree.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ Constant: TypeAlias = bool | int | float | str
 INT_RANGE: Final = range(-(2**31), 2**31)
 """Range of URScript's 32-bit integers."""
 MAX_TEXT: Final = 1023
-"""Longest string [bytes], the same as on the robot."""
+"""Maximum length of a string [bytes], which is the same as on a real robot."""
 
 
 @final
@@ -107,7 +107,7 @@ class Unary:
 @final
 @dataclass(frozen=True, slots=True)
 class Operand:
-    """A further operand of a chain, preceded by its operator."""
+    """An additional operand of a chain, with the operator before the operand."""
 
     at: Place
     """Location of the operator."""
@@ -118,7 +118,7 @@ class Operand:
 @final
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """``first op a op b …``, operators of equal precedence from left to right."""
+    """``first op a op b …`` with operators of equal precedence, from left to right."""
 
     at: Place
     first: Expression

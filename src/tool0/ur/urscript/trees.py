@@ -1,4 +1,4 @@
-"""Converts each rule of the grammar to a node of ``syntax``."""
+"""Conversion of each grammar rule to a node of ``syntax``."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _STRUCT: Final = "struct"
 _PASS: Final = "pass"
 _DIGITS: Final = re.compile("[0-9]{1,10}")
 
-# Children are results of the rules below, mixed with tokens; lark types them as Any.
+# Children are tokens and the results of the rules below; lark declares them as Any.
 Children = list[Any]
 
 

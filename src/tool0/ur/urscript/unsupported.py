@@ -1,4 +1,4 @@
-"""URScript functions that tool0 lacks, with the reasons for error messages."""
+"""URScript functions that tool0 does not support, with reasons for error messages."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _REASONS: Final = (
 
 
 def reason_against(name: str) -> str | None:
-    """Return why a URScript function is not supported, or None."""
+    """Return the reason why a URScript function is not supported, or None."""
     for pattern, reason in _REASONS:
         if re.fullmatch(pattern, name):
             return reason

@@ -1,8 +1,8 @@
 """The values of URScript and its operators.
 
-Values are immutable: an assignment to an element makes a new list.  Arguments and
-assignments therefore copy, like on the robot.  A string is a sequence of bytes, each of
-which is one character here.
+Values are immutable: an assignment to an element creates a new list. Arguments and
+assignments are therefore copied, like on a real robot. A string is a sequence of bytes.
+Each byte is stored as one character.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from tool0.ur.urscript.syntax import INT_RANGE, MAX_TEXT
 from tool0.ur.urscript_errors import ValueProblem
 
 MAX_LIST: Final = 10_000
-"""Largest number of elements of a list; a pose counts as six."""
+"""Maximum number of elements of a list. A pose has six elements."""
 MAX_WRITTEN: Final = 500
-"""Largest number of elements of a list that is written as text."""
+"""Maximum number of elements of a list that is converted to text."""
 MAX_PRODUCT: Final = 2_000
-"""Largest number of multiplications in a product of matrices."""
+"""Maximum number of multiplications in a matrix product."""
 
 
 @final
 class Pose(tuple[float, ...]):
-    """``p[x, y, z, rx, ry, rz]`` [m, rad], also used for wrenches and twists."""
+    """``p[x, y, z, rx, ry, rz]`` [m, rad]; also used for wrenches and twists."""
 
     __slots__ = ()
 
@@ -51,21 +51,21 @@ class Struct:
 
 @final
 class Handle:
-    """A thread that was started."""
+    """A handle of a thread that was started."""
 
     def __init__(self, name: str, task: asyncio.Task[Value]) -> None:
         self.name = name
         self._task = task
 
     async def kill(self) -> None:
-        """End the thread, and return when it no longer moves anything."""
+        """End the thread and return when the thread no longer moves the robot."""
         self._task.cancel()
         if self._task is asyncio.current_task():
             await asyncio.sleep(0)  # the thread ends itself
         await asyncio.wait([self._task])
 
     async def end(self) -> Value:
-        """Wait for the thread's end, and return its result; None if it was killed."""
+        """Wait for the thread's end and return its result; None if it was killed."""
         await asyncio.wait([self._task])
         return None if self._task.cancelled() else self._task.result()
 
@@ -97,12 +97,12 @@ _FAMILIES: Final[dict[type, str]] = {
 
 
 def described(value: Value) -> str:
-    """Return the kind of a value in words, with an article."""
+    """Return a text that describes the type of a value, with an article."""
     return _FAMILIES[type(value)]
 
 
 def is_number(value: Value) -> bool:
-    """Return whether a value is an integer or a float; booleans do not count."""
+    """Return whether a value is an integer or a float; a boolean is not a number."""
     return type(value) is float or type(value) is int
 
 
@@ -110,7 +110,7 @@ def checked_list(items: Sequence[Value]) -> tuple[Value, ...]:
     """Return a list, or a matrix as a list of equal rows.
 
     Raises:
-        ValueProblem: If the elements are of different kinds, or nested too deeply.
+        ValueProblem: If the elements have different types or are nested too deeply.
     """
     if weight(items) > MAX_LIST:
         raise ValueProblem(f"lists have at most {MAX_LIST} elements")
@@ -130,7 +130,7 @@ def checked_list(items: Sequence[Value]) -> tuple[Value, ...]:
 
 
 def checked_struct(names: tuple[str, ...], values: Sequence[Value]) -> Struct:
-    """Return a struct, after checking that its members are valid and not too many."""
+    """Return a struct after checking the types and the number of its values."""
     if any(item is None or isinstance(item, Handle | RemoteServer) for item in values):
         raise ValueProblem("a member of a struct has a value that can be copied")
     if sum(map(_weight, values)) > MAX_LIST:
@@ -139,8 +139,8 @@ def checked_struct(names: tuple[str, ...], values: Sequence[Value]) -> Struct:
 
 
 def weight(items: Sequence[Value]) -> int:
-    """Return the number of values in a list, including its rows, poses or structs."""
-    if items and isinstance(items[0], Struct):  # their lists may differ in length
+    """Return the number of values in a list, including the values of its elements."""
+    if items and isinstance(items[0], Struct):  # lengths may differ
         return sum(map(_weight, items))
     return len(items) * _weight(items[0]) if items else 0
 
@@ -164,14 +164,14 @@ def checked_pose(items: Sequence[Value]) -> Pose:
 
 
 def checked_text(text: str) -> str:
-    """Return a string, whose length is checked."""
+    """Check the length of a string and return the string."""
     if len(text) > MAX_TEXT:
         raise ValueProblem(f"strings have at most {MAX_TEXT} bytes, not {len(text)}")
     return text
 
 
 def to_text(value: Value) -> str:
-    """Return a value as text; floats have 6 decimals without trailing zeros."""
+    """Convert a value to text; floats have 6 decimals without trailing zeros."""
     match value:
         case bool() | int():
             return str(value)
@@ -199,7 +199,7 @@ def to_text(value: Value) -> str:
 
 
 def element(value: Value, index: Value) -> Value:
-    """Return an element of a list or pose, a row of a matrix, or a struct's member."""
+    """Return an element of a list or pose, a row of a matrix or a struct's member."""
     k = _checked_index(value, index)
     return _items(value)[k]
 
@@ -300,7 +300,7 @@ def _arithmetic(symbol: str, compute: Numbers) -> Operator:
 
 
 def checked_integer(value: float) -> float:
-    """Return a number; integers are checked to have 32 bits."""
+    """Return a number after checking that an integer has at most 32 bits."""
     if type(value) is int and value not in INT_RANGE:
         raise ValueProblem(f"the integer {value} has more than 32 bits; use floats")
     return value
@@ -392,14 +392,14 @@ def positive(value: Value) -> Value:
 
 
 def truth(value: Value) -> bool:
-    """Return whether a condition holds: True, a nonzero number or a nonempty string."""
+    """Return whether a condition is True, a nonzero number or a nonempty string."""
     if type(value) in {bool, int, float, str}:
         return bool(value)
     raise ValueProblem(f"a condition is a boolean, not {described(value)}")
 
 
 def boolean(symbol: str, value: Value) -> bool:
-    """Return an operand of ``and``, ``or``, ``xor`` or ``not``."""
+    """Check that an operand of ``and``, ``or``, ``xor`` or ``not`` is a boolean."""
     if type(value) is not bool:
         raise ValueProblem(f"'{symbol}' applies to booleans, not to {described(value)}")
     return value

@@ -18,17 +18,17 @@ ACTIONS: Final[tuple[Action, ...]] = ("ignore", "pause", "stop")
 
 @final
 class Watchdogs:
-    """Acts once on each input that is not written in time [wall s]."""
+    """Reacts once to each input that is not written within its period [wall s]."""
 
     def __init__(self, box: UrControlBox, stop: Callable[[Exception], None]) -> None:
-        """Create no watchdog yet; ``stop`` ends the program with an error."""
+        """Create an empty set of watchdogs; ``stop`` ends the program with an error."""
         self._box = box
         self._stop = stop
         self._written: dict[str, asyncio.Event] = {}
         self._tasks: dict[str, asyncio.Task[None]] = {}
 
     def watch(self, name: str, period: float, action: Action) -> None:
-        """Expect an input in each period [wall s]; replaces an earlier watchdog."""
+        """Expect an input in each period [wall s]; replace its earlier watchdog."""
         if not self._tasks:
             self._box.registers.when_written.add(self._note)
         elif name in self._tasks:

@@ -1,5 +1,5 @@
-"""The functions of URScript that programs can call, by subject.
+"""The functions of URScript that programs can call, grouped by subject.
 
-Names, order of arguments and defaults are those of UR's URScript manual 5.x.  Each
-module has a tuple ``FUNCTIONS``.
+Names, order of arguments and defaults follow UR's URScript manual 5.x. Each module
+contains a tuple ``FUNCTIONS``.
 """

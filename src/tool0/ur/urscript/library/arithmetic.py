@@ -1,4 +1,4 @@
-"""Module urmath: numbers, lists and matrices."""
+"""Functions of URScript's module urmath for numbers, lists and matrices."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from tool0.ur.urscript_errors import ValueProblem
 
 _BITS: Final = 32
 _MAX_MATRIX: Final = 100
-"""Largest number of rows of a matrix to invert."""
+"""Maximum number of rows of a matrix that ``inv`` accepts."""
 
 
 def acos(f: Number) -> float:
@@ -47,7 +47,7 @@ def atan(f: Number) -> float:
 
 
 def atan2(x: Number, y: Number) -> float:
-    """Return the angle whose tangent is x / y."""
+    """Return the arc tangent of x / y in the correct quadrant [rad]."""
     return math.atan2(x, y)
 
 
@@ -97,7 +97,7 @@ def pow_(base: Number, exponent: Number) -> float:
 
 
 def ceil(f: Number) -> Value:
-    """Return the least integer that is not less than f."""
+    """Return the smallest integer that is not less than f."""
     return checked_integer(math.ceil(f))
 
 
@@ -107,17 +107,17 @@ def floor(f: Number) -> Value:
 
 
 def d2r(d: Number) -> float:
-    """Return degrees as radians."""
+    """Convert an angle from degrees to radians."""
     return math.radians(d)
 
 
 def r2d(r: Number) -> float:
-    """Return radians as degrees."""
+    """Convert an angle from radians to degrees."""
     return math.degrees(r)
 
 
 def random() -> float:
-    """Return a random number from 0 to 1."""
+    """Return a random number between 0 and 1."""
     return python_random.random()
 
 
@@ -129,7 +129,7 @@ def norm(a: AnyValue) -> Value:
 
 
 def normalize(v: Numbers) -> Value:
-    """Return a list of numbers scaled to norm 1."""
+    """Return a list of numbers that is scaled to norm 1."""
     length = math.hypot(*v)
     if length == 0.0:
         raise ValueProblem("a list of zeros has no direction")
@@ -137,19 +137,19 @@ def normalize(v: Numbers) -> Value:
 
 
 def length(v: AnyValue) -> int:
-    """Return the number of elements, or of a string's bytes."""
+    """Return the number of elements of a list, or the number of bytes of a string."""
     if not isinstance(v, str | tuple):
         raise ValueProblem(f"{described(v)} has no length")
     return len(v)
 
 
 def get_list_length(v: ListLike) -> int:
-    """Return the number of elements."""
+    """Return the number of elements of a list."""
     return len(v)
 
 
 def size(v: AnyValue) -> Value:
-    """Return the length of a list, or rows and columns of a matrix."""
+    """Return the length of a list, or the number of rows and columns of a matrix."""
     if isinstance(v, tuple) and v and isinstance(v[0], tuple):
         return (len(v), len(v[0]))
     return length(v)
@@ -167,12 +167,12 @@ def make_list(
 
 
 def integer_to_binary_list(x: Integer) -> Value:
-    """Return the 32 bits of an integer, least significant first."""
+    """Return the 32 bits of an integer, starting with the least significant bit."""
     return tuple(bool(x >> k & 1) for k in range(_BITS))
 
 
 def binary_list_to_integer(l_: ListLike) -> Value:
-    """Return the integer with these bits (at most 32), least significant first."""
+    """Convert a list of up to 32 bits to an integer, least significant bit first."""
     bits = l_[:_BITS]
     if not all(isinstance(bit, bool) for bit in bits):
         raise ValueProblem("a list of booleans is needed")
@@ -181,7 +181,7 @@ def binary_list_to_integer(l_: ListLike) -> Value:
 
 
 def transpose(m: ListLike) -> Value:
-    """Return a matrix with rows and columns swapped."""
+    """Return the transpose of a matrix."""
     if not m or not isinstance(m[0], tuple):
         raise ValueProblem("a matrix is needed")
     return tuple(zip(*cast("tuple[tuple[Value, ...], ...]", m), strict=True))

@@ -1,6 +1,6 @@
-"""The control box: RTDE, temperatures, conveyor encoders and power.
+"""Functions for RTDE, temperatures, conveyor encoders and power.
 
-There are no conveyors, so programs set the ticks of encoders.
+The simulation has no conveyors, so programs set the encoder ticks.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ENCODER_RANGES: Final = (
     range(2**24),
     range(2**32),
 )
-"""Ranges of encoder ticks, by URScript's numbers."""
+"""Ranges of encoder ticks; the index is URScript's number of the range."""
 
 Joint: TypeAlias = Annotated[int, address_kind(6)]
 Encoder: TypeAlias = Annotated[int, address_kind(2)]
@@ -36,7 +36,7 @@ RangeNumber: TypeAlias = Annotated[int, address_kind(len(ENCODER_RANGES))]
 def rtde_set_watchdog(
     thread: Thread, variable_name: Text, min_frequency: Number, action: Text = "pause"
 ) -> None:
-    """Pause or stop the program if a client writes an input too rarely [wall Hz]."""
+    """Pause or stop the program if an input is written below a rate [wall Hz]."""
     if variable_name not in INPUTS:
         raise ValueProblem(f"RTDE has no input '{variable_name}'")
     if not min_frequency > 0.0:
@@ -50,7 +50,7 @@ def rtde_set_watchdog(
 
 
 def get_rtde_value(thread: Thread, key: Text) -> Value:
-    """Return an RTDE output: a number, a boolean or a list."""
+    """Return the value of an RTDE output: a number, a boolean or a list."""
     field = OUTPUTS.get(key)
     if field is None:
         raise ValueProblem(f"RTDE has no output '{key}'")
@@ -61,23 +61,23 @@ def get_rtde_value(thread: Thread, key: Text) -> Value:
 
 
 def get_joint_temp(j: Joint) -> float:
-    """Return the temperature of a joint, which is room temperature [°C]."""
+    """Return the temperature of a joint, which is always room temperature [°C]."""
     del j
     return ROOM_TEMPERATURE
 
 
 def get_controller_temp() -> float:
-    """Return the temperature of the control box, which is room temperature [°C]."""
+    """Return the temperature of the box, which is always room temperature [°C]."""
     return ROOM_TEMPERATURE
 
 
 def get_tool_temp(thread: Thread) -> float:
-    """Return the temperature of the tool, which is room temperature [°C]."""
+    """Return the temperature of the tool, which is always room temperature [°C]."""
     return thread.box.state.tool_temperature
 
 
 def get_tool_accelerometer_reading(thread: Thread) -> Value:
-    """Return the reading of an accelerometer in the tool at rest [m/s²]."""
+    """Return the gravity reading of an accelerometer in the tool [m/s²]."""
     return tool_accelerometer(thread.box)
 
 
@@ -87,18 +87,18 @@ def get_base_acceleration() -> Value:
 
 
 def set_base_acceleration(a: Vector) -> None:
-    """Accept zero only, because the base does not move."""
+    """Accept only zero, because the base does not move."""
     if any(a):
         raise ValueProblem("the base does not move: [0, 0, 0] is needed")
 
 
 def set_pos(q: Joints) -> None:
-    """Do nothing: the joint positions come from the physics, like on a real arm."""
+    """Do nothing, because the simulation determines the joint positions."""
     del q
 
 
 def pause_on_error_code(code: Integer, argument: Integer = -1) -> None:
-    """Accept the setting; warnings that could pause a program do not occur."""
+    """Accept the setting without effect; warnings never pause a program."""
     del code, argument
 
 
@@ -112,7 +112,7 @@ async def powerdown(thread: Thread) -> None:
 def encoder_enable_set_tick_count(
     thread: Thread, encoder_index: Encoder, range_id: RangeNumber
 ) -> None:
-    """Enable an encoder with a range, whose ticks are set by programs."""
+    """Enable an encoder with a range; programs set the encoder's ticks."""
     thread.box.encoders[encoder_index] = ENCODER_RANGES[range_id], 0.0
 
 
@@ -128,7 +128,7 @@ def _encoder(thread: Thread, index: int) -> tuple[range, float]:
 def encoder_set_tick_count(
     thread: Thread, encoder_index: Encoder, count: Number
 ) -> None:
-    """Set the ticks of an encoder."""
+    """Set the number of ticks of an encoder."""
     valid, _ = _encoder(thread, encoder_index)
     if not valid[0] <= count <= valid[-1]:
         raise ValueProblem(f"count is {count}; it is from {valid[0]} to {valid[-1]}")
@@ -136,34 +136,34 @@ def encoder_set_tick_count(
 
 
 def encoder_get_tick_count(thread: Thread, encoder_index: Encoder) -> float:
-    """Return the ticks of an encoder."""
+    """Return the number of ticks of an encoder."""
     return _encoder(thread, encoder_index)[1]
 
 
 def encoder_unwind_delta_tick_count(
     thread: Thread, encoder_index: Encoder, delta_tick_count: Number
 ) -> float:
-    """Return a difference of ticks, corrected for a wrap at the end of the range."""
+    """Return a tick difference, corrected for a wraparound at the end of the range."""
     size = len(_encoder(thread, encoder_index)[0])
     half = size / 2.0
     return (delta_tick_count + half) % size - half
 
 
 def set_baselight_off() -> None:
-    """Accept the setting; the base has no light."""
+    """Accept the setting without effect, because the base has no light."""
 
 
 def set_baselight_iec() -> None:
-    """Accept the setting; the base has no light."""
+    """Accept the setting without effect, because the base has no light."""
 
 
 def set_baselight_solid(R: Integer, G: Integer, B: Integer) -> None:
-    """Accept the setting; the base has no light."""
+    """Accept the setting without effect, because the base has no light."""
     del R, G, B
 
 
 def tool_wrench_limit_disable() -> None:
-    """Accept the setting; there is no limit on the tool's wrench."""
+    """Accept the setting without effect, because the tool's wrench is not limited."""
 
 
 FUNCTIONS: Final[tuple[Function, ...]] = (

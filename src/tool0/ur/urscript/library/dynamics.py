@@ -1,4 +1,4 @@
-"""Torque control and the dynamics for it; matrices are lists of rows."""
+"""Functions for torque control and dynamics; matrices are lists of rows."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ async def direct_torque(
     coulomb_scale: Joints | None = None,
     friction_comp: Bool | None = None,
 ) -> None:
-    """Apply joint torques in addition to gravity [N·m] for one control period.
+    """Apply joint torques [N·m] in addition to gravity torques for one control period.
 
-    The scales are the fractions of each joint's friction that are compensated.  The
+    The scales are the fractions of each joint's friction that are compensated. The
     older friction_comp switches the compensation on or off; it is ignored if a scale is
-    given.
+    specified.
     """
     if friction_comp is False and viscous_scale is None and coulomb_scale is None:
         viscous_scale = coulomb_scale = _NONE
@@ -47,7 +47,7 @@ def _scale(name: str, values: Six | None, default: Six) -> Six:
 def get_mass_matrix(
     thread: Thread, q: Joints | None = None, include_rotors_inertia: Bool = False
 ) -> Value:
-    """Return the joints' mass matrix with the payload [kg·m²]."""
+    """Return the mass matrix of the joints, including the payload [kg·m²]."""
     dynamics = thread.box.dynamics
     return dynamics.mass_matrix(q, with_rotors=include_rotors_inertia)
 
@@ -55,14 +55,14 @@ def get_mass_matrix(
 def get_coriolis_and_centrifugal_torques(
     thread: Thread, q: Joints | None = None, qd: Joints | None = None
 ) -> Value:
-    """Return the torques caused by joint velocities, with the payload [N·m]."""
+    """Return the Coriolis and centrifugal torques, including the payload [N·m]."""
     return thread.box.dynamics.velocity_torques(q, qd)
 
 
 def get_jacobian(
     thread: Thread, q: Joints | None = None, tcp: PoseLike | None = None
 ) -> Value:
-    """Return the Jacobian of the TCP, in the base frame's axes."""
+    """Return the Jacobian of the TCP in the base frame's axes."""
     return thread.box.dynamics.jacobian(q, tcp)
 
 
@@ -72,12 +72,12 @@ def get_jacobian_time_derivative(
     qd: Joints | None = None,
     tcp: PoseLike | None = None,
 ) -> Value:
-    """Return the time derivative of the Jacobian."""
+    """Return the time derivative of the TCP's Jacobian in the base frame's axes."""
     return thread.box.dynamics.jacobian_derivative(q, qd, tcp)
 
 
 def get_actual_joint_accelerations(thread: Thread) -> Value:
-    """Return the change of joint velocities in the last control period [rad/s²]."""
+    """Return the change of the joint velocities in the last control period [rad/s²]."""
     return thread.box.qdd
 
 

@@ -1,4 +1,4 @@
-"""Force mode, freedrive, tool, payload and safety functions."""
+"""Functions for force mode, freedrive, the tool, the payload and safety."""
 
 from __future__ import annotations
 
@@ -32,11 +32,12 @@ from tool0.ur.urscript.values import Pose, Value, described
 from tool0.ur.urscript_errors import ValueProblem
 
 STANDARD_GRAVITY: Final = 9.82
-"""Gravity in UR's programs [m/s²]; the difference to g is within the tolerance."""
+"""Gravity in UR's programs [m/s²]. The difference from standard gravity is within the
+tolerance of ``set_gravity``."""
 _TOLERANCE: Final = 0.1
 _ALL: Final = (True,) * 6
 _SCREW: Final = (0.1, 0.1, 0.0, 0.17, 0.17, 0.17)
-"""Tolerance of a screwdriver's TCP along and about the other axes [m, rad]."""
+"""Tolerances of ``screw_driving`` along and about the axes without force [m, rad]."""
 _BASE: Final = Pose((0.0,) * 6)
 
 
@@ -57,7 +58,7 @@ async def force_mode(
     type_: Integer,
     limits: Spatial,
 ) -> None:
-    """Hold forces along some axes of a frame; motions continue along the others."""
+    """Apply forces along some axes of a frame; move along the other axes."""
     if type_ not in {1, 2, 3}:
         raise ValueProblem(f"type is {type_}; it can be 1, 2 or 3")
     if min(limits) < 0.0:
@@ -78,7 +79,7 @@ async def force_mode(
 
 
 async def screw_driving(thread: Thread, f: Number, v_limit: Number) -> None:
-    """Push along the TCP's z axis with a force [N], at a limited speed [m/s]."""
+    """Push along the TCP's z axis with a force [N] at a limited speed [m/s]."""
     if not v_limit > 0.0:
         raise ValueProblem(f"v_limit is {v_limit}; it is greater than 0")
     along_z = (False, False, True, False, False, False)
@@ -87,19 +88,19 @@ async def screw_driving(thread: Thread, f: Number, v_limit: Number) -> None:
 
 
 async def end_force_mode(thread: Thread) -> None:
-    """Hold the position along all axes again."""
+    """Hold the arm's position along all axes again."""
     await thread.box.call(EndForceMode(arm=thread.box.arm))
 
 
 def force_mode_set_damping(thread: Thread, damping: Number) -> None:
-    """Set the damping of the next force mode, 0 … 1."""
+    """Set the damping (0 … 1) of the next force mode."""
     if not 0.0 <= damping <= 1.0:
         raise ValueProblem(f"damping is {damping}; it is from 0 to 1")
     thread.execution.force_damping = damping
 
 
 def force_mode_set_gain_scaling(thread: Thread, scaling: Number) -> None:
-    """Scale the gain of the next force mode, 0 … 2."""
+    """Set the gain scaling (0 … 2) of the next force mode."""
     if not 0.0 <= scaling <= 2.0:
         raise ValueProblem(f"scaling is {scaling}; it is from 0 to 2")
     thread.execution.force_gain = scaling
@@ -111,12 +112,12 @@ def force_mode_get_damping(thread: Thread) -> float:
 
 
 def force_mode_get_gain_scaling(thread: Thread) -> float:
-    """Return the scaling of the next force mode's gain."""
+    """Return the gain scaling of the next force mode."""
     return thread.execution.force_gain
 
 
 async def zero_ftsensor(thread: Thread) -> None:
-    """Tare the force-torque reading."""
+    """Tare the reading of the force-torque sensor."""
     if thread.box.rtde_sensor.is_used:
         thread.box.rtde_sensor.tare()
         return
@@ -126,7 +127,7 @@ async def zero_ftsensor(thread: Thread) -> None:
 async def freedrive_mode(
     thread: Thread, freeAxes: Flags = _ALL, feature: Feature = _BASE
 ) -> None:
-    """Start freedrive: external forces move the arm along some axes of a frame."""
+    """Start freedrive, in which external forces move the arm along some axes."""
     pose = feature
     if feature == "base":
         pose = _BASE
@@ -138,12 +139,12 @@ async def freedrive_mode(
 
 
 async def end_freedrive_mode(thread: Thread) -> None:
-    """Hold the position again."""
+    """Hold the arm's position again."""
     await thread.box.call(EndFreedrive(arm=thread.box.arm))
 
 
 async def set_tcp(thread: Thread, pose: PoseLike, tcp_name: Text = "") -> None:
-    """Set the pose of the TCP in the flange; the name has no effect."""
+    """Set the pose of the TCP in the flange's frame; the name has no effect."""
     del tcp_name
     box, tcp = thread.box, _six(pose)
     await box.call(SetTcp(arm=box.arm, pose=tcp))
@@ -160,18 +161,18 @@ async def _set_payload(thread: Thread, mass: float, cog: Vector) -> None:
 
 
 async def set_payload(thread: Thread, m: Number, cog: Vector | None = None) -> None:
-    """Set mass [kg] and centre of gravity (default: the TCP); tares the sensor."""
+    """Set mass [kg] and center of gravity (by default, the TCP); tare the sensor."""
     x, y, z, *_ = thread.box.tcp
     await _set_payload(thread, m, (x, y, z) if cog is None else cog)
 
 
 async def set_payload_mass(thread: Thread, m: Number) -> None:
-    """Set the mass [kg] of the payload; tares the sensor."""
+    """Set the mass of the payload [kg] and tare the sensor."""
     await _set_payload(thread, m, thread.box.state.payload.center_of_gravity)
 
 
 async def set_payload_cog(thread: Thread, CoG: Vector) -> None:
-    """Set the centre of gravity of the payload [m]; tares the sensor."""
+    """Set the payload's center of gravity in the flange [m] and tare the sensor."""
     await _set_payload(thread, thread.box.state.payload.mass, CoG)
 
 
@@ -182,7 +183,7 @@ async def set_target_payload(
     inertia: Spatial = (0.0,) * 6,
     transition_time: Number = 0,
 ) -> None:
-    """Set mass and centre of gravity; inertia and transition time are ignored."""
+    """Set mass and center of gravity; inertia and transition time are ignored."""
     if transition_time < 0.0 or min(inertia[:3]) < 0.0:
         raise ValueProblem("transition time and moments of inertia are not negative")
     await _set_payload(thread, m, cog)
@@ -194,7 +195,7 @@ def get_target_payload(thread: Thread) -> float:
 
 
 def get_target_payload_cog(thread: Thread) -> Value:
-    """Return the centre of gravity of the payload in the flange [m]."""
+    """Return the payload's center of gravity in the flange's frame [m]."""
     return tuple(thread.box.state.payload.center_of_gravity)
 
 
@@ -205,9 +206,9 @@ def ft_rtde_input_enable(
     sensor_measuring_offset: Vector = (0.0, 0.0, 0.0),
     sensor_cog: Vector = (0.0, 0.0, 0.0),
 ) -> None:
-    """Select RTDE's external_force_torque or the wrist's own sensor.
+    """Select RTDE's external_force_torque or the wrist's built-in sensor.
 
-    The mass of the sensor has no effect, because the client sends the external wrench.
+    The sensor's mass has no effect, because the client sends the external wrench.
     """
     del sensor_mass, sensor_cog
     offset = sensor_measuring_offset if enable else None
@@ -215,24 +216,24 @@ def ft_rtde_input_enable(
 
 
 def get_freedrive_status() -> int:
-    """Return 0: in freedrive, resistance does not increase near singularities."""
+    """Return 0; the resistance in freedrive does not increase near singularities."""
     return 0
 
 
 def get_target_payload_inertia(thread: Thread) -> Value:
-    """Return Ixx … Iyz at the payload's centre, computed from its mass [kg·m²]."""
+    """Return Ixx … Iyz at the payload's mass center, computed from the mass [kg·m²]."""
     return payload_moments(thread.box)
 
 
 def position_deviation_warning(enabled: Bool, threshold: Number = 0.8) -> None:
-    """Accept the setting; there is no warning before a protective stop."""
+    """Accept the setting without effect; a protective stop has no prior warning."""
     del enabled
     if not 0.0 <= threshold <= 1.0:
         raise ValueProblem(f"threshold is {threshold}; it is from 0 to 1")
 
 
 def set_gravity(d: Vector) -> None:
-    """Accept the gravity of an upright mounting; other mountings are not supported."""
+    """Accept the gravity of an upright base; other mountings are not supported."""
     x, y, z = d
     if math.hypot(x, y) > _TOLERANCE or abs(z - STANDARD_GRAVITY) > _TOLERANCE:
         raise ValueProblem(
@@ -241,7 +242,7 @@ def set_gravity(d: Vector) -> None:
 
 
 def get_gravity() -> Value:
-    """Return the acceleration that opposes gravity at the base [m/s²]."""
+    """Return the acceleration that opposes gravity in the base frame [m/s²]."""
     return (0.0, 0.0, STANDARD_GRAVITY)
 
 

@@ -1,4 +1,4 @@
-"""Functions of Robotiq's URCap; positions, speeds and forces are 0 … 255."""
+"""Functions of Robotiq's URCap. Positions, speeds and forces are 0 … 255."""
 
 from __future__ import annotations
 
@@ -37,7 +37,8 @@ def _percent(value: Value) -> int:
 Count: TypeAlias = Annotated[int, Kind("a number from 0 to 255", _count)]
 Percent: TypeAlias = Annotated[int, Kind("a number from 0 to 100", _percent)]
 _SOCKET: Final = "1"
-"""Default of the last argument, which selects a gripper; an arm has only one."""
+"""Default of the last argument, which selects a gripper. An arm has only one
+gripper."""
 
 
 def _gripper(thread: Thread) -> RobotiqGripper:
@@ -48,9 +49,9 @@ def _gripper(thread: Thread) -> RobotiqGripper:
 
 
 async def _command(thread: Thread, command: Callable[[RobotiqGripper], object]) -> None:
-    """Send a command to the gripper, which takes a control period.
+    """Send a command to the gripper and wait for one control period.
 
-    This prevents loops of commands from flooding the bring-up with finger motions.
+    The wait prevents loops of commands from flooding the bring-up with finger motions.
     """
     command(_gripper(thread))
     await thread.box.next_update()
@@ -69,14 +70,14 @@ async def rq_reset(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
 
 
 async def rq_activate(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
-    """Start to activate the gripper."""
+    """Start the activation of the gripper."""
     await _command(thread, lambda gripper: gripper.activate())
 
 
 async def rq_activate_and_wait(
     thread: Thread, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Activate the gripper, and wait until this is complete."""
+    """Activate the gripper and wait until the activation is complete."""
     await _gripper(thread).activate_and_wait()
 
 
@@ -91,80 +92,80 @@ async def rq_close(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
 
 
 async def rq_open_and_wait(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
-    """Open the gripper, and wait until this is complete."""
+    """Open the gripper and wait until the motion is complete."""
     await _gripper(thread).move_and_wait(0)
 
 
 async def rq_close_and_wait(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
-    """Close the gripper until it is closed or grips an object."""
+    """Close the gripper and wait until it is closed or grips an object."""
     await _gripper(thread).move_and_wait(FULL)
 
 
 async def rq_move(
     thread: Thread, pos: Count, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Start to move to a position: 0 open, 255 closed."""
+    """Start a motion to a position: 0 is open, 255 is closed."""
     await _command(thread, lambda gripper: gripper.move(pos))
 
 
 async def rq_move_and_wait(
     thread: Thread, pos: Count, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Move to a position: 0 open, 255 closed."""
+    """Move to a position and wait until the motion is complete."""
     await _gripper(thread).move_and_wait(pos)
 
 
 async def rq_move_mm(
     thread: Thread, pos: Number, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Start to move to an opening [mm]."""
+    """Start a motion to an opening [mm]."""
     await _command(thread, lambda gripper: gripper.move(_count_of(thread, pos)))
 
 
 async def rq_move_and_wait_mm(
     thread: Thread, pos: Number, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Move to an opening [mm]."""
+    """Move to an opening [mm] and wait until the motion is complete."""
     await _gripper(thread).move_and_wait(_count_of(thread, pos))
 
 
 async def rq_set_pos(
     thread: Thread, pos: Count, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Set the requested position."""
+    """Set the requested position of the fingers."""
     await _command(thread, lambda gripper: gripper.change(position=pos))
 
 
 async def rq_set_speed(
     thread: Thread, speed: Count, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Set the speed of later motions."""
+    """Set the speed of the following motions."""
     await _command(thread, lambda gripper: gripper.change(speed=speed))
 
 
 async def rq_set_force(
     thread: Thread, force: Count, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Set the force of later motions."""
+    """Set the force of the following motions."""
     await _command(thread, lambda gripper: gripper.change(force=force))
 
 
 async def rq_set_speed_norm(
     thread: Thread, speed: Percent, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Set the speed of later motions [%]."""
+    """Set the speed of the following motions [%]."""
     await _command(thread, lambda gripper: gripper.change(speed=speed))
 
 
 async def rq_set_force_norm(
     thread: Thread, force: Percent, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Set the force of later motions [%]."""
+    """Set the force of the following motions [%]."""
     await _command(thread, lambda gripper: gripper.change(force=force))
 
 
 async def rq_go_to(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
-    """Start to move to the requested position."""
+    """Start a motion to the requested position."""
     await _command(thread, lambda gripper: gripper.change(go_to=True))
 
 
@@ -174,12 +175,12 @@ async def rq_stop(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
 
 
 async def rq_wait(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> None:
-    """Wait for the end of the motion."""
+    """Wait until the motion of the fingers is complete."""
     await _gripper(thread).wait()
 
 
 def rq_current_pos(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> int:
-    """Return the measured position: 0 open, 255 closed."""
+    """Return the measured position: 0 is open, 255 is closed."""
     return _gripper(thread).position
 
 
@@ -190,31 +191,31 @@ def rq_current_pos_mm(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> flo
 
 
 def rq_is_gripper_activated(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> bool:
-    """Return whether the activation is complete."""
+    """Return whether the activation of the gripper is complete."""
     return _gripper(thread).is_activated
 
 
 def rq_is_motion_complete(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> bool:
-    """Return whether the fingers have arrived or met an object."""
+    """Return whether the fingers have reached their goal or met an object."""
     return _gripper(thread).is_motion_complete
 
 
 def rq_is_object_detected(thread: Thread, gripper_socket: AnyValue = _SOCKET) -> bool:
-    """Return whether the fingers have met an object."""
+    """Return whether an object has stopped the fingers."""
     return _gripper(thread).is_object_detected
 
 
 async def rq_auto_release_open_and_wait(
     thread: Thread, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Open slowly, like after an emergency; the gripper must then be reset."""
+    """Open slowly, like in an emergency; a reset is necessary afterwards."""
     await _gripper(thread).release_and_wait(opening=True)
 
 
 async def rq_auto_release_close_and_wait(
     thread: Thread, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Close slowly, like after an emergency; the gripper must then be reset."""
+    """Close slowly, like in an emergency; a reset is necessary afterwards."""
     await _gripper(thread).release_and_wait(opening=False)
 
 

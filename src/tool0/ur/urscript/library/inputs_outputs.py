@@ -1,4 +1,4 @@
-"""Digital and analogue pins of the control box and the tool."""
+"""Functions for digital and analog pins of the control box and the tool."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from tool0.ur.urscript.values import Value
 from tool0.ur.urscript_errors import ValueProblem
 
 CONFIGURABLE: Final = 8
-"""Number of the first configurable pin when all digital pins are counted."""
+"""Number of the first configurable pin in the numbering of all digital pins."""
 TOOL: Final = 16
 _CURRENT_RANGE: Final = (0.004, 0.020)
-"""Range of an analogue current [A]."""
+"""Range of an analog current [A]."""
 _VOLTAGE_RANGE: Final = (0.0, 10.0)
-"""Range of an analogue voltage [V]."""
+"""Range of an analog voltage [V]."""
 
 Standard: TypeAlias = Annotated[int, address_kind(8)]
 OfTool: TypeAlias = Annotated[int, address_kind(2)]
@@ -51,12 +51,12 @@ async def set_tool_digital_out(thread: Thread, n: OfTool, b: Bool) -> None:
 
 
 async def set_digital_out(thread: Thread, n: All, b: Bool) -> None:
-    """Set a digital output: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
+    """Set a digital output: 0 … 7 standard, 8 … 15 configurable, 16 and 17 tool."""
     await _set(thread, n, b)
 
 
 async def set_analog_out(thread: Thread, n: Analog, f: Number) -> None:
-    """Set an analogue output to a fraction of its range."""
+    """Set an analog output to a fraction of its range."""
     if not 0.0 <= f <= 1.0:
         raise ValueProblem(f"the level is {f}; it is a fraction from 0 to 1")
     domain = thread.box.state.analog_outputs[n].domain
@@ -65,7 +65,7 @@ async def set_analog_out(thread: Thread, n: Analog, f: Number) -> None:
 
 
 async def set_analog_outputdomain(thread: Thread, port: Analog, domain: Analog) -> None:
-    """Set an analogue output to current (0) or voltage (1)."""
+    """Set an analog output to current (0) or voltage (1)."""
     pin = thread.box.state.analog_outputs[port]
     request = SetAnalogOutput(
         arm=thread.box.arm,
@@ -85,23 +85,23 @@ async def set_tool_voltage(thread: Thread, voltage: Integer) -> None:
 
 
 def get_analog_in(thread: Thread, n: AnyAnalog) -> float:
-    """Return an analogue input [V or A]: 0 and 1 of the box, 2 and 3 of the tool."""
+    """Return an analog input [V or A]; 0 and 1 are the box's, 2 and 3 the tool's."""
     state = thread.box.state
     return (state.analog_inputs + state.tool_analog_inputs)[n].value
 
 
 def get_standard_analog_in(thread: Thread, n: Analog) -> float:
-    """Return an analogue input of the box [V or A]."""
+    """Return an analog input of the control box [V or A]."""
     return thread.box.state.analog_inputs[n].value
 
 
 def get_tool_analog_in(thread: Thread, n: Analog) -> float:
-    """Return an analogue input of the tool [V or A]."""
+    """Return an analog input of the tool [V or A]."""
     return thread.box.state.tool_analog_inputs[n].value
 
 
 def get_standard_analog_out(thread: Thread, n: Analog) -> float:
-    """Return an analogue output as a fraction of its range."""
+    """Return an analog output as a fraction of its range."""
     return _fraction(thread.box.state.analog_outputs[n])
 
 
@@ -116,7 +116,7 @@ def _fraction(pin: AnalogPin) -> float:
     return min(max((pin.value - low) / (high - low), 0.0), 1.0)
 
 
-# Any: an annotation of the pin's number.
+# Any: the annotation of the pin number.
 def _reader(name: str, field: str, first: int, kind: Any) -> Function:
     def read(thread: Thread, n: int) -> Value:
         levels: tuple[bool, ...] = getattr(thread.box.state, field)

@@ -1,4 +1,4 @@
-"""Signals of Modbus units; times are wall time, since units are other programs."""
+"""Functions for Modbus signals. All times are wall time, not simulated time."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from tool0.ur.urscript.values import Value
 from tool0.ur.urscript_errors import ValueProblem
 
 MAX_NAME: Final = 20
-"""Longest name of a signal [bytes]."""
+"""Maximum length of a signal's name [bytes]."""
 MAX_COUNT: Final = 123
-"""Largest number of registers or bits in a signal."""
+"""Maximum number of registers or bits of a signal."""
 _MAX_DATA: Final = 250
-"""Largest size of a custom command's data [bytes]."""
+"""Maximum size of the data in a custom command [bytes]."""
 
 
 def _range_kind(last: int, first: int = 0) -> Kind:
@@ -40,7 +40,7 @@ def _range_kind(last: int, first: int = 0) -> Kind:
 
 
 def _unit_address(value: Value) -> tuple[str, int]:
-    """Return host and port; if no port is given, that of Modbus."""
+    """Return the host and port of an address; the default port is that of Modbus."""
     host, colon, port = value.partition(":") if isinstance(value, str) else ("", "", "")
     if not host or (colon and not (port.isdecimal() and 0 < int(port) < 1 << 16)):
         raise ValueProblem(
@@ -75,9 +75,9 @@ def _signal(thread: Thread, name: str) -> Signal:
 async def _add(thread: Thread, name: str, spec: SignalSpec) -> None:
     """Add a signal.
 
-    If programs must not connect to its unit, the signal is invalid from the start
-    instead of raising an error: PolyScope's programs add the signals of their
-    installation, and may never use them.
+    If programs must not connect to the signal's unit, the signal is invalid from the
+    start instead of raising an error. Programs from PolyScope add the signals of their
+    installation but may never use them.
     """
     is_allowed = True
     try:
@@ -127,7 +127,7 @@ async def modbus_add_rw_signal(
     signal_name: SignalName,
     sequential_mode: Bool = False,
 ) -> None:
-    """Start to read registers of a unit, and to write others once they are set."""
+    """Start to read registers of a unit; write other registers after they are set."""
     del sequential_mode
     spec = SignalSpec(
         host=IP[0],
@@ -161,7 +161,7 @@ def modbus_get_signal_status(
 
 
 def _checked(thread: Thread, name: str) -> Signal:
-    """Return a signal that is valid, or was valid a moment ago."""
+    """Return a signal that is valid, or that was valid within its timeout."""
     signal = _signal(thread, name)
     if signal.invalid_for <= signal.watchdog:
         return signal
@@ -203,7 +203,7 @@ def modbus_set_output_signal(
     digital_value: AnyValue,
     is_secondary_program: Bool = False,
 ) -> None:
-    """Write a digital output, or the first one of several."""
+    """Write a digital output, or the first output of a signal with several outputs."""
     del is_secondary_program
     _write(thread, signal_name, digital_value, is_digital=True)
 
@@ -214,7 +214,7 @@ def modbus_set_output_register(
     register_value: AnyValue,
     is_secondary_program: Bool = False,
 ) -> None:
-    """Write an output register, or the first one of several."""
+    """Write an output register, or the first register if a signal has several."""
     del is_secondary_program
     _write(thread, signal_name, register_value, is_digital=False)
 
@@ -222,19 +222,19 @@ def modbus_set_output_register(
 def modbus_set_signal_update_frequency(
     thread: Thread, signal_name: SignalName, update_frequency: Frequency
 ) -> None:
-    """Set the update rate [wall Hz]; 0 and -1 update on request only."""
+    """Set the update rate [wall Hz]; with 0 and -1, update only on request."""
     _signal(thread, signal_name).set_frequency(update_frequency)
 
 
 def modbus_request_update_signal_value(thread: Thread, signal_name: SignalName) -> None:
-    """Request an update."""
+    """Request an update of a signal."""
     _signal(thread, signal_name).update()
 
 
 def modbus_set_signal_watchdog(
     thread: Thread, signal_name: SignalName, new_timeout_in_sec: Number
 ) -> None:
-    """Set for how long a signal may be invalid [wall s]."""
+    """Set the time for which a signal may be invalid [wall s]."""
     if not 0.0 <= new_timeout_in_sec <= 300.0:
         raise ValueProblem(f"the timeout is {new_timeout_in_sec}; it is from 0 to 300")
     _signal(thread, signal_name).watchdog = new_timeout_in_sec
@@ -243,7 +243,7 @@ def modbus_set_signal_watchdog(
 def modbus_set_runstate_dependent_choice(
     thread: Thread, signal_name: SignalName, runstate_choice: Choice
 ) -> None:
-    """Set the level of a digital output while no program runs."""
+    """Set the level of a digital output for the time when no program runs."""
     signal = _signal(thread, signal_name)
     is_digital_output = signal.spec.kind.is_digital and signal.spec.kind.is_output
     if runstate_choice != WhenStopped.KEPT and not is_digital_output:
@@ -254,7 +254,7 @@ def modbus_set_runstate_dependent_choice(
 def modbus_set_digital_input_action(
     thread: Thread, signal_name: SignalName, action: Text
 ) -> None:
-    """Accept the default action only."""
+    """Accept only the default action."""
     _signal(thread, signal_name)
     if action != "default":
         raise ValueProblem(f'inputs have no actions but "default", not "{action}"')
@@ -263,7 +263,7 @@ def modbus_set_digital_input_action(
 def modbus_get_error(
     thread: Thread, signal_name: SignalName, error_source: Source = 0
 ) -> int:
-    """Return the unit's exception, the connection's error, or both in 16 bits each."""
+    """Return the unit's exception, the connection error, or both in 16 bits each."""
     signal = _signal(thread, signal_name)
     if error_source == 1:
         return signal.device_error
@@ -276,14 +276,14 @@ def modbus_get_error(
 def modbus_get_time_since_signal_invalid(
     thread: Thread, signal_name: SignalName
 ) -> float:
-    """Return for how long a signal has been invalid [wall s]; 0 if it is valid."""
+    """Return the time since a signal became invalid [wall s]; 0 if it is valid."""
     return _signal(thread, signal_name).invalid_for
 
 
 async def modbus_reset_connection(
     thread: Thread, connection_id: Unit, is_blocking: Bool = True
 ) -> None:
-    """Reconnect to a unit, and wait until its signals are valid."""
+    """Reconnect to a unit and wait until its signals are valid."""
     modbus = thread.box.modbus
     signals = modbus.of_host(connection_id[0])
     if not signals:
@@ -302,7 +302,7 @@ async def modbus_send_custom_command(
     function_code: Annotated[int, _range_kind(127, 1)],
     data: AnyValue,
 ) -> None:
-    """Send a request, and ignore the response."""
+    """Send a request and ignore the response."""
     values = data if type(data) is tuple else ()
     if len(values) > _MAX_DATA or not all(
         type(item) is int and 0 <= item <= 255 for item in values

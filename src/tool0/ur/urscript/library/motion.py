@@ -1,7 +1,7 @@
-"""Module motion: moves, servo and speed functions, stops.
+"""Functions of URScript's module motion: moves, servo, speed and stop functions.
 
-In joint moves, a [rad/s²] and v [rad/s] apply to the leading joint; in moves of the
-tool, a [m/s²] and v [m/s] apply to the TCP.
+In joint moves, a [rad/s²] and v [rad/s] are the limits of the leading joint. In tool
+moves, a [m/s²] and v [m/s] are the limits of the TCP.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ _LOOKAHEAD: Final = (0.03, 0.2)
 """Range of the lookahead time [s]."""
 _GAIN: Final = (100.0, 2000.0)
 FASTEST_TOOL: Final = (1.0, 2.5)
-"""Largest speed and acceleration of OptiMove's lines [m/s, m/s²]: UR specifies the
-speed as the "typical tool speed" of its arms, but no acceleration."""
+"""Maximum speed and acceleration of OptiMove's lines [m/s, m/s²]. UR specifies the
+speed as the "typical tool speed" of UR arms, but does not specify an acceleration."""
 
 
 def _joints(thread: Thread, target: Target) -> Six:
-    """Return joint positions; for a pose, those nearest to the setpoint."""
+    """Return a target's joint positions; for a pose, the ones nearest the setpoint."""
     if not isinstance(target, Pose):
         thread.execution.waypoint = Pose(thread.box.forward(target))
         return target
@@ -39,14 +39,14 @@ def _joints(thread: Thread, target: Target) -> Six:
 
 
 def _pose(thread: Thread, target: Target) -> Sequence[float]:
-    """Return a pose of the TCP; for joint positions, the pose there."""
+    """Return the TCP's pose for a target that is a pose or joint positions."""
     pose = target if isinstance(target, Pose) else Pose(thread.box.forward(target))
     thread.execution.waypoint = pose
     return pose
 
 
 def _check(a: float, v: float, t: float = 0.0, r: float = 0.0) -> None:
-    """Raise ValueProblem for values that are impossible in any motion."""
+    """Raise ValueProblem for values that are invalid in all motions."""
     if t < 0.0 or r < 0.0:
         raise ValueProblem("time and blend radius are not negative")
     if not t and not (a > 0.0 and v > 0.0):
@@ -56,8 +56,8 @@ def _check(a: float, v: float, t: float = 0.0, r: float = 0.0) -> None:
 async def _follow(thread: Thread, motion: Callable[[], Awaitable[None]]) -> None:
     """Execute a motion that follows a path of the tool.
 
-    Like on a robot, a protective stop occurs if the arm cannot follow the path; here,
-    it occurs before the arm moves.
+    Like on a real robot, a protective stop occurs if the arm cannot follow the path. In
+    tool0, the protective stop occurs before the arm moves.
     """
     box = thread.box
     try:
@@ -76,7 +76,7 @@ async def movej(
     t: Number = 0,
     r: Number = 0,
 ) -> None:
-    """Move linearly in joint space."""
+    """Move along a straight line in joint space."""
     _check(a, v, t, r)
     goal = _joints(thread, q)
     await thread.moving(
@@ -87,7 +87,7 @@ async def movej(
 async def optimovej(
     thread: Thread, q: Target, a: Number = 0.3, v: Number = 0.3, r: Number = 0
 ) -> None:
-    """Move in joint space; a and v are fractions of the joints' limits."""
+    """Move in joint space; a and v are fractions of the joint limits."""
     joints = thread.box.chain.joints
     acceleration = _fraction("a", a) * min(item.max_acceleration for item in joints)
     speed = _fraction("v", v) * min(item.max_velocity for item in joints)
@@ -97,7 +97,7 @@ async def optimovej(
 async def optimovel(
     thread: Thread, pose: Target, a: Number = 0.3, v: Number = 0.3, r: Number = 0
 ) -> None:
-    """Move the TCP on a line; a and v are fractions of ``FASTEST_TOOL``."""
+    """Move the TCP along a line; a and v are fractions of ``FASTEST_TOOL``."""
     acceleration = _fraction("a", a) * FASTEST_TOOL[1]
     await movel(thread, pose, acceleration, _fraction("v", v) * FASTEST_TOOL[0], 0, r)
 
@@ -116,7 +116,7 @@ async def movel(
     t: Number = 0,
     r: Number = 0,
 ) -> None:
-    """Move the TCP on a straight line."""
+    """Move the TCP along a straight line."""
     _check(a, v, t, r)
     goal = _pose(thread, pose)
     await _follow(
@@ -128,7 +128,7 @@ async def movel(
 async def movep(
     thread: Thread, pose: Target, a: Number = 1.2, v: Number = 0.25, r: Number = 0
 ) -> None:
-    """Move the TCP at constant speed, with circular blends."""
+    """Move the TCP at constant speed with circular blends."""
     _check(a, v, 0.0, r)
     goal = _pose(thread, pose)
     await _follow(thread, lambda: thread.moves.movep(goal, a, v, r))
@@ -143,7 +143,7 @@ async def movec(
     r: Number = 0,
     mode: Integer = 0,
 ) -> None:
-    """Move the TCP on a circular arc; mode 1 fixes its orientation to the arc."""
+    """Move the TCP along an arc; mode 1 fixes the TCP's orientation to the arc."""
     _check(a, v, 0.0, r)
     if mode not in {0, 1}:
         raise ValueProblem(f"mode is {mode}; it can be 0 or 1")
@@ -172,7 +172,7 @@ async def servoj(
 async def servoc(
     thread: Thread, pose: Target, a: Number = 1.2, v: Number = 0.25, r: Number = 0
 ) -> None:
-    """Follow a stream of TCP poses along arcs."""
+    """Follow a stream of TCP poses along circular arcs."""
     _check(a, v, 0.0, r)
     goal = _pose(thread, pose)
     await _follow(thread, lambda: thread.moves.servoc(goal, a, v, r))
@@ -192,7 +192,7 @@ async def speedl(
     t: Number | None = None,
     aRot: Number | None = None,
 ) -> None:
-    """Accelerate to a velocity of the TCP; return after t, or when it is reached."""
+    """Accelerate to a TCP velocity; return after t, or when it is reached."""
     await thread.moving(lambda: thread.moves.speedl(xd, a, t, aRot))
 
 
@@ -207,14 +207,14 @@ async def stopl(thread: Thread, a: Number = 20.0, aRot: Number | None = None) ->
 
 
 def motion_version_set(thread: Thread, version: Integer) -> None:
-    """Accept version 1 or 2 of movej and movel; the versions do not differ."""
+    """Accept version 1 or 2 of movej and movel; both versions are the same."""
     if version not in {1, 2}:
         raise ValueProblem(f"version is {version}; it can be 1 or 2")
     thread.execution.motion_version = version
 
 
 def motion_version_get(thread: Thread) -> int:
-    """Return the version that was set; 1 if none was."""
+    """Return the version that was set; 1 if no version was set."""
     return thread.execution.motion_version
 
 

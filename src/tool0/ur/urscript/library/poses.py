@@ -1,4 +1,4 @@
-"""Module urmath: poses and rotations."""
+"""Functions of URScript's module urmath for poses and rotations."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tool0.ur.urscript.values import Pose, Value
 
 
 def pose_trans(p_from: PoseLike, p_from_to: PoseLike) -> Pose:
-    """Return the pose ``p_from_to``, which is given in the frame ``p_from``."""
+    """Return the product of the transforms ``p_from`` and ``p_from_to``."""
     return Pose(pose_of(transform_of(p_from) @ transform_of(p_from_to)))
 
 
@@ -30,7 +30,7 @@ def pose_inv(p_from: PoseLike) -> Pose:
 
 
 def pose_add(p_1: PoseLike, p_2: PoseLike) -> Pose:
-    """Return the sum of the positions, and the product of the rotations."""
+    """Return a pose with the sum of positions and the product of rotations."""
     return _pose(
         [a + b for a, b in zip(p_1[:3], p_2[:3], strict=True)],
         transform_of(p_1) @ transform_of(p_2),
@@ -38,7 +38,7 @@ def pose_add(p_1: PoseLike, p_2: PoseLike) -> Pose:
 
 
 def pose_sub(p_to: PoseLike, p_from: PoseLike) -> Pose:
-    """Return the pose that ``pose_add`` adds to ``p_from`` to get ``p_to``."""
+    """Return the pose that ``pose_add`` must add to ``p_from`` to get ``p_to``."""
     return _pose(
         [a - b for a, b in zip(p_to[:3], p_from[:3], strict=True)],
         transform_of(p_from).inverse() @ transform_of(p_to),
@@ -46,7 +46,7 @@ def pose_sub(p_to: PoseLike, p_from: PoseLike) -> Pose:
 
 
 def pose_dist(p_from: PoseLike, p_to: PoseLike) -> float:
-    """Return the norm of the difference of two poses [m and rad]."""
+    """Return the norm of the difference of two poses in m and rad."""
     return math.hypot(*pose_sub(p_to, p_from))
 
 
@@ -56,13 +56,13 @@ def point_dist(p_from: PoseLike, p_to: PoseLike) -> float:
 
 
 def interpolate_pose(p_from: PoseLike, p_to: PoseLike, alpha: Number) -> Pose:
-    """Return an interpolated pose: straight line, and rotation along the geodesic."""
+    """Interpolate between two poses: linearly, and along the geodesic rotation."""
     step = Pose(alpha * x for x in pose_sub(p_to, p_from))
     return pose_add(p_from, step)
 
 
 def wrench_trans(T_from_to: PoseLike, w_from: Spatial) -> Value:
-    """Return a wrench in another frame, with moments about its origin."""
+    """Return a wrench in another frame, with moments about the origin of that frame."""
     T = transform_of(T_from_to).inverse()
     fx, fy, fz, tx, ty, tz = w_from
     mx, my, mz = cross(transform_of(T_from_to).position, (fx, fy, fz))

@@ -1,4 +1,4 @@
-"""Time, messages and the end of programs."""
+"""Functions for time, messages and the interpreter mode."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from tool0.ur.urscript.values import Value, checked_struct, to_text
 from tool0.ur.urscript_errors import ValueProblem
 
 _MESSAGE: Final = 25
-"""Number of statements that a message counts as, so that clients can keep up."""
+"""Number of statements that are charged for a message, so that clients can keep up."""
 
 
 async def sleep(thread: Thread, t: Number) -> None:
-    """Wait for simulated time [s]."""
+    """Wait for a duration in simulated time [s]."""
     if t < 0.0:
         raise ValueProblem(f"the time is {t}, less than 0")
     await thread.pacer.wait(t)
@@ -39,13 +39,13 @@ def time(thread: Thread) -> Value:
 
 
 def _assert(condition: Bool) -> None:
-    """End the program with an error unless a condition holds."""
+    """End the program with an error if a condition does not hold."""
     if not condition:
         raise ValueProblem("the assertion does not hold")
 
 
 def textmsg(thread: Thread, s1: AnyValue, s2: AnyValue = "") -> None:
-    """Send a text to the log of all clients."""
+    """Send a text to the logs of all clients."""
     thread.left -= _MESSAGE
     thread.box.messages.text(shown(to_text(s1) + to_text(s2)))
 
@@ -58,7 +58,7 @@ async def popup(
     error: Bool = False,
     blocking: Bool = False,
 ) -> None:
-    """Show a popup; if it is blocking, wait until it is closed."""
+    """Show a popup; a blocking popup also waits until it is closed."""
     del warning, error
     messages = thread.box.messages
     messages.show_popup(shown(to_text(s)), shown(title))
@@ -70,7 +70,7 @@ async def popup(
 async def interpreter_mode(
     site: Site, clearQueueOnEnter: Bool = True, clearOnEnd: Bool = True
 ) -> None:
-    """Execute statements from the interpreter's port until end_interpreter()."""
+    """Execute statements of clients until end_interpreter() is called."""
     await site.frame.thread.execution.interpreter.run(
         site, clear_queue=clearQueueOnEnter, clear_on_end=clearOnEnd
     )
@@ -82,12 +82,12 @@ def end_interpreter(thread: Thread) -> None:
 
 
 async def clear_interpreter(thread: Thread) -> None:
-    """Forget everything that was interpreted so far."""
+    """Remove all definitions and variables of interpreted statements."""
     await thread.execution.interpreter.clear()
 
 
 def shown(text: str) -> str:
-    """Return a string of bytes as readable text."""
+    """Convert a string with one character per byte to readable text."""
     return text.encode("latin-1", "replace").decode("utf-8", "replace")
 
 

@@ -1,4 +1,4 @@
-"""Registers that programs share with RTDE clients."""
+"""Functions for the registers that programs share with RTDE clients."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ T = TypeVar("T", bool, int, float)
 
 
 def address_kind(count: int) -> Kind:
-    """Return the kind of numbers from 0 to ``count`` - 1."""
+    """Return the kind that accepts integers from 0 to ``count`` - 1."""
 
     def convert(value: Value) -> int:
         if type(value) is not int or not 0 <= value < count:
@@ -32,7 +32,7 @@ Flag: TypeAlias = Annotated[int, address_kind(N_FLAGS)]
 
 
 def write_output_boolean_register(thread: Thread, address: Bit, value: Bool) -> None:
-    """Write a bit that RTDE clients can read."""
+    """Write a boolean that RTDE clients can read."""
     thread.box.registers.outputs.bits[address] = value
 
 
@@ -51,7 +51,7 @@ def write_output_float_register(
 
 
 def set_flag(thread: Thread, n: Flag, b: Bool) -> None:
-    """Set a flag, which keeps its value between programs."""
+    """Set a flag, which keeps its value after the program ends."""
     thread.box.flags[n] = b
 
 

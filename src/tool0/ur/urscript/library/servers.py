@@ -1,4 +1,4 @@
-"""Servers with functions for programs: XML-RPC."""
+"""Functions that give programs access to XML-RPC servers."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from tool0.ur.urscript.values import Value
 from tool0.ur.urscript_errors import ValueProblem
 
 MAX_SERVERS: Final = 64
-"""Largest number of a program's handles that are not closed."""
+"""Maximum number of open handles of a program."""
 
 
 async def rpc_factory(thread: Thread, type_: Text, url: Text) -> Value:
-    """Return the handle of a server; its methods are the server's functions."""
+    """Return a handle of a server, with methods that call the server's functions."""
     if type_ != "xmlrpc":
         raise ValueProblem(f"the type is '{type_}'; there is 'xmlrpc'")
     if len(thread.execution.servers) >= MAX_SERVERS:

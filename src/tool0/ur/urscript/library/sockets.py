@@ -1,4 +1,4 @@
-"""TCP sockets; timeouts are wall time, since the peer is another program."""
+"""Functions for TCP sockets. All timeouts are wall time, not simulated time."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ T = TypeVar("T")
 
 DEFAULT: Final = "socket_0"
 MAX_VALUES: Final = 30
-"""Largest number of numbers or bytes in one read."""
+"""Maximum number of values or bytes in one read."""
 MAX_STRING: Final = 1024
-"""Longest string to read [bytes]."""
+"""Maximum length of a string in one read [bytes]."""
 TIMEOUT: Final = 2.0
 """Default timeout [wall s]."""
 _ESCAPES: Final = (("\\n", "\n"), ("\\r", "\r"), ("\\t", "\t"))
@@ -45,11 +45,11 @@ PortNumber: TypeAlias = Annotated[int, Kind("a port", _port)]
 async def socket_open(
     thread: Thread, address: Text, port: PortNumber, socket_name: Text = DEFAULT
 ) -> bool:
-    """Connect to a server within 2 s; return whether this succeeded.
+    """Connect to a server within 2 s; return whether the connection was opened.
 
-    The call takes at least a control period, so servers that are opened one after
-    another see the connections in this order, even if each accepts in a separate
-    thread.
+    The call takes at least one control period. Servers therefore accept consecutive
+    connections in the order in which the calls are made, even if each server accepts in
+    a separate thread.
     """
     is_open = await thread.execution.sockets.open(address, port, socket_name)
     await thread.pacer.wait(1.0 / thread.box.rate)
@@ -75,7 +75,7 @@ async def _receive(
     connection = thread.execution.sockets.find(name)
     if connection is None:
         return None
-    found = connection.take(find)  # if the data is here, others get no turn
+    found = connection.take(find)  # without a wait if the data has been received
     if found is not None:
         return found
     return await connection.receive(find, timeout)
@@ -119,7 +119,7 @@ async def socket_set_var(
 async def socket_get_var(
     thread: Thread, name: Text, socket_name: Text = DEFAULT
 ) -> Value:
-    """Send ``GET <name>``; return the integer in ``<name> <integer>``, or 0."""
+    """Send ``GET <name>``; return the integer in the answer, or 0 on failure."""
     await _send(thread, f"GET {name}\n".encode("latin-1"), socket_name)
     line = await _receive(thread, socket_name, _line, TIMEOUT)
     match = re.fullmatch(r"\s*(\S+)\s+(-?[0-9]{1,10})\s*", line or "")
@@ -134,7 +134,7 @@ async def socket_read_ascii_float(
     socket_name: Text = DEFAULT,
     timeout: Number = TIMEOUT,
 ) -> Value:
-    """Return n numbers ``(a, b, …)`` as [n, a, b, …]; [0, nan, …] on failure."""
+    """Return n numbers ``(a, b, …)`` as [n, a, b, …], or [0, nan, …] on failure."""
     text = await _receive(thread, socket_name, _in_brackets, timeout)
     try:
         values = [float(word) for word in (text or "").split(",")]
@@ -165,7 +165,7 @@ async def socket_read_binary_integer(
     socket_name: Text = DEFAULT,
     timeout: Number = TIMEOUT,
 ) -> Value:
-    """Return n 32-bit integers as [n, a, b, …]; [0, -1, …] on failure."""
+    """Return n 32-bit integers as [n, a, b, …], or [0, -1, …] on failure."""
     return await _read_numbers(thread, socket_name, number, "i", timeout)
 
 
@@ -175,14 +175,14 @@ async def socket_read_byte_list(
     socket_name: Text = DEFAULT,
     timeout: Number = TIMEOUT,
 ) -> Value:
-    """Return n bytes as [n, a, b, …]; [0, -1, …] on failure."""
+    """Return n bytes as [n, a, b, …], or [0, -1, …] on failure."""
     return await _read_numbers(thread, socket_name, number, "B", timeout)
 
 
 async def socket_read_line(
     thread: Thread, socket_name: Text = DEFAULT, timeout: Number = TIMEOUT
 ) -> str:
-    """Return a line without its end; an empty string if none arrives in time."""
+    """Return a line without its end; return an empty string after the timeout."""
     return await _receive(thread, socket_name, _line, timeout) or ""
 
 
@@ -194,7 +194,7 @@ async def socket_read_string(
     interpret_escape: Bool = False,
     timeout: Number = TIMEOUT,
 ) -> str:
-    """Return the received text, or the part between prefix and suffix; "" if none."""
+    """Return the received text between prefix and suffix; "" if there is none."""
     if interpret_escape:
         for written, meant in _ESCAPES:
             prefix = prefix.replace(written, meant)

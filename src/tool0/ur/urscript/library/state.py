@@ -1,4 +1,4 @@
-"""The state of the arm; poses are in the base frame, angles in radians."""
+"""Functions for the state of the arm; poses are in the base frame."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _AT_FLANGE: Final = (0.0,) * 6
 
 
 def get_actual_joint_positions(thread: Thread) -> Value:
-    """Return the measured joint positions."""
+    """Return the measured joint positions [rad]."""
     return thread.box.q
 
 
 def get_actual_joint_positions_history(thread: Thread, steps: Integer = 0) -> Value:
-    """Return the measured joint positions some control periods ago."""
+    """Return the measured joint positions ``steps`` control periods ago [rad]."""
     return thread.execution.history.positions(steps)
 
 
@@ -31,12 +31,12 @@ def get_actual_joint_speeds(thread: Thread) -> Value:
 
 
 def get_actual_joint_accelerations(thread: Thread) -> Value:
-    """Return the change of the measured velocities in a control period [rad/s²]."""
+    """Return the change of the measured velocities in one control period [rad/s²]."""
     return thread.execution.history.accelerations()
 
 
 def get_target_joint_positions(thread: Thread) -> Value:
-    """Return the setpoint of the joint positions."""
+    """Return the setpoint of the joint positions [rad]."""
     return thread.box.target_q
 
 
@@ -61,7 +61,7 @@ def get_target_tcp_pose(thread: Thread) -> Value:
 
 
 def get_target_waypoint(thread: Thread) -> Value:
-    """Return the target of the last move; before the first, the TCP's setpoint."""
+    """Return the target of the last move; the TCP's setpoint before the first move."""
     return thread.execution.waypoint or get_target_tcp_pose(thread)
 
 
@@ -81,31 +81,31 @@ def get_actual_tool_flange_pose(thread: Thread) -> Value:
 
 
 def get_tcp_offset(thread: Thread) -> Value:
-    """Return the pose of the TCP in the flange."""
+    """Return the pose of the TCP in the flange's frame."""
     return Pose(thread.box.tcp)
 
 
 def get_tcp_force(thread: Thread) -> Value:
-    """Return the external wrench at the flange, in the base frame's axes [N, N·m]."""
+    """Return the external wrench at the flange in the base frame's axes [N, N·m]."""
     force, torque = thread.box.flange_wrench()
     return Pose([*force, *torque])
 
 
 def force(thread: Thread) -> float:
-    """Return the magnitude of the external force [N]."""
+    """Return the magnitude of the external force at the flange [N]."""
     force, _ = thread.box.flange_wrench()
     return math.hypot(*force)
 
 
 def get_joint_torques(thread: Thread) -> Value:
-    """Return the joint torques caused by the external wrench [N·m]."""
+    """Return the joint torques that the external wrench causes [N·m]."""
     return thread.box.posture().efforts(*thread.box.flange_wrench())
 
 
 def get_forward_kin(
     thread: Thread, q: Joints | None = None, tcp: PoseLike | None = None
 ) -> Value:
-    """Return the pose of the TCP at joint positions (default: the measured ones)."""
+    """Return the TCP's pose at joint positions (by default, the measured ones)."""
     return Pose(thread.box.forward(thread.box.q if q is None else q, tcp))
 
 
@@ -117,7 +117,7 @@ def get_inverse_kin(
     maxOrientationError: Number = 1e-10,
     tcp: PoseLike | None = None,
 ) -> Value:
-    """Return the joint positions nearest to qnear (default: the measured ones)."""
+    """Return the solution nearest to qnear (by default, the measured positions)."""
     del maxPositionError, maxOrientationError  # the solutions are exact
     near = thread.box.q if qnear is None else qnear
     try:
@@ -134,7 +134,7 @@ def get_inverse_kin_has_solution(
     maxOrientationError: Number = 1e-10,
     tcp: PoseLike | None = None,
 ) -> bool:
-    """Return whether get_inverse_kin has a solution."""
+    """Return whether get_inverse_kin finds a solution."""
     try:
         get_inverse_kin(thread, pose, qnear, maxPositionError, maxOrientationError, tcp)
     except ValueProblem:
@@ -145,7 +145,7 @@ def get_inverse_kin_has_solution(
 def is_within_safety_limits(
     thread: Thread, position: Target, qNear: Joints | None = None
 ) -> bool:
-    """Return whether a pose or joint positions can be reached."""
+    """Return whether the arm can reach a pose or joint positions."""
     if isinstance(position, Pose):
         return get_inverse_kin_has_solution(thread, position, qNear)
     limits = [joint.limits for joint in thread.box.chain.joints]
@@ -161,10 +161,10 @@ def is_steady(thread: Thread) -> bool:
 
 
 def tool_contact(thread: Thread, direction: Spatial | None = None) -> Value:
-    """Return for how many control periods the tool has had a contact; 0 if it has none.
+    """Return the number of control periods since a tool contact started, or 0.
 
-    The direction is that of the motion, in the base frame; zeros stand for any
-    direction.  If it is left out, the velocity of the TCP is used.
+    The direction is the direction of the motion in the base frame; zeros stand for any
+    direction. If the direction is omitted, the velocity of the TCP is used.
     """
     motion = thread.box.tcp_speed() if direction is None else direction
     return thread.execution.history.contact(motion)
@@ -193,7 +193,7 @@ FUNCTIONS: Final[tuple[Function, ...]] = (
         )
     ),
     function(get_actual_joint_positions, "get_joint_positions"),
-    function(get_actual_tcp_pose, "tool_pose"),  # of PolyScope's force nodes
+    function(get_actual_tcp_pose, "tool_pose"),  # used by PolyScope's force nodes
     function(get_target_tcp_pose, "get_target_tcp_pose_along_path"),
     function(get_target_tcp_speed, "get_target_tcp_speed_along_path"),
 )

@@ -1,4 +1,4 @@
-"""Strings, whose characters are bytes, counted from 0."""
+"""Functions for strings of bytes; indexes start at 0."""
 
 from __future__ import annotations
 
@@ -15,36 +15,36 @@ _FLOAT: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
 def str_at(src: Text, index: Integer) -> str:
-    """Return one byte of a string."""
+    """Return one byte of a string as a string."""
     if not 0 <= index < len(src):
         raise ValueProblem(f"index {index} of a string of {len(src)} bytes")
     return src[index]
 
 
 def str_cat(op1: AnyValue, op2: AnyValue) -> str:
-    """Return two values concatenated as one string."""
+    """Convert two values to strings and return the concatenated string."""
     return checked_text(to_text(op1) + to_text(op2))
 
 
 def str_empty(str_: Text) -> bool:
-    """Return whether a string has no bytes."""
+    """Return whether a string is empty."""
     return not str_
 
 
 def str_find(src: Text, target: Text, start_from: Integer = 0) -> int:
-    """Return the index of a string in another one, or -1."""
+    """Return the index of a string in another string, or -1 if it is not found."""
     if start_from < 0:
         raise ValueProblem(f"start_from is {start_from}, less than 0")
     return src.find(target, start_from)
 
 
 def str_len(str_: Text) -> int:
-    """Return the number of a string's bytes."""
+    """Return the number of bytes of a string."""
     return len(str_)
 
 
 def str_sub(src: Text, index: Integer, len_: Integer | None = None) -> str:
-    """Return at most len bytes from an index on; if len is left out, all."""
+    """Return at most len bytes starting at an index; by default, all bytes."""
     if not 0 <= index <= len(src):
         raise ValueProblem(f"index {index} of a string of {len(src)} bytes")
     if len_ is None:
@@ -55,7 +55,7 @@ def str_sub(src: Text, index: Integer, len_: Integer | None = None) -> str:
 
 
 def to_num(str_: Text) -> Value:
-    """Return the number in a string, an integer or a float."""
+    """Return the number in a string as an integer or a float."""
     text = str_.strip()
     if _INTEGER.fullmatch(text):
         return checked_integer(int(text))
@@ -65,7 +65,7 @@ def to_num(str_: Text) -> Value:
 
 
 def to_str(val: AnyValue) -> str:
-    """Return a value as a string."""
+    """Convert a value to a string."""
     return checked_text(to_text(val))
 
 

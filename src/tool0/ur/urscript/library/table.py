@@ -1,4 +1,4 @@
-"""All library functions by name."""
+"""Tables of all library functions by name and by module."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MODULES: Final = (
 
 @cache
 def modules() -> dict[str, tuple[Function, ...]]:
-    """Return the functions that programs can call, grouped by their module."""
+    """Return the functions that programs can call, grouped by module."""
     return {
         name: import_module(f"tool0.ur.urscript.library.{name}").FUNCTIONS
         for name in _MODULES
