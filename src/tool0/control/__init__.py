@@ -1,1 +1,1 @@
-"""Semantics of ros_control, independent of any physics engine and of ROS itself."""
+"""Semantics of ros_control, independent of any physics engine and of ROS."""

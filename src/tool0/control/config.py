@@ -97,7 +97,7 @@ class ControllerConfig:
 
     @property
     def types(self) -> Mapping[str, str]:
-        """The type of each controller as written in the files; it need not exist."""
+        """The types of the controllers in the files; a type need not exist."""
         return {name: str(item.type.scalar) for name, item in self._declared.items()}
 
     @property
@@ -160,7 +160,7 @@ class ControllerConfig:
         """Return the checked parameters of a controller.
 
         Raises:
-            ConfigError: If the controller is missing, or its parameters are wrong.
+            ConfigError: If the controller is missing, or its parameters are invalid.
         """
         return self._parse(name, robot, Namespace(self._find(name).parameters))
 
@@ -230,7 +230,8 @@ class ControllerConfig:
     def joint_limits(self) -> Mapping[str, Mapping[str, float]]:
         """Return the limits in ``joint_limits``, by joint.
 
-        They override the limits of the URDF.  The keys are fields of ``JointLimits``.
+        The limits in ``joint_limits`` override the limits of the URDF.  The keys are
+        fields of ``JointLimits``.
         """
         limits = self.dialect.joint_limits(self.tree.root)
         entries = {} if limits is None else limits.entry.children

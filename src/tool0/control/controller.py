@@ -45,7 +45,7 @@ class Controller(Protocol):
     def setpoint(self) -> Setpoint | None:
         """Return the setpoints of the joints; None if positions are not commanded.
 
-        This function is called between ticks, about a hundred times per second.  For
+        ``setpoint`` is called between ticks, about a hundred times per second.  For
         efficiency, the result contains only references to immutable values.
         """
 
@@ -54,14 +54,14 @@ class Controller(Protocol):
 
 
 class ControllerSpec(Protocol):
-    """The checked parameters of a controller, ready to be started."""
+    """The checked parameters of a controller that is ready to be started."""
 
     @property
     def name(self) -> str: ...
 
     @property
     def type(self) -> str:
-        """The type in YAML, e.g. ``effort_controllers/JointTrajectoryController``."""
+        """The type, such as ``effort_controllers/JointTrajectoryController``."""
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -69,7 +69,7 @@ class ControllerSpec(Protocol):
 
     @property
     def interface(self) -> Interface | None:
-        """The command interface to claim for each joint; None for reading only."""
+        """The command interface to claim for each joint, or None if read-only."""
 
     @property
     def further_interfaces(self) -> tuple[str, ...]:
@@ -81,7 +81,7 @@ class ControllerSpec(Protocol):
 
     @property
     def gains(self) -> tuple[Gains, ...]:
-        """The gains of each joint; empty without a PID."""
+        """The gains of each joint; empty if there is no PID."""
 
     @property
     def waits_for_command(self) -> bool:
@@ -101,7 +101,7 @@ class TrajectorySpec(ControllerSpec, Protocol):
 
     @property
     def joint_models(self) -> tuple[Joint, ...]:
-        """The joints with their limits."""
+        """The joints of the controller, with their limits."""
 
     @property
     def allow_partial_joints_goal(self) -> bool:
@@ -129,7 +129,7 @@ class TrajectoryFollower(Controller, Protocol):
         """
 
     def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
-        """Follow ``goal`` without a result, like a ROS topic, or reject the goal."""
+        """Follow a goal from a topic, which has no result, or reject the goal."""
 
     def cancel(self, goal: Goal, now: float) -> None:
         """Stop if ``goal`` is the active goal, and end it with the status PREEMPTED."""
@@ -150,15 +150,15 @@ class TrajectoryFollower(Controller, Protocol):
     ) -> None:
         """Continue with joint motions, by joint index, that the kernel started.
 
-        ``is_first`` specifies whether the next tick is the first tick of these motions.
+        ``is_first`` specifies whether the next tick is the first tick of the motions.
         ``has_points`` specifies whether the motions have several points, for
-        controllers that treat such motions differently.
+        controllers that treat motions with several points differently.
         """
 
 
 @runtime_checkable
 class SpeedScalable(Controller, Protocol):
-    """A running controller whose trajectories can be slowed down."""
+    """A running controller with trajectories that can be slowed down."""
 
     def scale_speed(self, factor: float) -> None:
         """Set the ratio of trajectory time to simulated time.
@@ -182,7 +182,7 @@ class GripperDriver(Controller, Protocol):
         now: float,
         drive_limits: DriveLimits | None = None,
     ) -> Goal:
-        """Replace the goal and return the handle of the new goal, or reject it.
+        """Start a new goal and return its handle, or reject the goal.
 
         If ``max_effort`` [N·m | N] is None or 0, the value of the controller applies.
         ``drive_limits`` apply during the goal.
@@ -218,7 +218,7 @@ class GripperDriver(Controller, Protocol):
 
 @runtime_checkable
 class CommandTaker(Controller, Protocol):
-    """A running controller whose command is one number per joint."""
+    """A running controller with a command of one number per joint."""
 
     def command_joints(self, values: Sequence[float] | float) -> None:
         """Set one command per joint, in the spec's order, or raise ControlError."""
@@ -226,7 +226,7 @@ class CommandTaker(Controller, Protocol):
 
 @runtime_checkable
 class Adjustable(Controller, Protocol):
-    """A running controller whose parameters can change."""
+    """A running controller with parameters that can change."""
 
     def adjust(self, spec: Any) -> None:
         """Continue with ``spec`` of the same class."""  # hence Any; the PID has gains

@@ -1,4 +1,4 @@
-"""Linting of controller parameters: unused parameters, which ROS 1 and 2 ignore."""
+"""Linting of unused controller parameters, which ROS 1 and ROS 2 ignore."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ def or_remove(near: str | None) -> str:
 def severity_of(written: str, near: str | None) -> Severity:
     """Return the severity of an unknown name.
 
-    It is a warning if the name is not a typo, since other programs may read it.
+    The severity is a warning if the name is not a typo, since other programs may read
+    the name.
     """
     return "error" if is_typo(written, near) else "warning"
 

@@ -102,7 +102,7 @@ class OwnArm:
     """Joints of the arm, from the base to the flange."""
 
     def written(self, text: str) -> str:
-        """Return YAML ``text`` with the joints of this arm instead of the catalogue's.
+        """Return YAML ``text`` with the joints of this arm, not of the catalogue arm.
 
         A line that contains the first joint of the catalogue is repeated for each
         joint.  ``$prefix`` is replaced with the prefix of the arm's links.
@@ -163,7 +163,7 @@ def read_part(path: Path) -> str:
 
 
 def part_file(kind: PartKind, part: CataloguePart | None, name: str) -> Path:
-    """Return a file from a part's folder, or the shared file for this kind of part."""
+    """Return a file from a part's folder, or the shared file for the kind of part."""
     return shared_folder(kind) / name if part is None else part.file(name)
 
 

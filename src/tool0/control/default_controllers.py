@@ -2,9 +2,9 @@
 
 The parts are ros_control YAML files in ``tool0_description/config``: one file that all
 arms share, and one file that all grippers share.  The folder of an arm or a gripper may
-contain a separate file for this arm or gripper.  ``$gains`` in these files stands for
-the gains in the folder's ``gains.yaml``.  If the folder contains no ``gains.yaml``, the
-gains are derived from the model.
+contain a separate file for this arm or gripper.  In the YAML files, ``$gains`` stands
+for the gains in the folder's ``gains.yaml``.  If the folder contains no ``gains.yaml``,
+the gains are derived from the model.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ _FILES: Final = {
 """The files that define controllers, by the interface of the joints."""
 _GAINS: Final = "$gains"
 _STATE_CONTROLLER: Final = "joint_state_controller"
-"""Name of the controller that publishes joint states.  There is one such controller for
-all robots or, if the robots have namespaces, one for each robot."""
+"""Name of the controller that publishes joint states.  There is one joint state
+controller for all robots or, if the robots have namespaces, one for each robot."""
 _ROTARY: Final = {"$tolerance": "0.002", "$standstill": "0.001"}
 """Settings of a gripper with a revolute driven joint [rad, rad/s]."""
 _LINEAR: Final = {"$tolerance": "0.0001", "$standstill": "0.0001"}
@@ -137,11 +137,13 @@ def default_controllers(
 def has_ros2_controllers(
     description: RobotDescription, *, gripper_action: bool = False
 ) -> bool:
-    """Return whether the robot has ``<ros2_control>`` tags and thus ROS 2 controllers.
+    """Return whether the robot has ROS 2 controllers.
+
+    A robot with ``<ros2_control>`` tags has ROS 2 controllers.
 
     Raises:
-        ConfigError: If the robot has such tags, but ``gripper_action`` requests a ROS 1
-            controller.
+        ConfigError: If the robot has ROS 2 controllers, but ``gripper_action`` requests
+            a ROS 1 controller.
     """
     has = bool(description.model.hardware)
     if has and gripper_action:
@@ -170,7 +172,7 @@ class _Piece:
     limits: Sequence[Row] = ()
 
     def yaml(self) -> str:
-        """Return the text, into which the gains are inserted."""
+        """Return the text with the inserted gains."""
         lines = self.text.splitlines(keepends=True)
         return "".join(
             lines_of(self.gains, line[: line.index(_GAINS)])
@@ -233,7 +235,7 @@ def _pieces(
 @final
 @dataclass(frozen=True, slots=True)
 class _Composer:
-    """Builds the parts of one robot."""
+    """Creates the parts of one robot."""
 
     description: RobotDescription
     robot: CatalogueRobot | None
@@ -305,7 +307,7 @@ class _Composer:
         return f"{text}  joints: [{', '.join(sorted(joints))}]\n"
 
     def _own_file(self) -> Path | None:
-        """Return the controllers file that the cell file specifies for this robot."""
+        """Return the controllers file that the cell file specifies for the robot."""
         cell, robot = self.description.cell, self.robot
         for item in cell.robots if cell and robot else ():
             if robot and item.name == robot.name and item.controllers_file:

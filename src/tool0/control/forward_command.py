@@ -38,8 +38,8 @@ class ForwardCommandSpec:
     joint_models: tuple[Joint, ...]
     interface: Interface
     quantity: Interface
-    """The quantity that is commanded.  A PID follows the command unless this quantity
-    is the same as ``interface``."""
+    """The quantity that is commanded.  A PID follows the command unless the quantity is
+    the same as ``interface``."""
     gains: tuple[Gains, ...] = ()
     """Gains of each joint if ``quantity`` differs from ``interface``."""
     wording: CommandWording
@@ -55,7 +55,7 @@ class ForwardCommandSpec:
     def waits_for_command(self) -> bool:
         """Whether the controller forwards efforts.
 
-        In this case, an initial effort of 0 would drop the arm.
+        If efforts are forwarded, an initial effort of 0 would drop the arm.
         """
         return self.interface is Interface.EFFORT and not self.gains
 
@@ -69,9 +69,9 @@ class ForwardCommandSpec:
 class ForwardCommandController:
     """Forwards the newest command to the joints, or follows it with a PID per joint.
 
-    ROS 1 starts effort controllers with a command of 0, which drops the arm.  This
-    controller keeps the brakes engaged until the first command; after that, the command
-    is applied as effort.  Position commands start at the measured positions, and
+    ROS 1 starts effort controllers with a command of 0, which drops the arm.
+    ForwardCommandController keeps the brakes engaged until the first command, and then
+    applies commands as efforts.  Position commands start at the measured positions, and
     velocity commands start at 0.
 
     A PID computes the error's rate from the last two errors.  The error of a continuous
@@ -87,7 +87,7 @@ class ForwardCommandController:
         self._select = joint_selector(indices)
         self._state = state
         self.pid = Pid(spec.gains) if spec.gains else None
-        self._last_errors = [0.0] * len(indices)  # before the first update, like ROS
+        self._last_errors = [0.0] * len(indices)  # before the first update, as in ROS
         start = [0.0] * len(indices)
         if self._is_position:
             start = list(self._select(state.position))
@@ -175,7 +175,7 @@ class ForwardCommandController:
         return [float(value) for value in given]
 
     def setpoint(self) -> Setpoint | None:
-        """Return the commanded positions as setpoints; None without such commands."""
+        """Return the commanded positions as setpoints, or None without commands."""
         if not (self._is_position and self._is_commanded):
             return None
         time = self._state.time

@@ -45,12 +45,12 @@ DAMPING_RATIO = 0.1
 because the inertia of a pan joint varies by a factor of 100, and a higher damping ratio
 would reduce the stiffness."""
 BANDWIDTH = 60.0
-"""Largest natural frequency at the largest inertia [rad/s].  At this frequency, an
-oscillation cycle takes about 100 control periods of 1 ms.  A damping ratio above 1 at
-the largest inertia would only slow the joint."""
+"""Largest natural frequency at the largest inertia [rad/s].  At the largest frequency,
+an oscillation cycle takes about 100 control periods of 1 ms.  A damping ratio above 1
+at the largest inertia would only slow the joint."""
 INTEGRAL_RATE = 5.0
-"""Largest ratio i / p [1/s].  With this ratio, a load is compensated within half a
-second."""
+"""Largest ratio i / p [1/s].  With the largest ratio, a load is compensated within half
+a second."""
 INTEGRAL_SHARE = 0.6
 """Largest ratio i / p as a fraction of the smallest eigenvalue of D M⁻¹ in any posture,
 with payload.  At a fraction of 1 or more, the arm may oscillate."""
@@ -143,7 +143,7 @@ def derive_arm_gains(
     by_lag = np.minimum(LAG * stiffness / largest, usual)
     acceleration = _rounded(_within_drives(heavy, effort, by_lag))
     # A ramp over one period of oscillation leaves no residual oscillation.  All joints
-    # use the same duration.
+    # use the same ramp duration.
     ramp = 2.0 * math.pi / float(frequency.min())
     weight = "without payload (unknown)" if payload is None else f"with {payload:g} kg"
     ratio = damping / (2.0 * np.sqrt(stiffness * largest))
@@ -194,7 +194,7 @@ def derive_gripper_gains(
     masses = JointDynamics(hand).mass_matrix(middle)
     inertia = float(masses[index, index])
     error = FULL_EFFORT_ERROR * (limits.upper - limits.lower)
-    most = (SAMPLING / 4.0 / period) ** 2 * inertia  # d·dt/inertia, if critical
+    most = (SAMPLING / 4.0 / period) ** 2 * inertia  # bounds d·dt/inertia
     stiffness = float(_rounded(min(limits.effort / error, most)))
     unit, length = (
         ("kg", "m") if driven.type is JointType.PRISMATIC else ("kg·m²", "rad")

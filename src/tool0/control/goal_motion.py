@@ -1,6 +1,6 @@
 """The motion of each joint through the points of a trajectory goal.
 
-This module contains the code that ROS 1 and ROS 2 controllers share: checks of the
+The module contains the code that ROS 1 and ROS 2 controllers share: checks of the
 numbers, and splines along a plan.
 """
 
@@ -84,7 +84,7 @@ def check_limits(
 def suspects_after(
     goal: TrajectoryGoal, first: int, start: float, turns: Sequence[float | None]
 ) -> Sequence[int]:
-    """Return the points after ``first`` whose segments may be implausible.
+    """Return the points after ``first`` with possibly implausible segments.
 
     ``turns`` [rad] are added to the positions of continuous joints.
     """

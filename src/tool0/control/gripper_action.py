@@ -35,10 +35,10 @@ class DriveSettings:
 
     gripper: ParallelGripper | None
     """The gripper; None if the description does not specify how the opening depends on
-    the joint.  In this case, the drive has no speed and effort settings."""
+    the joint.  Without a gripper, the drive has no speed and effort settings."""
     effort_interface: str
-    """Interface for the effort; empty if the effort is not set.  The same applies to
-    ``velocity_interface`` and the speed."""
+    """Interface for the effort; empty if the effort is not set.  ``velocity_interface``
+    is the corresponding interface for the speed."""
     velocity_interface: str
     max_effort: float
     """Effort for goals that do not specify an effort [N | N·m]."""
@@ -55,7 +55,7 @@ class DriveSettings:
     ) -> DriveLimits | None:
         """Return the limits for the drive; None if the drive's own limits apply.
 
-        Settings beyond the range are clamped, like in the driver of the gripper.
+        Settings beyond the range are clamped, as they are in the gripper's driver.
         """
         gripper = self.gripper
         if gripper is None or not self.interfaces:
@@ -131,10 +131,10 @@ class GripperActionController:
     """Moves one joint to a position with limited effort.
 
     A goal succeeds when the error is below ``goal_tolerance``.  If the joint stalls
-    before that, the goal is aborted or, if ``allow_stalling`` is set, succeeds.  In
-    both cases, the command remains in effect: a gripper continues to squeeze with the
-    goal's effort.  The controller behaves like the ROS controllers of the same name,
-    with these improvements:
+    with a larger error, the goal is aborted or, if ``allow_stalling`` is set, succeeds.
+    After a success and after an abort, the command remains in effect: a gripper
+    continues to squeeze with the goal's effort.  The controller behaves like the ROS
+    controllers of the same name, with these improvements:
 
     * a stall is a *change of position* of less than ``stall_velocity_threshold *
       stall_timeout`` during ``stall_timeout``: in ROS, the velocity of a simulated grip
@@ -231,11 +231,11 @@ class GripperActionController:
         now: float,
         drive_limits: DriveLimits | None = None,
     ) -> Goal:
-        """Replace the goal and return the handle of the new goal, or reject it.
+        """Start a new goal and return its handle, or reject the goal.
 
-        The sign of ``max_effort`` [N·m | N] is ignored, as it is in ROS.  If the value
-        is None or 0, the value of the controller applies.  ``drive_limits`` apply
-        during the goal.
+        The sign of ``max_effort`` [N·m | N] is ignored, as it is in ROS.  If
+        ``max_effort`` is None or 0, the value of the controller applies.
+        ``drive_limits`` apply during the goal.
 
         Raises:
             GoalRejectedError: If the goal is rejected; the previous command stays in
@@ -271,7 +271,7 @@ class GripperActionController:
     ) -> None:
         """Continue with a goal that the kernel started at ``now`` [s], or completed.
 
-        Clients have no handle of this goal.
+        Clients have no handle of a goal that the kernel started.
         """
         self._finish(GoalStatus.PREEMPTED)
         self._goal = Goal(self.spec.name) if has_goal else None
@@ -346,8 +346,8 @@ def read_gripper_action(
 
     Gains and stall settings are read from ``parameters``; other values are arguments.
 
-    ``delay`` [s] is added to the stall timeout, since the state is delayed by this
-    time.
+    ``delay`` [s] is added to the stall timeout, since the state is delayed by
+    ``delay``.
     """
     gains: tuple[Gains, ...] = ()
     if interface is Interface.EFFORT:

@@ -31,7 +31,7 @@ def joint_limit_parameters() -> frozenset[str]:
 def read_joint_limits(limits: Namespace) -> dict[str, float]:
     """Read the limits of one joint.
 
-    A limit applies only if the parameter ``has_…_limits`` is true, as it does in ROS.
+    As in ROS, a limit applies only if the parameter ``has_…_limits`` is true.
     """
     limits.accept("angle_wraparound")
 

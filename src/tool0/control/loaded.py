@@ -47,7 +47,7 @@ class LoadedController:
 
     @property
     def is_own(self) -> bool:
-        """Whether this is an internal controller of tool0, which has no YAML."""
+        """Whether the controller is internal to tool0 and has no YAML."""
         return self.config is None
 
     def require_config(self) -> ControllerConfig:
@@ -58,7 +58,7 @@ class LoadedController:
 
     @property
     def why_fixed(self) -> str:
-        """Reason why clients cannot start, stop or change this internal controller."""
+        """Reason why clients cannot start, stop or change an internal controller."""
         return (
             f"controller '{self.name}' is tool0's own: `take_arm` starts it, and "
             "`return_arm` stops it"
@@ -109,7 +109,7 @@ class LoadedController:
         return (*names, *spec.further_interfaces)
 
     def started(self, state: JointState) -> Controller:
-        """Return a new running instance."""
+        """Return a new running instance of the controller."""
         return self.configured.start(self.indices, state)
 
     @property

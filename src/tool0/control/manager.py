@@ -52,7 +52,7 @@ class Strictness(enum.Enum):
     """Handling of requests that a switch cannot fulfill, with the values of ROS."""
 
     BEST_EFFORT = 1
-    """Skip these requests, and fulfill the other requests."""
+    """Skip requests that cannot be fulfilled, and fulfill the other requests."""
     STRICT = 2
     """Raise an error, and change nothing."""
 
@@ -160,7 +160,7 @@ class ControllerManager:
         """Load a controller from ``config``, and configure it.
 
         If ``config`` is None, the manager's config is used.  If ``configure`` is False,
-        the controller stays unconfigured, as it does after the ROS 2 service.
+        the controller stays unconfigured, as it does after the load service of ROS 2.
 
         Raises:
             ControlError: If the controller is already loaded.
@@ -227,7 +227,7 @@ class ControllerManager:
         del self._loaded[name]
         self._refresh()
 
-    # ---- tool0's own controllers ----------------------------------------------------
+    # ---- internal controllers of tool0 ----------------------------------------------
 
     def start_own(self, spec: ControllerSpec, state: JointState) -> None:
         """Load and start an internal controller of tool0, which has no YAML.
@@ -236,7 +236,7 @@ class ControllerManager:
         drives offer.
 
         Raises:
-            ControlError: If a controller with this name is already loaded.
+            ControlError: If a controller with the same name is already loaded.
             ClaimError: If another running controller claims one of the joints.
         """
         if spec.name in self._loaded:
@@ -258,7 +258,7 @@ class ControllerManager:
     def stop_own(self, name: str, state: JointState) -> None:
         """Stop and unload an internal controller of tool0.
 
-        Afterwards, the brakes hold the joints.
+        After the stop, the brakes hold the joints.
         """
         self._stop([name], state)
         del self._loaded[name]
@@ -536,7 +536,7 @@ class ControllerManager:
     def stop_all(self, state: JointState) -> None:
         """Stop every running controller.
 
-        Afterwards, the brakes hold all joints.
+        After the stop, the brakes hold all joints.
         """
         self._stop(self._names_running(), state)
         self._refresh()

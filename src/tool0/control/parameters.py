@@ -27,8 +27,8 @@ class Pid:
     """PID law per joint: ``p e + clamp(i ∫e dt) + d de/dt``, limited, without a filter.
 
     If the period is 0, the command is 0 and the integral is unchanged.  The errors must
-    be finite.  The engine (DivergenceError) and the checks of goals and commands ensure
-    this.
+    be finite, which the engine (DivergenceError) and the checks of goals and commands
+    ensure.
     """
 
     __slots__ = ("integrals", "rows")
@@ -164,7 +164,7 @@ class RobotJoints:
 
     @staticmethod
     def assumed(names: Iterable[str], type_name: str) -> RobotJoints:
-        """Return artificial joints that a controller of this type can command."""
+        """Return artificial joints that a controller of a given type can command."""
         package = type_name.partition("/")[0]
         known = INTERFACE_OF_PACKAGE.get(package)
         interfaces = tuple(Interface) if known is None else (known,)

@@ -18,7 +18,7 @@ class PublishRate:
     """Rule of ros_control: publish once per period, and catch up on late messages."""
 
     def __init__(self, rate: float) -> None:
-        """Set a rate [Hz]; with a rate of 0 or less, nothing is published."""
+        """Set a rate [Hz]; with a rate of 0 or less, no messages are published."""
         self._period = 1.0 / rate if rate > 0.0 else math.inf
         self._last = self._checked = -math.inf
 

@@ -19,14 +19,14 @@ from tool0.protocol.goals import Goal
 Polynomial = tuple[float, ...]
 """``(t0, c0 … c5, 2 c2, 3 c3, 4 c4, 5 c5)``, for Horner's rule.
 
-The argument is ``t = time - t0``.  The coefficients of the velocity are precomputed,
-since the tick needs both the position and the velocity.
+The argument of the polynomial is ``t = time - t0``.  The coefficients of the velocity
+are precomputed, since the tick needs both the position and the velocity.
 """
 
 
 IMPLAUSIBLE = 1e9
-"""Position or velocity that no segment may exceed [rad, rad/s].  This bound keeps sums
-in the tick far from overflow; no joint could follow such a motion."""
+"""Position or velocity that no segment may exceed [rad, rad/s].  The bound keeps sums
+in the tick far from overflow; no joint could follow a motion beyond the bound."""
 
 
 _ALMOST_PI = math.pi - 1e-9
@@ -111,7 +111,7 @@ class Segment:
         return resting(self.sample(self.end).position)
 
     def is_bounded(self, bound: float = IMPLAUSIBLE) -> bool:
-        """Return whether neither the position nor the speed can exceed ``bound``.
+        """Return whether ``bound`` limits both the position and the speed.
 
         The absolute values of the terms are summed, so that NaN and overflow are
         treated as unbounded.
@@ -133,7 +133,7 @@ def stop_ramp(time: float, now: Sample, duration: float) -> tuple[Motion, Motion
 
     As in ROS, the ramp is the first half of the symmetric quintic that changes the
     velocity from v to -v over twice the ``duration``.  The ramp ends at the turning
-    point of this quintic, at ``position + 5/8 v duration``.
+    point of the symmetric quintic, at ``position + 5/8 v duration``.
     """
     position, velocity, _ = now
     first = Motion(position, velocity, 0.0)
@@ -170,8 +170,8 @@ def wrap_offset(previous: float, following: float) -> float:
     """Return the whole turns that move ``following`` closest to ``previous`` [rad].
 
     If the two angles are half a turn apart, within 1e-9 rad, the direction of the turn
-    depends on which angle is larger.  As a result, the direction does not depend on
-    rounding.
+    depends on which angle is larger.  The direction of the turn therefore does not
+    depend on rounding.
     """
     turn = shortest_turn(previous, following)
     if abs(turn) > _ALMOST_PI:
@@ -347,7 +347,7 @@ class JointSpline(NamedTuple):
         goal: Goal | None = None,
         tolerances: JointTolerances = NO_TOLERANCES,
     ) -> JointSpline:
-        """Return a spline of this motion up to ``start``, a bridge, and a new motion.
+        """Return a spline of the motion up to ``start``, a bridge, and a new motion.
 
         Args:
             now: Time from which the spline is needed [s].
@@ -382,7 +382,7 @@ class JointSpline(NamedTuple):
     def followed_by(
         self, section: SplineSection, now: float, leave: float
     ) -> JointSpline:
-        """Return the motion between ``now`` and ``leave`` [s], and then a section."""
+        """Return the motion from ``now`` to ``leave`` [s], followed by a section."""
         kept = self.sections[
             self._active_section(now) : self._active_section(leave) + 1
         ]
@@ -481,7 +481,10 @@ def stop(
     clamp: Callable[[float], float],
     goal: Goal | None = None,
 ) -> JointSpline:
-    """Return the spline of a stop as in ROS, but within the joint's limits."""
+    """Return the spline of a stop that ends within the joint's limits.
+
+    Within the limits, the stop is the same as in ROS.
+    """
     first, last = stop_ramp(time, now, duration)
     ramp = Segment(time, first, time + duration, last)
     position = ramp.sample(ramp.end).position

@@ -15,8 +15,8 @@ from tool0.protocol.controllers import Role
 _GOALS = (Role.TRAJECTORY, Role.GRIPPER)
 _STATES = ("JointStateController", "JointStateBroadcaster")
 _SCALED = "Scaled"
-"""Part of the type names of the trajectory controllers with speed scaling of Universal
-Robots."""
+"""Part of the type names of Universal Robots' trajectory controllers that scale their
+speed."""
 
 
 class Choice(NamedTuple):

@@ -11,9 +11,9 @@ from tool0.protocol.goals import Tolerance, ToleranceOverride
 DEFAULT_GOAL_TIME = 1.0
 """Time to arrive after the last point if ``constraints/goal_time`` is missing [s].
 
-In this case, ROS uses 0.  ROS therefore aborts many goals although the joints have
-arrived, because the velocity is not yet below ``stopped_velocity_tolerance`` in the
-cycle in which the motion ends.
+Without ``constraints/goal_time``, ROS uses a time of 0, and therefore aborts many goals
+although the joints have arrived, because the velocity is not yet below
+``stopped_velocity_tolerance`` in the cycle in which the motion ends.
 """
 
 DEFAULT_STOPPED_VELOCITY = 0.01
@@ -25,8 +25,8 @@ DEFAULT_GOAL_TOLERANCE = 0.1
 """Goal tolerance if neither the YAML nor the goal specifies a tolerance [rad].  The
 value is the tolerance of the controllers in ur_gazebo.
 
-In this case, ROS performs no check, and reports success regardless of the joint
-positions.
+Without a goal tolerance, ROS performs no check, and reports success regardless of the
+joint positions.
 """
 
 DEFAULT_SLIDING_TOLERANCE = 0.01

@@ -36,7 +36,7 @@ MANY = 50
 """Number of points above which numpy is faster than a Python loop."""
 
 BLOCK = 1024
-"""Number of points that numpy examines in one call.  The call takes less than a
+"""Number of points that numpy examines in one call.  One call takes less than a
 millisecond, during which no other thread runs."""
 
 _SHORT = 1e-9
@@ -46,10 +46,11 @@ length of such segments."""
 _TERMS = 256.0
 """Factor of the terms in a fast version of ``Segment.is_bounded``.  The terms in
 ``is_bounded`` add at most 32 |d| + 32 |v| T + 6 |a| T² to the position.  For T times
-the speed, their sum is at most 120 |d| + 121 |v| T + 22 |a| T².  Here, d is the
-distance, and v and a are the larger values of both ends.  The factor is about twice the
-largest coefficient, which leaves a margin for rounding.  Half the bound (MARGIN) leaves
-a margin for a rounded T and for whole turns of a continuous joint."""
+the speed, the sum of the terms is at most 120 |d| + 121 |v| T + 22 |a| T².  The symbol
+d is the distance, and v and a are the larger velocity and acceleration of both ends.
+The factor is about twice the largest coefficient, which leaves a margin for rounding.
+Half the bound (MARGIN) leaves a margin for a rounded T and for whole turns of a
+continuous joint."""
 
 MARGIN = IMPLAUSIBLE / 2.0
 """Largest shift of positions up to which not every point has to be examined [rad]."""
@@ -141,9 +142,9 @@ def _examine(
 ) -> tuple[list[int], PositionRanges]:
     """Return the indices of points that may be invalid, and the ranges of positions.
 
-    For every point that is not returned, the time is finite and later than the time of
-    the previous point.  The point has as many finite numbers as the first point has
-    positions.  In the segment before the point, no joint exceeds IMPLAUSIBLE.
+    A point that is not returned has a finite time after the previous point, and as many
+    finite numbers as the first point has positions.  In the segment before a point that
+    is not returned, no joint exceeds IMPLAUSIBLE.
     """
     import numpy as np
 
@@ -200,7 +201,7 @@ def _numbers(points: Sequence[TrajectoryPoint], n_joints: int) -> FloatArray | N
 class Setpoint(Struct, frozen=True):
     """Setpoints of one controller, at one point in time and at the end of its motion.
 
-    For efficiency, this class is a struct of immutable values: the loop creates an
+    For efficiency, ``Setpoint`` is a struct of immutable values: the loop creates an
     instance every eight steps.  The setpoints are computed when they are read, in the
     thread that reads them.
     """
@@ -224,7 +225,7 @@ class Setpoint(Struct, frozen=True):
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of the joints, in the order of the other sequences in this class."""
+        """Names of the joints, in the order of the other sequences of a setpoint."""
         return tuple(joint.name for joint in self.joint_models)
 
     def joint_setpoints(self) -> Mapping[str, JointSetpoint]:
@@ -239,7 +240,7 @@ class Setpoint(Struct, frozen=True):
     def desired_motion(self, joints: Sequence[str], time: float) -> ArmSetpoint | None:
         """Return the desired motion of ``joints`` at the simulated ``time`` [s].
 
-        The result is None if any of ``joints`` is not a joint of this controller.
+        The result is None if any of ``joints`` is not a joint of the controller.
         """
         names = self.joint_names
         if not set(joints).issubset(names):
@@ -260,8 +261,8 @@ class Setpoint(Struct, frozen=True):
     def desired_and_target(self, joint: str) -> tuple[float, float] | None:
         """Return the desired position of a joint now and at the end [rad | m].
 
-        The result is None if the controller does not have the joint.  This function is
-        much faster than ``joint_setpoints``.
+        The result is None if the controller does not have the joint.
+        ``desired_and_target`` is much faster than ``joint_setpoints``.
         """
         for model, spline in zip(self.joint_models, self.splines, strict=True):
             if model.name == joint:
@@ -269,7 +270,7 @@ class Setpoint(Struct, frozen=True):
         return None
 
     def state(self) -> TrajectoryState:
-        """Return the desired motion, the actual motion and the error at this time."""
+        """Return the desired motion, the actual motion and the tracking error."""
         time = self.time
         _, position, velocity, _ = self.measured
         section, segment, _ = self.splines[0].active(time)

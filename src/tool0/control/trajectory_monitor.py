@@ -73,8 +73,8 @@ class TrajectoryMonitor:
         """Return the result if the trajectory ends at ``time`` [s], or None.
 
         ``ahead`` [s] is the time of the commanded motion.  The path tolerances also
-        apply in the first tick (``is_first``) of a trajectory that has already ended in
-        this tick.
+        apply in the first tick of a trajectory (``is_first``), even if the trajectory
+        has already ended.
         """
         is_moving = ahead < self.end
         if (is_moving or is_first) and not self._is_on_path(errors, rates):

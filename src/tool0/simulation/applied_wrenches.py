@@ -31,7 +31,7 @@ class AppliedWrench:
     frame [m]; None for the center of mass of the body.  The lever arm moves with the
     body but does not rotate."""
     start: float = 0.0
-    """Simulated time at which the wrench begins [s].  If this time has passed, the
+    """Simulated time at which the wrench begins [s].  If the start time has passed, the
     wrench begins immediately."""
     duration: float = math.inf
     """Duration of the wrench [s]."""
@@ -41,7 +41,7 @@ class AppliedWrench:
 class AppliedWrenches:
     """Starts and ends wrenches.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``AppliedWrenches``.
     """
 
     def __init__(self, world: World) -> None:

@@ -1,4 +1,4 @@
-"""Bring-up of a robot from options, with an initial pose and running controllers."""
+"""Bring-up of a simulated or real robot from options."""
 
 from __future__ import annotations
 
@@ -64,9 +64,9 @@ def start_simulation(
 def _require_pose(collisions: CollisionFinder, setup: Setup) -> None:
     """Raise PenetrationError if the initial pose causes impermissible contacts.
 
-    A default pose, which the user did not specify, is accepted if there are no objects
-    in the scene.  Such a pose is defined by the description, and the engine issues a
-    warning about its penetrations.
+    A default pose, which the user did not specify, is accepted if the robot does not
+    touch an object in this pose.  A default pose is defined by the description, and the
+    engine issues a warning about penetrations in the pose.
     """
     model, cell, objects = (
         setup.description.model,

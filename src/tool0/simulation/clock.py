@@ -9,8 +9,8 @@ from typing import final
 CATCH_UP = 0.1
 """Wall time up to which the simulation catches up if it lags behind [s].
 
-A larger lag is dropped.  Otherwise, the simulation would run at full speed through the
-time that it missed while the computer was suspended.
+A larger lag is dropped, since the simulation would otherwise run at full speed through
+the time that it missed while the computer was suspended.
 """
 
 
@@ -79,7 +79,7 @@ class FollowedClock:
         return 1
 
     def tick_further(self, count: int) -> None:
-        """Do nothing, since no tick of such an engine is late."""
+        """Do nothing, since ticks of an engine with its own clock are never late."""
 
 
 @final

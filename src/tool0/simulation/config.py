@@ -39,8 +39,8 @@ class ControlConfig:
     robot has no such pose."""
     control_period: float | None = None
     """Simulated time between controller updates [s].  By default, the `update_rate` of
-    the ROS 2 controllers determines this time; if there is no such rate, the time
-    equals dt."""
+    the ROS 2 controllers determines the time between updates; without an `update_rate`,
+    the time equals dt."""
 
 
 @final
@@ -76,7 +76,7 @@ class SimulationConfig:
     """Start even if a link penetrates the ground, an object or another link in the
     initial pose.  The physics engine then pushes the bodies apart with large forces."""
     realtime: bool = True
-    """Synchronize simulated time with the wall clock.  If this option is off, the
+    """Synchronize simulated time with the wall clock.  If the option is off, the
     simulation runs as fast as possible; in Python, time then advances only in ``run``
     and ``wait``."""
     speed: float = 1.0

@@ -35,7 +35,7 @@ DEFAULT_STOPPED_CONTROLLERS = (
 )
 """Controllers of ROS 1 that are loaded but not started, as in the launch file
 ``ur5_bringup.launch``, if the YAML defines these controllers.  In a cell, each robot
-has these controllers, and their names start with the robot's name."""
+has its own controllers, with names that start with the robot's name."""
 
 
 UNSCALED = "joint_trajectory_controller"
@@ -52,8 +52,8 @@ class ControllerChoice(NamedTuple):
     stopped: tuple[str, ...]
     """Names of the controllers to load but not to start."""
     findings: tuple[Finding, ...]
-    """Warnings about joints that no controller moves, unless the options request
-    this."""
+    """Warnings about joints that no controller moves; empty if the options specify the
+    controllers."""
 
 
 def choose_controllers(
@@ -170,7 +170,10 @@ def _findings(
     config: ControllerConfig,
     started: tuple[str, ...],
 ) -> list[Finding]:
-    """Return a warning if no joint can move, unless the options request this."""
+    """Return a warning if no joint can move.
+
+    There is no warning if the options specify the controllers.
+    """
     here = SourceLocation(description.source)
     driven = [item.joint for item in description.model.transmissions]
     if not driven:

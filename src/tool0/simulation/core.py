@@ -51,7 +51,7 @@ class Core:
 
     An Executor moves the robot of the core.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``Core``.
     """
 
     def __init__(
@@ -184,8 +184,8 @@ class Core:
     def advance(self, most: int) -> int:
         """Tick one to ``most`` times, and return the number of ticks.
 
-        The kernel executes as many ticks as possible.  The function returns after a
-        tick in Python.
+        The kernel executes as many ticks as possible.  ``advance`` returns after a tick
+        in Python.
         """
         most = self.scene.wrenches.quiet_ticks(self.time, self.control_period, most)
         program = None if self.engine.stepper is None or not most else self.program()
@@ -208,7 +208,7 @@ class Core:
         return self._program
 
     def apply_kernel_result(self, result: Ended, done: int) -> int:
-        """Process ``done`` ticks of the kernel, and return the number of all ticks.
+        """Process ``done`` kernel ticks, and return the total number of ticks.
 
         After an event, Python executes one additional tick.
         """
@@ -241,8 +241,8 @@ class Core:
     def sync_from_kernel(self) -> None:
         """Restore the state of controllers and drives if the kernel holds it.
 
-        Call this function before controllers or drives are read or changed between two
-        ticks.
+        Call ``sync_from_kernel`` before controllers or drives are read or changed
+        between two ticks.
         """
         program, self._program = self._program, None
         if program is not None:
@@ -259,9 +259,9 @@ class Core:
         return self._before, self.state
 
     def check_contacts(self) -> None:
-        """Find grips, and joints that push without moving.
+        """Detect grips, and joints that push without moving.
 
-        This function is called between two ticks.
+        ``check_contacts`` is called between two ticks.
         """
         if self.own_drives is not None:
             self.grip_contacts.note(self.own_drives.gripping)
@@ -366,7 +366,7 @@ class Core:
     def set_stopped(self, engaged: bool) -> None:
         """Engage or release the brakes of every joint.
 
-        Afterwards, the controllers hold their joints.
+        After the change, the controllers hold their joints.
         """
         if engaged == self.hardware.is_stopped:
             return
@@ -406,7 +406,7 @@ class Core:
         return self.engine.world.contacts() + self.scene.wrenches.contacts()
 
     def _forces_on(self, links: frozenset[str]) -> tuple[Contact, ...]:
-        """Return the external forces, without contacts if nothing touches ``links``."""
+        """Return the external forces, without contacts if no body touches ``links``."""
         if self.engine.world.is_touched(links):
             return self._forces()
         return self.scene.wrenches.contacts()

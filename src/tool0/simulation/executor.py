@@ -52,7 +52,7 @@ of velocities uses its own acceleration if this acceleration is larger."""
 class Executor:
     """Moves the robot of a core.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``Executor``.
     """
 
     def __init__(self, core: Core) -> None:
@@ -198,7 +198,7 @@ class Executor:
         self._note_command(controller, positions)
 
     def _start(self, followers: Sequence[TrajectoryFollower]) -> float:
-        """Return the start time of motions that are commanded now [s]."""
+        """Return the start time [s] of motions that are commanded now."""
         now = self.core.time
         if self.core.own_drives is None:
             return now
@@ -206,7 +206,7 @@ class Executor:
         return now + self._delay_from([v for one in motions for v in one.velocities])
 
     def _delay_from(self, velocities: Sequence[float]) -> float:
-        """Return the start delay of a motion that begins with ``velocities`` [s].
+        """Return the start delay [s] of a motion that begins with ``velocities``.
 
         A real robot at rest should receive its motion before the motion starts, so that
         network delays do not affect the motion.
@@ -257,7 +257,7 @@ class Executor:
         self._note_command(controller)
         self._manager.release_brakes(controller, self.core.state)
 
-    # ---- arms that a program has taken ----------------------------------------------
+    # ---- arms under program control -------------------------------------------------
 
     def take_arm(self, arm: str | None, by: str, *, protected: bool = False) -> None:
         """Give a program control of an arm; see ``Arm.take``."""
@@ -408,7 +408,7 @@ class Executor:
     def supervise(self) -> None:
         """Stop the arms with a failed motion.
 
-        This function is called between two ticks.
+        ``supervise`` is called between two ticks.
         """
         for arm, reason, is_beyond_limits in self.supervision.failures():
             self.core.sync_from_kernel()
@@ -429,7 +429,7 @@ class Executor:
                     self.cancel(goal)
         self._plan_watches = [one for one in self._plan_watches if not one.is_over]
 
-    # ---- what they have in common ---------------------------------------------------
+    # ---- shared functions -----------------------------------------------------------
 
     def _mover(self, arm: str | None) -> ArmMotionController:
         """Return the motion controller of an arm, after ending its torque mode."""
@@ -441,9 +441,10 @@ class Executor:
     def _moves(
         self, positions: Mapping[str, float], controller: str | None
     ) -> Mapping[str, Mapping[str, float]]:
-        """Return the positions by controller.
+        """Return the positions, grouped by controller.
 
-        By default, the controllers are the controllers that claim the joints.
+        If ``controller`` is None, each joint is assigned to the controller that claims
+        the joint.
         """
         if controller is not None:
             return {controller: positions}

@@ -29,11 +29,11 @@ with the requests."""
 
 
 class Executed(Struct, frozen=True, gc=False):
-    """A request that changed the simulation, or failed.
+    """A request that changed the simulation or failed to change it.
 
     Entries and requests are never part of a reference cycle, so they are excluded from
-    garbage collection.  Otherwise, with a stream at 500 Hz, the garbage collector would
-    stop every thread for 0.1 s after one minute.
+    garbage collection.  If entries were not excluded, the garbage collector would stop
+    every thread for 0.1 s after one minute of a stream at 500 Hz.
     """
 
     number: int
@@ -73,7 +73,7 @@ class Journal:
         Call the returned function with the error of the request, or with None if the
         request succeeded.
 
-        Both functions must be called in the thread of the tick.
+        ``begin`` and the returned function must be called in the thread of the tick.
         """
         step, tick, time = self._loop.steps, self._core.ticks, self._core.time
 

@@ -1,9 +1,9 @@
 """The loop, which executes queued operations and ticks, and publishes snapshots.
 
-The mailbox is the only input.  It receives operations from any thread; the thread of
-the tick executes each operation between two ticks.  In real time, the thread of the
-tick is a dedicated thread of the loop.  Otherwise, it is the caller's thread while the
-caller advances time.
+The mailbox is the only input.  The mailbox receives operations from any thread; the
+thread of the tick executes each operation between two ticks.  In real time, the thread
+of the tick is a dedicated thread of the loop.  Without real time, the thread of the
+tick is the caller's thread while the caller advances time.
 """
 
 from __future__ import annotations
@@ -57,8 +57,9 @@ class Loop:
     ) -> None:
         """Publish the first snapshot, and start the thread of the loop in real time.
 
-        ``speed`` is the ratio of simulated time to wall time.  If it is None, the loop
-        does not run in real time: time passes only on request, as fast as possible.
+        ``speed`` is the ratio of simulated time to wall time.  If ``speed`` is None,
+        the loop does not run in real time: time passes only on request, as fast as
+        possible.
         """
         self._executor = executor
         self._core = core = executor.core
@@ -116,7 +117,7 @@ class Loop:
 
     @property
     def max_drift(self) -> float:
-        """Largest deviation of an uncommanded joint from its initial position."""
+        """Largest deviation of an uncommanded joint from its start [rad | m]."""
         return self._publisher.max_drift
 
     @property
@@ -136,10 +137,10 @@ class Loop:
     ) -> R:
         """Execute ``operation`` between two ticks, and return its result.
 
-        The operation runs in the thread of the tick.  This thread may also call this
-        method between two ticks.  If ``publishes`` is True, a snapshot is published
-        after the operation.  An urgent operation waits only for the operation in
-        progress.
+        The operation runs in the thread of the tick.  The thread of the tick may also
+        use ``call`` between two ticks.  If ``publishes`` is True, a snapshot is
+        published after the operation.  An urgent operation waits only for the operation
+        in progress.
 
         Raises:
             ControlError: If the simulation is closed.
@@ -189,7 +190,7 @@ class Loop:
         self._mailbox.put(_Operation(operation, future, publishes=False))
 
     def run(self, duration: float, until: Callable[[], bool] = lambda: False) -> None:
-        """Advance simulated time by ``duration`` [s], or until ``until`` returns True.
+        """Advance time by ``duration`` [s], or stop early if ``until`` returns True.
 
         ``until`` is called at every snapshot and when a goal ends, but not after every
         tick.
@@ -222,7 +223,7 @@ class Loop:
         """Advance time until ``goal`` ends, and return whether it has ended.
 
         ``timeout`` [s] is in wall time if the loop runs in real time, and in simulated
-        time otherwise.  If it is None, there is no timeout.
+        time otherwise.  If ``timeout`` is None, there is no timeout.
 
         Raises:
             EngineError: If the physics engine failed, so that the goal would never end.
@@ -278,11 +279,11 @@ class Loop:
         self._bus.announce(WasReset(self._core.time, self.steps))
 
     def publish_every(self, period: float) -> float:
-        """Publish snapshots at least every ``period`` [s], and return the period.
+        """Publish snapshots at least every ``period`` [s]; return the actual period.
 
-        This function must be called in the thread of the tick.  The resulting period is
-        the longest period, up to ``period``, that is a multiple of the control period
-        and divides the default period.
+        ``publish_every`` must be called in the thread of the tick.  The actual period
+        is the longest period, up to ``period``, that is a multiple of the control
+        period and divides the default period.
         """
         control_period = self._core.control_period
         self._snapshot_ticks = ticks_between_snapshots(period, control_period)
@@ -303,7 +304,7 @@ class Loop:
     def _update_running(self) -> None:
         """Record whether the loop may tick automatically.
 
-        The tick checks only this flag.
+        The tick checks only the recorded flag.
         """
         self._is_running = not (
             self.is_paused or self._closing or self.fault is not None
@@ -361,7 +362,8 @@ class Loop:
 
         At the default period, limits and contacts are also checked.
 
-        These checks therefore do not depend on the rates of subscribers.
+        The checks of limits and contacts therefore do not depend on the rates of
+        subscribers.
         """
         core = self._core
         if core.ticks % self._default_snapshot_ticks:

@@ -1,8 +1,8 @@
 """A queue from several threads to one thread, which can wait with a timeout.
 
 ``queue.SimpleQueue.get`` cannot be used with a timeout: in CPython 3.10 to 3.13, it
-waits forever if the timeout expires before the wait begins.  This can happen with a
-short timeout, or with any timeout if the process is suspended.
+waits forever if the timeout expires before the wait begins.  The timeout can expire
+this early if it is short, or if the process is suspended.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Mailbox(Generic[T]):
     def put(self, item: T) -> None:
         """Add an item.
 
-        Any thread may call this function.
+        Any thread may call ``put``.
         """
         self._items.append(item)
         with contextlib.suppress(RuntimeError):  # already released

@@ -62,7 +62,7 @@ logger = logging.getLogger(__name__)
 
 PRESSING: Final = 0.002
 """Penetration depth up to which an unplanned motion is accepted [m].  The controller is
-responsible for stopping such a motion at the contact."""
+responsible for stopping the motion at the contact."""
 MOST_PLANS: Final = 100
 """Largest number of plans that are stored; the oldest plans are discarded."""
 MOVED: Final = 1e-3
@@ -121,7 +121,7 @@ class _Moving:
 class MotionPlans:
     """Checks and plans motions of one simulation.
 
-    Any thread may use this class.
+    Any thread may use ``MotionPlans``.
     """
 
     def __init__(self, simulation: Simulation) -> None:
@@ -293,7 +293,7 @@ class MotionPlans:
         """Raise CollisionError if arms would collide on a path of their joints.
 
         The path is not checked if MuJoCo cannot read the robot's shapes, or if there is
-        no compiled kernel.  In this case, a warning is logged once.
+        no compiled kernel.  If the path is not checked, a warning is logged once.
         """
         try:
             found = self.check_path(path, positions)
@@ -320,7 +320,7 @@ class MotionPlans:
         moving = _Moving(chains=chains, positions=positions)
         return self._checked(moving, path, Rules(clearance=-PRESSING), ())
 
-    # ---- parts ----------------------------------------------------------------------
+    # ---- helper functions -----------------------------------------------------------
 
     @contextmanager
     def _found(

@@ -43,7 +43,7 @@ def goals_of(
     Raises:
         UnreachableError: If the target cannot be reached; the message contains the
             reason.
-        ControlError: If the target is invalid, or is not a target of this arm.
+        ControlError: If the target is invalid, or is not a target of the arm.
     """
     if (target.pose is None) == (not target.positions):
         raise ControlError("a target needs either joint positions or a pose")

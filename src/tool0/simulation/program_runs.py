@@ -14,7 +14,8 @@ from tool0.protocol.state import Snapshot
 class Execution(Protocol):
     """Executes one program.
 
-    Any thread may use it, but only the thread of the tick may call ``look``.
+    Any thread may use an ``Execution``, but only the thread of the tick may call
+    ``look``.
     """
 
     goal: Goal
@@ -40,7 +41,7 @@ class Execution(Protocol):
     def look(self, snapshot: Snapshot) -> None:
         """Advance the program.
 
-        This function is called between two ticks, in the thread of the tick.
+        ``look`` is called between two ticks, in the thread of the tick.
         """
 
 

@@ -29,14 +29,14 @@ def kernel_digest() -> str:
 
 
 def current_platform() -> str:
-    """Return the operating system and the processor of this computer."""
+    """Return the operating system and the processor of the computer."""
     return f"{platform.system()} {platform.machine()}"
 
 
 def is_kernel_compiled() -> bool:
     """Return whether compiled code executes the ticks.
 
-    Simulation results do not depend on this.
+    Simulation results do not depend on compiled code.
     """
     return kernel_status().library is not None
 

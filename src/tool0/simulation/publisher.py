@@ -38,7 +38,7 @@ class Pace(Protocol):
 class Publisher:
     """Creates snapshots.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``Publisher``.
     """
 
     def __init__(self, core: Core, bus: Bus) -> None:

@@ -58,7 +58,7 @@ class _Pull(NamedTuple):
 class PullSprings:
     """Springs, with at most one spring per link.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``PullSprings``.
     """
 
     def __init__(

@@ -18,7 +18,7 @@ from tool0.simulation.applied_wrenches import AppliedWrenches
 class SceneObjects:
     """Objects in the engine, and wrenches on these objects.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``SceneObjects``.
     """
 
     def __init__(self, model: RobotModel, engine: Engine, scene: Scene) -> None:

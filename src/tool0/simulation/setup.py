@@ -103,7 +103,8 @@ class Setup:
         if isinstance(engine, OwnDrives):
             for arm in core.arms:
                 arm.stop(core.state)
-            # Time may not advance before the first tick, but the state is needed.
+            # Simulated time may be paused before the first tick, but the state is
+            # needed.
             core.arms.follow(engine.report, core.state)
         return core
 

@@ -110,7 +110,8 @@ class Simulation:
         self.goals = GoalRegistry()
         self.programs = ProgramStore(description.model.name)
         self.program_runs = ProgramRuns()
-        """Program runs.  Only the thread of the tick may start or advance them."""
+        """Program runs.  Only the thread of the tick may start or advance program
+        runs."""
         loop.when_observed = self.program_runs.look
         self.journal = Journal(core, loop)
         """Journal of the requests that have changed the simulation since its start."""
@@ -155,7 +156,7 @@ class Simulation:
             with_contacts: Whether the snapshots contain the contacts and the contact
                 forces.
             forces_period: Simulated time between two snapshots with contacts and forces
-                [s].  Each such snapshot takes 0.2 ms of the tick.
+                [s].  Each snapshot with contacts and forces takes 0.2 ms of the tick.
             latest_only: Whether only the latest snapshot is delivered; all events are
                 always delivered.
             when_published: Function that is called for every snapshot, in the thread of
@@ -241,7 +242,8 @@ class Simulation:
     def gripper(self, name: str | None) -> ParallelGripper:
         """Return a gripper by name, or the only gripper if no name is given.
 
-        ControlError is raised if there is no such gripper.
+        ControlError is raised if the gripper does not exist, or if several grippers
+        exist and no name is given.
         """
         grippers = find_grippers(self.description.model)
         if name is None:
@@ -266,7 +268,8 @@ class Simulation:
     def arm(self, name: str | None) -> ArmChain:
         """Return an arm by name, or the only arm if no name is given.
 
-        ControlError is raised if there is no such arm.
+        ControlError is raised if the arm does not exist, or if several arms exist and
+        no name is given.
         """
         arms = self.arms
         if name is not None:

@@ -20,7 +20,7 @@ from tool0.simulation.arms.arms import Arms
 class WantedMotions:
     """Reads the motions that controllers follow.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``WantedMotions``.
     """
 
     def __init__(

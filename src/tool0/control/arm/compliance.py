@@ -9,9 +9,9 @@ tool.  At rest, therefore, only the commanded force acts along the compliant axe
 force on the environment equals the commanded force, regardless of the friction along
 the stiff axes and the stiffness of the environment, and no force measurement is needed.
 If the full mass matrix converted accelerations to efforts, its off-diagonal terms would
-also cause forces along the compliant axes.  Instead, the wrench that accelerates the
-tool along some axes only is computed from the block of J M⁻¹ Jᵀ for these axes.  This
-matrix is the inverse of the task-space inertia (Khatib 1987,
+also cause forces along the compliant axes.  The wrench that accelerates the tool along
+some axes only is therefore computed from the block of J M⁻¹ Jᵀ for these axes.  The
+matrix J M⁻¹ Jᵀ is the inverse of the task-space inertia (Khatib 1987,
 https://doi.org/10.1109/JRA.1987.1087068).
 """
 
@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     Mask = NDArray[np.bool_]
 
 BANDWIDTH: Final = 60.0
-"""Natural frequency of the virtual springs [rad/s].  It is reduced if the physics step
-is too long for this frequency."""
+"""Natural frequency of the virtual springs [rad/s].  The frequency is reduced if the
+physics step is too long."""
 LARGEST_STEP: Final = 0.2
 """Largest product of a rate and the physics step at which the springs remain stable."""
 DAMPING_RANGE: Final = (10.0, 200.0)
@@ -56,7 +56,7 @@ of the limit."""
 SLOWEST: Final = 1e-9
 """Lower bound of the speed limits in the computation of the fade-out [m/s, rad/s]."""
 UNLIMITED: Final = 100.0
-"""Finite value used for infinite limits of speeds and deviations [m/s, rad/s, m,
+"""Finite value that replaces infinite limits of speeds and deviations [m/s, rad/s, m,
 rad]."""
 SLOW: Final = 1e-3
 """Speed of the TCP below which its direction of motion is considered undefined
@@ -85,7 +85,7 @@ class ComplianceTask:
     and the deviations along the stiff axes beyond which the spring force no longer
     increases [m, rad]."""
     lever: Array
-    """Position of the TCP in the flange's frame [m], shape (3,)."""
+    """Position of the TCP in the flange frame [m], shape (3,)."""
     damping: float
     """Decay rate of undriven motion [1/s]."""
     is_freedrive: bool = False
@@ -129,15 +129,15 @@ class _Inertias(NamedTuple):
     """Matrices that map motion along a task's axes to wrenches, of shape (6, 6)."""
 
     held: Array
-    """Wrench per acceleration along the stiff axes.  It has components along these axes
-    only."""
+    """Wrench per acceleration along the stiff axes.  The wrench has components along
+    the stiff axes only."""
     free: Array
     """Wrench per acceleration along the compliant axes.  Within a single step, the
     stiff axes are treated as free, since only springs hold them."""
     drag: Array
     """Wrench per velocity along the compliant axes, computed from the inertia along
-    these axes while the stiff axes are held.  This inertia can be much larger than the
-    inertia with free stiff axes, which limits the decay rate."""
+    these axes while the stiff axes are held.  The inertia with held stiff axes can be
+    much larger than the inertia with free stiff axes, which limits the decay rate."""
 
 
 @final
@@ -147,7 +147,7 @@ class Compliance:
     def __init__(
         self, model: ArmModel, task: ComplianceTask, select: JointSelector
     ) -> None:
-        """Store the task; ``select`` extracts the arm's joints from a state."""
+        """Store the task; ``select`` extracts the arm's values from a state."""
         self.task = task
         self._model = model
         self._select = select
@@ -251,7 +251,7 @@ class Compliance:
     def _placed(self, nominal: ArmSetpoint) -> Placement:
         """Return the nominal pose of the TCP.
 
-        The pose is cached, since the nominal motion is at rest most of the time.
+        The pose is cached, since the nominal joint positions rarely change.
         """
         known = self._known
         if known is None or known[0] != nominal.positions:
@@ -281,8 +281,8 @@ def _pose_error(here: Placement, goal: Placement) -> Array:
     """Return the pose error from ``here`` to ``goal`` [m, rad], shape (6,).
 
     The error is expressed in base axes.  The rotational part is the rotation axis times
-    the sine of the rotation angle.  The sine is close to the angle if the angle is
-    small.
+    the sine of the rotation angle.  For small angles, the sine of the angle is close to
+    the angle.
     """
     R = goal.rotation @ here.rotation.T
     turn = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])

@@ -1,7 +1,7 @@
 """Controllers that represent an arm's freedrive and force mode.
 
-Such a controller sends no commands to the joints.  Requests start and end the
-controller's mode.  In this mode, the arm's compliance law drives the joints
+The controllers send no commands to the joints.  Requests start and end the mode of a
+controller.  While the mode is active, the arm's compliance law drives the joints
 (``simulation/arms/controller_mode.py``).
 """
 
@@ -25,11 +25,11 @@ class ArmModeSpec:
     name: str
     type: str
     joints: tuple[str, ...]
-    """The joints of the arm, which other controllers cannot claim while this controller
-    is running."""
+    """The joints of the arm, which other controllers cannot claim while the controller
+    for the mode is running."""
     companions: frozenset[str]
-    """Types of the controllers that may share the joints.  These controllers command
-    the nominal motion from which the compliant arm deviates."""
+    """Types of the controllers that may share the joints.  The companions command the
+    nominal motion from which the compliant arm deviates."""
     is_freedrive: bool
     further_interfaces: tuple[str, ...]
     state_interfaces: tuple[str, ...] = ()

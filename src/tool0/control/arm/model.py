@@ -30,20 +30,20 @@ class Placement(NamedTuple):
 
 
 class ArmDynamics(NamedTuple):
-    """Dynamics of an arm's joints, from base to flange."""
+    """Dynamics of an arm's joints, from the base to the flange."""
 
     masses: Array
     """Mass matrix [kg·m²], shape (6, 6)."""
     weight: Array
-    """Efforts that balance gravity [N·m], shape (6,).  They are 0 for drives that
-    compensate gravity themselves."""
+    """Efforts that balance gravity [N·m], shape (6,).  The efforts are 0 for drives
+    that compensate gravity."""
 
 
 class ArmModel(Protocol):
     """Kinematics and dynamics of an arm."""
 
     def place(self, q: Array, lever: Array) -> Placement:
-        """Return the placement of a point at ``q`` [rad].
+        """Return the placement of a point at the joint positions ``q`` [rad].
 
         ``lever`` is the position of the point in the flange frame [m].
         """

@@ -42,8 +42,8 @@ STEEPEST: Final = 1000.0
 range [rad/s²].  Requests accept no larger deceleration."""
 SETTLING: Final = 1.0
 """Time that the joints may take to arrive at the end of a path after the setpoint has
-reached it [s].  In the measurements for ``ARRIVED``, the error after half of this time
-was 17 mrad; the integral terms of the servos decay as exp(-4 t)."""
+reached the end [s].  In the measurements for ``ARRIVED``, the error after half of the
+settling time was 17 mrad; the integral terms of the servos decay as exp(-4 t)."""
 
 
 @final
@@ -110,7 +110,7 @@ class ArmMotionController:
         self._has_arrived = False
         """Whether the joints were observed to have arrived at the end of the path."""
         self._ended: float | None = None
-        """Time at which the end of the path was first found to be commanded [s]."""
+        """Time of the first check after the end of the path was commanded [s]."""
 
     def rest_at(self, positions: Sequence[float], now: float) -> None:
         """Hold ``positions`` [rad] if the arm is near these positions."""
@@ -222,8 +222,8 @@ class ArmMotionController:
     def motion(self, now: float) -> ArmSetpoint:
         """Return the setpoint at ``now`` [s].
 
-        In force mode, this is the nominal setpoint, without the effect of forces.  In
-        freedrive and in torque mode, it is the measured motion.
+        In force mode, the result is the nominal setpoint, without the effect of forces.
+        In freedrive and in torque mode, the result is the measured motion.
         """
         has_none = self.is_guided or self.torques is not None
         return self._measured() if has_none else self._nominal(now)
@@ -239,7 +239,7 @@ class ArmMotionController:
         return ArmSetpoint(position, tuple(self._select(state.velocity)), zeros)
 
     def unknown_setpoint(self, now: float) -> ArmSetpoint | None:
-        """Return the setpoint at ``now`` [s]; None if ``setpoint()`` covers it."""
+        """Return the setpoint at ``now`` [s], or None if ``setpoint()`` provides it."""
         if self._stream is None and not self.is_compliant:
             return None
         return self.motion(now)
@@ -267,7 +267,7 @@ class ArmMotionController:
     def is_overdue(self, distance: float, now: float) -> bool:
         """Return whether the joints have not reached the end of a path in time.
 
-        The supervisor of the motion calls this function at regular intervals, with the
+        The supervisor of the motion calls ``is_overdue`` at regular intervals, with the
         largest ``distance`` of a joint from its setpoint [rad].
         """
         if self._has_arrived or self._splines.mode != "path":
@@ -282,7 +282,7 @@ class ArmMotionController:
         return not now - self._ended < SETTLING
 
     def progress(self, now: float) -> tuple[int, float]:
-        """Return the number of the last path, and the time along this path [s]."""
+        """Return the number of the last path, and the time along the path [s]."""
         progress = None if self._stream is not None else self._splines.progress(now)
         return self._last if progress is None else progress
 
@@ -348,8 +348,8 @@ class ArmMotionController:
     def stream_deceleration(self) -> float:
         """Return the deceleration at the end of a stream of velocities [rad/s²].
 
-        It is the deceleration of the leading joint, or 0 if there is no stream of
-        velocities.
+        The result is the deceleration of the leading joint, or 0 if there is no stream
+        of velocities.
         """
         stream = self._stream
         return stream.deceleration() if isinstance(stream, SpeedStream) else 0.0
@@ -361,7 +361,7 @@ class ArmMotionController:
     def require_positions(self, positions: Sequence[float], now: float) -> None:
         """Raise ControlError if a position is beyond its joint's limits [rad].
 
-        ``now`` is the time at which the motion to these positions starts [s].
+        ``now`` is the time at which the motion to ``positions`` starts [s].
         """
         starts = self.motion(now).positions
         measured = self._select(self._state.position)
@@ -414,7 +414,7 @@ class ArmMotionController:
     def start_compliance(self, task: ComplianceTask, state: JointState) -> EffortLaw:
         """Start compliance for a task in ``state``, and return the joints' effort law.
 
-        After that, the controller's position commands are ignored.
+        After the start, the controller's position commands are ignored.
         """
         self._state = state
         if task.is_freedrive:
@@ -429,7 +429,7 @@ class ArmMotionController:
     def start_torques(self, command: TorqueCommand, state: JointState) -> EffortLaw:
         """Start torque control in ``state``, and return the joints' effort law.
 
-        After that, the controller's position commands are ignored.
+        After the start, the controller's position commands are ignored.
 
         Raises:
             ControlError: If a drive cannot provide the commanded torque.

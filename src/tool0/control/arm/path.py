@@ -255,7 +255,7 @@ class SplineMotion:
     def replaced(
         self, path: ArmPath, number: int, *, after: int, at: float, now: float
     ) -> None:
-        """Replace path number ``after`` with a path, starting at its time ``at`` [s].
+        """Replace path number ``after``, starting at the time ``at`` along it [s].
 
         Raises:
             ControlError: If the time ``at`` has passed, the old path is not being
@@ -312,8 +312,8 @@ class SplineMotion:
     def update(self, time: float, period: float, factor: float) -> Sequence[float]:
         """Return the positions at the end of the tick that starts at ``time`` [s].
 
-        ``factor`` is the speed factor of the control box.  It does not scale ramps to
-        rest.
+        ``factor`` is the speed factor of the control box.  The factor does not scale
+        ramps to rest.
         """
         if self._braking:
             self._brake_factor = max(0.0, self._brake_factor - self._braking * period)
@@ -366,7 +366,7 @@ class SplineMotion:
         return self.has_braked or self._clock.at(now) >= self._end - _ROUNDING
 
     def progress(self, now: float) -> tuple[int, float] | None:
-        """Return a path's number and the time along it [s]; None without a path."""
+        """Return the active path's number and the time along it [s], or None."""
         if not self._courses:
             return None
         time = self._clock.at(now)

@@ -1,7 +1,7 @@
 """Streamed motions of an arm: position targets (servo) and velocities.
 
-Each joint's acceleration is constant within a tick.  As a result, position and velocity
-are continuous, and a ramp is exact at any control rate.
+Each joint's acceleration is constant within a tick.  With constant accelerations,
+position and velocity are continuous, and a ramp is exact at any control rate.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ SLOWING: Final = 4.0
 """Smallest acceleration with which velocities follow a reduced speed scaling [rad/s²],
 so that even a stream with a small acceleration comes to rest when it is paused."""
 MAX_ACCELERATION: Final = 40.0
-"""Largest acceleration of a joint that follows a stream [rad/s²].  The value is the one
-of ur_rtde (JOINT_ACCELERATION_MAX, https://sdurobotics.gitlab.io/ur_rtde/)."""
+"""Largest acceleration of a joint that follows a stream [rad/s²].  The value is from
+ur_rtde (JOINT_ACCELERATION_MAX, https://sdurobotics.gitlab.io/ur_rtde/)."""
 SINGULAR: Final = 0.02
 """Threshold of the Jacobian's smallest singular value below which joint velocities are
-damped.  A UR5e falls below this threshold 2 cm before its full reach, or when its fifth
+damped.  A UR5e falls below the threshold 2 cm before its full reach, or when its fifth
 joint is within 2 degrees of 0."""
 _ROUNDING = 1e-9
 """Tolerance for rounding errors of times [s]."""
@@ -50,7 +50,7 @@ class StreamedMotion(Protocol):
 
 @final
 class JointBounds:
-    """Limits that an arm's joints observe in a tick."""
+    """Limits of an arm's joints that apply in a tick."""
 
     def __init__(self, joints: Sequence[Joint]) -> None:
         self._joints = [
@@ -68,8 +68,9 @@ class JointBounds:
     ) -> list[tuple[float, float]]:
         """Return the smallest and largest velocity of each joint after a tick.
 
-        Within this range, the joint can still stop before its position limit, with the
-        acceleration limit of planned motions.  ``scale`` scales the largest velocity.
+        With a velocity in the returned range, a joint can still stop before its
+        position limit, with the acceleration limit of planned motions.  ``scale``
+        scales the largest velocity.
         """
         found = []
         for (lower, upper, fastest, a), x, v in zip(self._joints, q, qd, strict=True):
@@ -84,8 +85,8 @@ def _fastest_before(distance: float, a: float, period: float) -> float:
     """Return the largest velocity after a tick that allows a stop within ``distance``.
 
     From velocity v, a joint that decelerates with ``a`` in each tick comes to rest
-    within v² / 2a + a period² / 8.  The sum of this distance and of the distance during
-    the tick itself, v period / 2, must equal ``distance``.
+    within v² / 2a + a period² / 8.  The sum of the stopping distance and of the
+    distance during the tick, v period / 2, must equal ``distance``.
     """
     if not distance > 0.0:
         return 0.0
@@ -108,7 +109,7 @@ def _moved(now: ArmSetpoint, velocities: Sequence[float], period: float) -> ArmS
 
 @final
 class ServoStream:
-    """Follows the newest target: URScript's ``servoj``.
+    """Follows the latest target, like ``servoj`` in URScript.
 
     The current position is extrapolated by ``lookahead_time`` with the current
     velocity.  The acceleration is ``gain`` times the distance from the extrapolated
@@ -148,7 +149,7 @@ class SpeedStream:
 
     The velocity vector changes along a straight line; ``acceleration`` is the
     acceleration of the component that changes most.  Speed scaling slows down the clock
-    of this motion: a scaling of 0.5 halves the velocities and quarters the
+    of the stream: a scaling of 0.5 halves the velocities and quarters the
     accelerations.
     """
 
@@ -202,8 +203,8 @@ class SpeedStream:
     def deceleration(self) -> float:
         """Return the equivalent deceleration of the leading joint [rad/s²].
 
-        With this deceleration, the fastest joint stops within the duration of the ramp.
-        The deceleration is limited to ``MAX_ACCELERATION``.
+        With the equivalent deceleration, the fastest joint stops within the duration of
+        the ramp.  The deceleration is limited to ``MAX_ACCELERATION``.
         """
         leading = max(map(abs, self.setpoint.velocities))
         if not leading < MAX_ACCELERATION * self._ramp:
@@ -239,7 +240,7 @@ class SpeedStream:
     def _of_tool(
         self, target: Sequence[float], lever: Array, period: float, most: float
     ) -> list[float]:
-        """Return joint velocities at the end of a tick that ramp the tool's twist."""
+        """Return the joint velocities that ramp the tool's twist in a tick."""
         import numpy as np
 
         q, qd = (
@@ -255,7 +256,7 @@ class SpeedStream:
             change *= most / size
         else:
             self._is_slowing = False
-        # The tick's velocity is reached at its end.
+        # The velocity of a tick is reached at the end of the tick.
         J = self._model.place(q + period * qd, lever).jacobian
         wanted: list[float] = damped_inverse(J, twist + change).tolist()
         velocities = self._within(wanted, period)
@@ -263,7 +264,7 @@ class SpeedStream:
         return velocities
 
     def _within(self, wanted: Sequence[float], period: float) -> list[float]:
-        """Return the velocities, scaled down by a common factor to joint limits."""
+        """Return the velocities, scaled down jointly to meet the joint limits."""
         q, qd, _ = self.setpoint
         share = 1.0
         windows = self._bounds.windows(q, qd, period, 1.0)

@@ -1,12 +1,12 @@
 """Torque mode, in which a program commands the joint torques of an arm.
 
 The drives add the torques that balance gravity, and compensate part of the friction.
-The program is responsible for everything else.  A violation occurs if a joint becomes
+The program is responsible for all other torques.  A violation occurs if a joint becomes
 too fast, or if the joint would soon be unable to stop before the end of its range.
 After a violation, the brakes engage.
 
 Position servos hide a drive's inner dynamics.  In torque mode, the rotor's inertia
-(``RobotHardware.rotors``) and the friction of the gear matter.  Without simulated
+(``RobotHardware.rotors``) and the friction of the gear are relevant.  Without simulated
 friction, torques suitable for a real arm would not work in the simulation: on a real
 arm, a joint under a constant torque settles at a constant speed instead of accelerating
 up to its limit.
@@ -38,14 +38,14 @@ SLOW: Final = 0.02
 """Speed below which the dry friction is reduced proportionally [rad/s]."""
 DRY_FRICTION: Final = 0.05
 """Dry friction of a gear, as a fraction of its joint's largest torque: 7.5 N·m in the
-shoulder of a UR5e and 1.4 N·m in its wrists.  This is an estimate, since no datasheet
-contains a value."""
+shoulder of a UR5e and 1.4 N·m in its wrists.  The value is an estimate, since
+datasheets do not specify the friction."""
 VISCOUS_FRICTION: Final = 0.08
 """Viscous friction of a gear, relative to its joint's largest torque [s]: 12 N·m·s/rad
-in the shoulder of a UR5e and 2.2 N·m·s/rad in its wrists.  This is an estimate."""
+in the shoulder of a UR5e and 2.2 N·m·s/rad in its wrists.  The value is an estimate."""
 WARM: Final = 0.6
 """Fraction of the viscous friction that the drive's friction model covers.  The model
-must not overcompensate when the lubricant is warm.  This is an estimate."""
+must not overcompensate when the lubricant is warm.  The value is an estimate."""
 STABLE: Final = 0.3
 """Largest product of the rate at which friction slows a joint [1/s] and the physics
 step [s]."""
@@ -130,9 +130,10 @@ class TorqueMode:
         return efforts
 
     def violation(self, state: JointState, period: float) -> str:
-        """Describe the limit that a joint exceeds or is about to exceed; empty if none.
+        """Describe the limit that a joint exceeds or is about to exceed.
 
-        This function is called in each tick; a tick takes ``period`` [s].
+        The result is empty if there is no violation.  The tick calls ``violation``; a
+        tick takes ``period`` [s].
         """
         masses, weights = self._model.dynamics(state)
         position, velocity = self._select(state.position), self._select(state.velocity)
@@ -155,7 +156,7 @@ class TorqueMode:
                 continue
             left = limits.upper - q if v > 0.0 else q - limits.lower
             brake = BRAKING * max(limits.effort - abs(weight), 0.1 * limits.effort)
-            way = left - speed * period  # left for braking
+            way = left - speed * period  # distance left for braking
             if 2.0 * brake * way <= mass * speed * speed:
                 return (
                     f"joint '{joint.name}' is at {q:.4g} rad and turns with {v:.3g} "

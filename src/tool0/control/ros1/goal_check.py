@@ -1,11 +1,11 @@
 """Checks of a trajectory goal, and the splines that execute it.
 
 If joint_trajectory_controller of ROS has a message and a code for an error, the checks
-use the same message and code.  Unlike ROS, these checks also reject numbers that are
-not finite, duplicate joints, wrong numbers of positions, positions beyond a joint's
-limits, and tolerances for joints that the controller does not have.  Like ROS, the
-checks accept velocities and accelerations beyond a joint's limits: planners round these
-values, and the tolerances detect whether the joint can follow.
+use the same message and code.  Unlike ROS, the checks also reject numbers that are not
+finite, duplicate joints, wrong numbers of positions, positions beyond a joint's limits,
+and tolerances for joints that the controller does not have.  As in ROS, the checks
+accept velocities and accelerations beyond a joint's limits: planners round velocities
+and accelerations, and the tolerances detect whether the joint can follow.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from tool0.protocol.trajectories import TrajectoryPoint
 logger = logging.getLogger(__name__)
 
 INSTANT = 1e-6
-"""Time until a point below which the point is considered reached [s].  This time is
+"""Time until a point below which the point is considered reached [s].  The time is
 shorter than any tick, but longer than the rounding errors of sums of times."""
 
 
@@ -110,8 +110,8 @@ def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
     """Return the index of the first point that lies ahead, or reject the goal.
 
     Earlier points are dropped.  A point at the start, or up to ``INSTANT`` after the
-    start, is also dropped: there is no time to move to this point, and ROS would
-    command a jump.
+    start, is also dropped: there is no time to move to the point, and ROS would command
+    a jump.
     """
     earliest = max(start, now)
     n_points = len(goal.points)
@@ -138,9 +138,9 @@ def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
 def goal_time_with(default: float, override: float | None) -> float:
     """Return the time to arrive for a goal with a ``goal_time_tolerance`` [s].
 
-    As it does for tolerances, a value > 0 replaces the default, and 0 keeps the
-    default.  A value < 0 means no limit: the goal stays active until the joints arrive.
-    In ROS, the joints would get no extra time in this case.
+    A value > 0 replaces the default, and 0 keeps the default, as for tolerances.  A
+    value < 0 means no limit: the goal stays active until the joints arrive.  In ROS, a
+    value < 0 gives the joints no extra time.
     """
     if override is None or override == 0.0:
         return default
@@ -165,7 +165,7 @@ def _invalid_joints(
 class TrajectoryReplacement:
     """Creates the splines of one controller.
 
-    In its methods, ``running`` contains the splines that are currently executed,
+    In the methods, ``running`` contains the splines that are currently executed,
     ``now`` is the simulated time of the next update [s], and ``handle`` is the new
     goal, with the tolerances that apply, or None.
     """
@@ -248,10 +248,10 @@ class TrajectoryReplacement:
         """Return splines that stop the joints, immediately or with a ramp.
 
         If the joints follow a trajectory, the ramp starts from the desired motion, as
-        it does in ROS.  Otherwise, the ramp starts from the measured motion, within the
-        joint's velocity limit.  In this case, the duration of the ramp is proportional
-        to the speed, so that a sagging joint does not continue to move for the full
-        duration.
+        it does in ROS.  If the joints do not follow a trajectory, the ramp starts from
+        the measured motion, within the joint's velocity limit.  The duration of a ramp
+        from the measured motion is proportional to the speed, so that a sagging joint
+        does not continue to move for the full duration.
         """
         whole = self._stop_duration
         joints = self._joints.values()
@@ -282,7 +282,7 @@ def _are_followed(
 ) -> bool:
     """Return whether the joints follow the desired motion.
 
-    Joints that are blocked or overloaded do not follow it.
+    Joints that are blocked or overloaded do not follow the desired motion.
     """
     fastest = max(abs(wanted.velocity) for wanted in desired)
     return fastest > 0.0 and all(

@@ -119,9 +119,10 @@ def parse(
 def _extra_joints(
     parameters: Namespace, joints: tuple[str, ...]
 ) -> tuple[ExtraJoint, ...]:
-    """Read the extra joints, and skip joints that are already published, like ROS.
+    """Read the extra joints; joints that are already published are skipped.
 
-    Unlike ROS, this function accepts ``position: 0`` as well as ``position: 0.0``.
+    Already published joints are also skipped in ROS.  Unlike ROS, ``_extra_joints``
+    accepts ``position: 0`` as well as ``position: 0.0``.
     """
     entry = parameters.find("extra_joints")
     if entry is None:

@@ -88,7 +88,7 @@ class JointTrajectoryController:
 
     Time is the absolute simulated time of the states.  Goals are handled between ticks;
     the argument ``now`` is the time of the next tick.  A goal without a stamp starts at
-    this time.
+    ``now``.
 
     The controller behaves like the ROS 1 controller of the same name, with these
     improvements:
@@ -200,8 +200,7 @@ class JointTrajectoryController:
     def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
         """Replace the motion with ``goal``, without tolerances, or reject the goal.
 
-        This function corresponds to the ROS topic ``~/command``, which reports no
-        result.
+        ``command`` corresponds to the ROS topic ``~/command``, which reports no result.
         """
         self._accept(goal, now, None)
 

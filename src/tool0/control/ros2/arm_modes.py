@@ -1,7 +1,7 @@
 """FreedriveModeController and ForceModeController of Universal Robots.
 
 Freedrive cannot be active together with any controller of the arm's joints.  Force mode
-can be active together with the passthrough controller only.  In this case, the arm
+can be active together with the passthrough controller only.  In force mode, the arm
 deviates from the trajectory that the passthrough controller executes.
 """
 

@@ -59,9 +59,9 @@ class StartedControllers(NamedTuple):
     built_in: tuple[str, ...]
     """Additional controllers that are started if the built-in controllers are used."""
     loaded: tuple[str, ...]
-    """Built-in controllers that are loaded but not started, as they are by the launch
-    file of UR's driver.  The actions of these controllers respond, and ``ros2 control``
-    can switch to these controllers."""
+    """Built-in controllers that are loaded but not started.  The launch file of UR's
+    driver also loads controllers without starting them.  The actions of loaded
+    controllers respond, and ``ros2 control`` can switch to loaded controllers."""
 
 
 def started() -> StartedControllers:
@@ -179,7 +179,7 @@ def _joint_states(
 @final
 @dataclass(frozen=True, slots=True)
 class _Composer:
-    """Builds the parts of one robot."""
+    """Creates the parts of one robot."""
 
     description: RobotDescription
     robot: CatalogueRobot | None

@@ -1,4 +1,4 @@
-"""Controllers for inputs and outputs of devices; the ROS node has their services."""
+"""Controllers for device inputs and outputs; the ROS node provides their services."""
 
 from __future__ import annotations
 

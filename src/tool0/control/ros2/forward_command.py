@@ -43,7 +43,7 @@ def parse(
         joints = controlled_joints(robot, parameters, interface)
     else:
         interface = INTERFACE_OF_PACKAGE[package]
-        parameters.text("interface_name", interface.name.lower())  # this value is fixed
+        parameters.text("interface_name", interface.name.lower())  # the value is fixed
         joints = controlled_joints(robot, parameters, interface)
     return ForwardCommandSpec(
         name=name,

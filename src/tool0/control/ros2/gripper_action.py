@@ -79,7 +79,7 @@ def _settings(parameters: Namespace, robot: RobotJoints, joint: Joint) -> DriveS
 def _interface(parameters: Namespace, robot: RobotJoints, path: str) -> str:
     """Return the command interface at ``path``, or an empty text.
 
-    The hardware must have this interface.
+    The hardware must have the command interface.
     """
     name = parameters.text(path, "")
     known = [item for each in robot.hardware for item in each.command_interfaces]

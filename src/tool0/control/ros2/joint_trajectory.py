@@ -82,7 +82,8 @@ class JointTrajectorySpec:
     replacement: Replacement
     speed: SpeedSource
     state_publish_rate: float = 50.0
-    """Publication rate of the state [Hz]; only ROS 2 Humble has this parameter."""
+    """Publication rate of the state [Hz]; only ROS 2 Humble has the parameter for this
+    rate."""
     action_monitor_rate: float = 20.0
     """Rate of the feedback of the ROS action [Hz]."""
 
@@ -164,7 +165,7 @@ class JointTrajectoryController:
     # ---- the tick -----------------------------------------------------------------
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return the commands: desired positions, or efforts or speeds towards them."""
+        """Return the commands: desired positions, or efforts or speeds toward them."""
         tracking, self._period = self._tracking, period
         tracking.state = state
         factor = self.speed_scaling
@@ -272,8 +273,8 @@ class JointTrajectoryController:
     ) -> None:
         """End the trajectory and its goal.
 
-        If the trajectory's end was reached, the joints stay there; otherwise, they
-        stop.
+        If the trajectory's end was reached, the joints stay at the end; otherwise, the
+        joints stop.
         """
         goal = None if self._monitor is None else self._monitor.goal
         if result.is_violation and errors:
@@ -292,7 +293,7 @@ class JointTrajectoryController:
     def _with_joint(self, result: GoalResult, errors: Sequence[float]) -> GoalResult:
         """Add the joint with the largest error to the result of a violation.
 
-        ROS only logs this joint.
+        ROS only logs the joint with the largest error.
         """
         error, joint = max(zip(map(abs, errors), self.spec.joints, strict=True))
         text = f"{result.error_string}; {joint} is off by {error:.6f}"
@@ -309,7 +310,7 @@ class JointTrajectoryController:
         logger.warning("%s: %s; position errors: %s", self.spec.name, what, where)
 
     def _stop_motion(self, time: float) -> None:
-        """Hold the measured position immediately, or slow down."""
+        """Hold the measured position immediately, or decelerate to rest."""
         state, select = self._tracking.state, self._tracking.select
         position, velocity = select(state.position), select(state.velocity)
         if self.spec.deceleration:
@@ -346,7 +347,7 @@ class JointTrajectoryController:
         return override_tolerances(goal, self.spec.tolerances, self.spec.name)
 
     def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
-        """Replace the motion like the topic ``~/joint_trajectory``, or reject ``goal``.
+        """Follow a goal from the topic ``~/joint_trajectory``, or reject the goal.
 
         An active goal stays active, and its result depends on the new motion.
         """

@@ -2,7 +2,7 @@
 
 ROS 2 silently ignores an unknown parameter.  A parameter of the wrong type, such as
 ``1`` where a double is declared, prevents the controller from being loaded. tool0
-accepts such a parameter and reports it.
+accepts a parameter of the wrong type and reports it.
 """
 
 from __future__ import annotations

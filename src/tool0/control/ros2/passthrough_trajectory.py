@@ -1,10 +1,10 @@
 """PassthroughTrajectoryController of Universal Robots: the arm executes the points.
 
-Like the trajectory controller, this controller commands positions and follows splines.
-The splines are quintic between points with accelerations, and cubic between points with
-velocities.  If the points have only positions, the arm comes to rest at each point.
-The controller accepts one goal at a time, and checks the position of the arm only at
-the end.
+Like JointTrajectoryController, PassthroughTrajectoryController commands positions and
+follows splines.  The splines are quintic between points with accelerations, and cubic
+between points with velocities.  If the points have only positions, the arm comes to
+rest at each point.  The controller accepts one goal at a time, and checks the position
+of the arm only at the end.
 """
 
 from __future__ import annotations
@@ -41,8 +41,7 @@ from tool0.protocol.goals import Goal, GoalResult, GoalStatus
 STOP_DECELERATION: Final = 4.0
 """Deceleration of each joint after a cancellation [rad/s²]."""
 MOST_JUMP: Final = 0.05
-"""Largest deviation of a joint from the first point if this point is at time 0
-[rad]."""
+"""Largest deviation of a joint from a first point at time 0 [rad]."""
 _NUMBERS: Final = ("positions", "velocities", "accelerations")
 _DEACTIVATED: Final = GoalResult(
     status=GoalStatus.ABORTED,
@@ -145,7 +144,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
         super().stop()
 
     def _checked(self, goal: TrajectoryGoal, now: float) -> TrajectoryGoal:
-        """Return a goal in the form that the arm executes, or reject it."""
+        """Return a goal in the form that the arm executes, or reject the goal."""
         joints = self.spec.joints
         if goal.points:
             _check_sizes(goal, len(joints))
@@ -193,7 +192,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
         super()._end(self._worded(result), time, errors)
 
     def _worded(self, result: GoalResult) -> GoalResult:
-        """Return a result with the wording of this controller."""
+        """Return a result with the wording of PassthroughTrajectoryController."""
         text = result.error_string
         if result.status is GoalStatus.SUCCEEDED:
             text = (

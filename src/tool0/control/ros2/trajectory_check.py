@@ -1,8 +1,8 @@
 """Checks of a trajectory for a ROS 2 controller, and tolerances of the trajectory.
 
 The checks use the messages of joint_trajectory_controller in ROS 2, in the same order.
-Unlike joint_trajectory_controller, these checks also reject numbers that are not
-finite, duplicate joints, and positions beyond a joint's limits.
+Unlike joint_trajectory_controller, the checks also reject numbers that are not finite,
+duplicate joints, and positions beyond a joint's limits.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from tool0.protocol.trajectories import TrajectoryPoint
 logger = logging.getLogger(__name__)
 
 EPSILON = 1.1920929e-07
-"""Tolerance within which a number is treated as 0 or -1.  It is the single-precision
-epsilon, as in ROS."""
+"""Tolerance within which a number is treated as 0 or -1.  The tolerance is the
+single-precision epsilon, as in ROS."""
 ERASED = -1.0
 """Value of a goal's tolerance that disables the tolerance of the controller."""
 

@@ -81,7 +81,7 @@ def _gains_of(parameters: Namespace, path: str) -> Gains:
 def _tracking_time(p: float, i: float, d: float) -> float:
     """Return the default tracking time constant of control_toolbox [s].
 
-    It applies if the parameter is 0.
+    The default applies if the parameter is 0.
     """
     ratio = (math.sqrt(d / i) if d / i > 0.0 else p / i) if i else 1.0
     return ratio if ratio > 0.0 else 1.0

@@ -1,4 +1,4 @@
-"""The motion of joints along a ROS 2 trajectory, and when the joints stop.
+"""Motion of joints along a ROS 2 trajectory, and motion to rest.
 
 Times are trajectory times, which lag behind simulated time if the speed was reduced.
 """
@@ -49,15 +49,15 @@ class Course(NamedTuple):
         return self._replace(goal=_integrated(self.goal, self.names, origins))
 
     def first_ahead(self, leave: float) -> int:
-        """Return the index of the first point later than ``leave`` [s]."""
+        """Return the index of the first point that is later than ``leave`` [s]."""
         return bisect_right(self.goal.times, leave, key=self.start.__add__)
 
     def section(self, joint: Joint, leave: float, origin: Motion) -> SplineSection:
         """Return a joint's motion from its ``origin`` at ``leave`` [s] to the end.
 
         If the next point is the first point of the trajectory, the joint moves to this
-        point from its ``origin``.  Otherwise, the joint is already moving between two
-        points.
+        point from its ``origin``.  If the next point is a later point, the joint is
+        already moving between two points.
 
         Raises:
             GoalRejectedError: If a segment is implausible.
@@ -152,7 +152,7 @@ def splines_spliced(
     return found
 
 
-# ---- to rest -----------------------------------------------------------------------
+# ---- motion to rest ----------------------------------------------------------------
 
 
 def decelerated(
@@ -178,7 +178,7 @@ def _integrated(
     """Return the goal, with integrated positions for points without positions.
 
     The positions are computed from the velocities or accelerations.  As in ROS, the
-    mean of the values at two points is used between these points.
+    mean of the values at two points is used between the points.
     """
     if all(point.positions for point in goal.points):
         return goal
@@ -243,7 +243,7 @@ def _smooth_velocities(q: Sequence[float], steps: Sequence[float]) -> list[float
     """Return the velocities of a cubic spline through ``q`` with rest at both ends.
 
     Each inner knot yields one equation: the accelerations on both sides are equal.  The
-    system is solved by forward elimination and back substitution.
+    system of equations is solved by forward elimination and back substitution.
     """
     upper, right = [0.0], [0.0]
     for k in range(1, len(q) - 1):

@@ -1,7 +1,8 @@
 """The parameters that JointTrajectoryController declares in ROS 2.
 
 ``allow_trajectory_replacement`` has the default of ROS 2 Lyrical.  With ``false``, the
-controller behaves as it does in Jazzy and Kilted, which do not have this parameter.
+controller behaves as it does in Jazzy and Kilted, which do not have
+``allow_trajectory_replacement``.
 """
 
 from __future__ import annotations
@@ -65,7 +66,7 @@ def parse(
         joints=read_tolerances(parameters, joints, robot),
         goal_time=goal_time or math.inf,  # 0 means no limit
     )
-    # The value has no effect, since the brakes hold the measured position while no
+    # The parameter has no effect, since the brakes hold the measured position while no
     # controller is active.
     parameters.boolean("set_last_command_interface_value_as_state_on_activation", True)
     parameters.mark_adjustable(
@@ -122,7 +123,7 @@ def parse(
 
 
 def _choices(parameters: Namespace, path: str, valid: Sequence[str]) -> tuple[str, ...]:
-    """Return the kinds of interfaces in a parameter.
+    """Return the kinds of interfaces that a parameter lists.
 
     The parameter must not list an interface twice.
     """
@@ -221,11 +222,11 @@ def _speed_interface(
 def speed_prefix(
     parameters: Namespace, path: str, name: str, robot: RobotJoints
 ) -> str:
-    """Return the prefix of the arm with this state interface for speed scaling.
+    """Return the prefix of the arm with the named interface for speed scaling.
 
     Raises:
-        ConfigError: If no arm has a state interface with this ``name``, which is the
-            value of the parameter at ``path``.
+        ConfigError: If no arm has the state interface ``name``, which is the value of
+            the parameter at ``path``.
     """
     valid = [f"{prefix}{SPEED_SCALING}" for prefix in robot.speed_scaling or ("",)]
     if name not in valid:

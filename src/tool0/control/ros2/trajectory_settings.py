@@ -18,7 +18,8 @@ class Replacement:
     is_spliced: bool = True
     """``allow_trajectory_replacement``: whether a new trajectory continues the desired
     motion at the start of the trajectory, while joints that the trajectory does not
-    contain continue their motion.  Otherwise, all previous motion ends immediately."""
+    contain continue their motion.  If the parameter is false, all previous motion ends
+    immediately."""
     from_desired: bool = False
     """``interpolate_from_desired_state``: whether trajectories start from the desired
     motion instead of the measured motion."""
@@ -41,8 +42,8 @@ class SpeedSource:
     initial: float = 1.0
     """Speed factor until the topic sets another factor."""
     is_settable: bool = True
-    """Whether the topic may set the factor.  This requires that the controller commands
-    only positions."""
+    """Whether the topic may set the factor.  The topic may set the factor only if the
+    controller commands only positions."""
     factors: Mapping[str, float] = field(default_factory=dict)
     """Current speed factors of the arms, by prefix."""
     prefix: str | None = None

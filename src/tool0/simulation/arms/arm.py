@@ -1,4 +1,4 @@
-"""An arm: its power, its brakes, its stops, and the program that moves it.
+"""Power, brakes and stops of an arm, and the program that moves the arm.
 
 An arm can move if it is powered, its brakes are released, and no stop is active.  A
 stop affects only the controllers of one arm: the brakes hold the joints of the arm, and
@@ -47,7 +47,7 @@ _TOO_SOON: Final = (
 class Arm(abc.ABC):
     """An arm with its control box and either simulated drives or real drives.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``Arm``.
     """
 
     def __init__(
@@ -110,7 +110,8 @@ class Arm(abc.ABC):
     def tick(self, state: JointState, period: float) -> None:
         """Advance the speed scaling by one tick of ``period`` [s].
 
-        If the arm has come to rest for its return to the controllers, it is released.
+        An arm that has come to rest after its program released it is returned to its
+        controllers.
         """
         self.box.tick(period)
         self.mode.tick(state)
@@ -169,7 +170,7 @@ class Arm(abc.ABC):
     def restart_safety(self, now: JointState) -> None:
         """Clear the stops of the safety system.
 
-        Afterwards, the arm is powered off.
+        After the safety system has restarted, the arm is powered off.
 
         Raises:
             ControlError: If the emergency stop is engaged.
@@ -177,7 +178,7 @@ class Arm(abc.ABC):
         self._require_released()
         self._set(now, RobotMode.POWER_OFF, SafetyMode.NORMAL)
 
-    # ---- the program that moves it through controllers ------------------------------
+    # ---- program that moves the arm through controllers -----------------------------
 
     def play(self, now: JointState) -> None:
         """Resume the program, and start the controllers that stopped with it.
@@ -210,7 +211,7 @@ class Arm(abc.ABC):
         if self.box.state.program is not ProgramState.STOPPED:
             self._stop(now)
 
-    # ---- a program that takes it from its controllers -------------------------------
+    # ---- program that controls the arm directly -------------------------------------
 
     def take(self, by: str, now: JointState, *, protected: bool = False) -> None:
         """Give a program control of the arm, in place of the arm's controllers.
@@ -238,7 +239,7 @@ class Arm(abc.ABC):
     def release(self, now: JointState) -> None:
         """Stop the arm, and restart its controllers after it has come to rest.
 
-        This function has no effect if no program controls the arm.
+        ``release`` has no effect if no program controls the arm.
         """
         if self.motion.is_taken and not self.motion.is_returning:
             self._stiffen(now)
@@ -296,8 +297,9 @@ class Arm(abc.ABC):
     ) -> None:
         """Start force mode or freedrive of an arm.
 
-        If ``controller_name`` is given, the mode is the mode of this controller, which
-        must be active.  Otherwise, a program must have taken control of the arm.
+        If ``controller_name`` is given, the mode is the mode of the named controller,
+        which must be active.  Without ``controller_name``, a program must have taken
+        control of the arm.
 
         Raises:
             ControlError: If the controller is not active, no program controls the arm,
@@ -326,9 +328,9 @@ class Arm(abc.ABC):
     ) -> None:
         """End force mode or freedrive; the arm stops at its current position.
 
-        This function has no effect if the mode is not active.  If ``controller_name``
-        is given, the mode of this controller ends; otherwise, the mode of the program
-        that controls the arm ends.
+        ``end_compliance`` has no effect if the mode is not active.  If
+        ``controller_name`` is given, the mode of the named controller ends; otherwise,
+        the mode of the program that controls the arm ends.
 
         Raises:
             ControlError: If the controller is not active, no program controls the arm,
@@ -366,14 +368,14 @@ class Arm(abc.ABC):
     def note_switch(self, now: JointState) -> None:
         """Update the arm after controllers were started or stopped.
 
-        Such a switch may end a mode.
+        The start or the stop of a controller may end a mode.
         """
         was_guided = self.mode.is_freedrive
         self.mode.note_switch(now)
         if was_guided and not self.mode.is_freedrive:
             self._show_freedrive(False, now)
 
-    # ---- what moves it --------------------------------------------------------------
+    # ---- functions for the type of drives -------------------------------------------
 
     @abc.abstractmethod
     def sample(
@@ -383,10 +385,10 @@ class Arm(abc.ABC):
         after: JointState,
         forces: tuple[Contact, ...],
     ) -> ArmSample:
-        """Return a sample of the arm's motion at ``now`` [s] and of its tool wrench.
+        """Return a sample of the arm's motion and tool wrench at ``now`` [s].
 
-        The last step was from state ``before`` to ``after``, with the external
-        ``forces``.
+        In the last physics step, the state changed from ``before`` to ``after`` under
+        the external ``forces``.
         """
 
     @abc.abstractmethod
@@ -394,7 +396,7 @@ class Arm(abc.ABC):
         """Tare the tool wrench with the last sample.
 
         Raises:
-            ControlError: If this arm cannot be tared.
+            ControlError: If the wrench of the arm cannot be tared.
         """
 
     def set_payload(self, payload: Payload | None) -> None:
@@ -443,7 +445,7 @@ class Arm(abc.ABC):
         The text is empty if the arm may move.
         """
 
-    # ---- what they have in common ---------------------------------------------------
+    # ---- shared functions -----------------------------------------------------------
 
     def _require_released(self) -> None:
         """Raise ControlError if the emergency stop holds the arm."""
@@ -484,7 +486,7 @@ class Arm(abc.ABC):
     def _stop(self, now: JointState) -> None:
         """Stop the motion and the program of the arm.
 
-        Afterwards, the brakes hold the arm.
+        After the stop, the brakes hold the arm.
         """
         stopped = self._stop_controllers(now, self._stopped_with)
         if self.motion.is_taken:
@@ -498,7 +500,7 @@ class Arm(abc.ABC):
         self._block()
 
     def _block(self) -> None:
-        """Block the controllers if a program controls the arm or it may not move."""
+        """Block the controllers if a program controls the arm or if it may not move."""
         reason, taken_by = self._obstacle(), self.box.state.taken_by
         self._manager.block(self._stopped_with, reason)
         if taken_by and not reason:
@@ -524,7 +526,7 @@ class Arm(abc.ABC):
         self._stopped = ()
 
     def _release(self, now: JointState) -> None:
-        """Restart the controllers that were running before the program."""
+        """Restart the controllers that were running before the program took control."""
         wanted = self.motion.controller.at_rest(now)
         self.motion.abort(now)
         self._end_program()

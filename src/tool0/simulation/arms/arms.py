@@ -24,7 +24,7 @@ from tool0.simulation.arms.simulated_arm import SimulatedArm
 class Arms:
     """All arms, in the order of the model.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``Arms``.
     """
 
     def __init__(
@@ -59,7 +59,8 @@ class Arms:
                 for name, parts in found
             )
         self.boxes: tuple[ControlBoxState, ...] = ()
-        """State of each control box.  The tuple is replaced when a state changes."""
+        """State of each control box.  The tuple of states is replaced when a state
+        changes."""
         self._note_change()
         for arm in self._arms:
             arm.box.when_changed = self._note_change
@@ -99,7 +100,7 @@ class Arms:
                 arm.tick(state, period)
 
     def follow(self, report: RobotReport, now: JointState) -> None:
-        """Publish the report of a real robot's controller, and follow its stops."""
+        """Publish a real robot's report, and follow the stops of the robot."""
         for arm in self._real:
             arm.follow(report, now)
 
@@ -110,10 +111,10 @@ class Arms:
         after: JointState,
         forces: tuple[Contact, ...],
     ) -> Mapping[str, ArmSample]:
-        """Return a sample of each arm's motion at ``now`` [s] and tool wrench.
+        """Return a sample of each arm's motion and tool wrench at ``now`` [s].
 
-        The last step was from state ``before`` to ``after``, with the external
-        ``forces``.
+        In the last physics step, the state changed from ``before`` to ``after`` under
+        the external ``forces``.
         """
         return {arm.name: arm.sample(now, before, after, forces) for arm in self}
 

@@ -1,4 +1,4 @@
-"""The control box of an arm, which reacts to state changes by requests.
+"""The control box of an arm, with a state that requests change.
 
 The speed slider and a paused program change the speed factor of scaled trajectories.  A
 payload changes the model of the drives.  The states of pins are only stored.  ``Arm``
@@ -31,8 +31,8 @@ RAMP: Final = 5.0
 adds 0.01 in each cycle of 2 ms (ur_robot_driver, hardware_interface.cpp)."""
 REAL_RAMP: Final = (10.0, 1.0)
 """Largest rates of decrease and increase of the speed scaling factor of a real robot
-[1/s].  The robot limits its speed immediately.  It receives an increase slightly late,
-and the motion during this delay must remain small."""
+[1/s].  A real robot limits its speed immediately.  The robot receives an increase
+slightly late, and the motion during the delay must remain small."""
 MOST_VOLTAGE: Final = 10.0
 """Largest voltage of an analog pin [V]."""
 _WIRED: Final = "the inputs of a real robot are what their wires say"
@@ -44,7 +44,7 @@ CURRENTS: Final = (0.004, 0.020)
 class ControlBox:
     """The control box of one arm.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``ControlBox``.
     """
 
     def __init__(
@@ -57,8 +57,9 @@ class ControlBox:
     ) -> None:
         self._flange, self._model, self._hardware = flange, model, hardware
         self._own_drives = own_drives
-        """Drives of a real robot.  In this case, the pins are pins of the robot's
-        control box, and the robot's reports change the state."""
+        """Drives of a real robot; None for a simulated robot.  For a real robot, the
+        pins are pins of the robot's control box, and the robot's reports change the
+        state."""
         self.when_changed: Callable[[], None] = lambda: None
         """Callback that is called after each change of the state."""
         self.state = ControlBoxState(
@@ -66,7 +67,8 @@ class ControlBox:
             prefix=flange.removesuffix(FLANGE),
             payload=modelled_payload(model, flange),
         )
-        """State of the control box.  The object is replaced when the state changes."""
+        """State of the control box.  The state object is replaced when the state
+        changes."""
         self.is_steady = True
         """Whether the speed scaling factor has reached its target value."""
 

@@ -1,9 +1,9 @@
 """Freedrive and force mode that a controller starts, as in UR's ROS 2 driver.
 
-If a program controls an arm, the ArmMotionController makes the arm compliant.  This
-module is for arms that controllers drive.  In force mode, the arm deviates from the
-commands of the passthrough controller if this controller is running.  Otherwise, the
-arm deviates from its rest position.
+If a program controls an arm, the ArmMotionController makes the arm compliant.
+``ControllerMode`` is for arms that controllers drive.  In force mode, the arm deviates
+from the commands of the passthrough controller if this controller is running.  If the
+passthrough controller is not running, the arm deviates from its rest position.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ ENDED: Final = "Force mode has ended: the arm stops where it is."
 class ControllerMode:
     """Mode of one arm.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``ControllerMode``.
     """
 
     def __init__(
@@ -88,7 +88,7 @@ class ControllerMode:
     def end(self, controller: str, now: JointState, *, is_freedrive: bool) -> None:
         """End the mode of a controller, so that the arm ramps to rest.
 
-        This function has no effect if the mode is not active.
+        ``end`` has no effect if the mode is not active.
 
         Raises:
             ControlError: If the controller is inactive, or is for another mode or arm.
@@ -122,7 +122,7 @@ class ControllerMode:
             self._comply(compliance.task, now)
 
     def tick(self, state: JointState) -> None:
-        """Update the motion from which the arm deviates in this tick."""
+        """Update the motion from which the arm deviates in a tick."""
         compliance, rest = self._compliance, self._rest
         if compliance is None or rest is None:
             return
@@ -159,7 +159,10 @@ class ControllerMode:
         return efforts
 
     def _find_host(self) -> str:
-        """Return the active companion of the mode's controller, or the controller."""
+        """Return the active companion of the mode's controller.
+
+        If there is no active companion, the mode's controller is returned.
+        """
         spec = self._manager.spec(self._controller)
         assert isinstance(spec, ArmModeSpec)  # it was checked
         for status in self._manager.list():

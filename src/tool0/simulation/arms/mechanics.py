@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 
 MASS_PERIOD: Final = 0.032
-"""Time between updates of the mass matrix [s].  A wrist joint turns by up to 0.1 rad in
-this time."""
+"""Time between updates of the mass matrix [s].  A wrist joint turns by up to 0.1 rad
+between two updates."""
 
 
 @final
@@ -24,8 +24,8 @@ class ArmMechanics:
     """Poses, Jacobians, mass matrices and gravity efforts of one arm.
 
     The base frame is the link ``<prefix>base``: base_link rotated by π about z, as in
-    the arm's control box.  If there is no such link, the base frame is the link that
-    carries the arm.
+    the arm's control box.  If there is no link ``<prefix>base``, the base frame is the
+    link that carries the arm.
     """
 
     def __init__(self, model: RobotModel, arm: str, hardware: RobotHardware) -> None:
@@ -54,7 +54,7 @@ class ArmMechanics:
         return fixed_transform(self._model, base, self.chain.base).matrix
 
     def place(self, q: Array, lever: Array) -> Placement:
-        """Return the placement of a point at ``q`` [rad].
+        """Return the placement of a point at the joint positions ``q`` [rad].
 
         ``lever`` is the position of the point in the flange frame [m].
         """

@@ -24,10 +24,10 @@ from tool0.simulation.arms.mechanics import ArmMechanics
 
 RETURN_BRAKE: Final = 4.0
 """Rate of change of a path's speed factor when the arm is released during motion [1/s].
-A path at full speed ends within 0.25 s."""
+A path at full speed stops within 0.25 s."""
 RETURN_DECELERATION: Final = 4.0
-"""Smallest deceleration of any other motion when the arm is released [rad/s²].  A
-stream of velocities uses its own acceleration if this acceleration is larger."""
+"""Smallest deceleration of motions other than paths when the arm is released [rad/s²].
+A stream of velocities uses its own acceleration if this acceleration is larger."""
 SETTLING: Final = 0.1
 """Time from the rest of an arm's setpoint to the rest of the arm [s].  The servos of
 the arm lag by about 20 ms."""
@@ -40,8 +40,8 @@ motion fails [rad/s²]."""
 class ArmMotion:
     """Motion of an arm that a program controls.
 
-    Only the thread that executes the tick may use this class.  An ArmMotionController,
-    which exists until the arm is released, moves the arm.
+    Only the thread that executes the tick may use ``ArmMotion``.  An
+    ArmMotionController, which exists until the arm is released, moves the arm.
     """
 
     def __init__(
@@ -82,12 +82,12 @@ class ArmMotion:
         assert isinstance(running, ArmMotionController)  # it has this spec
         return running
 
-    # ---- from start to end ----------------------------------------------------------
+    # ---- start and end --------------------------------------------------------------
 
     def start(self, held: tuple[float, ...] | None, now: JointState) -> None:
         """Hold the arm, and cancel a return.
 
-        The arm is held at ``held`` [rad] if it is near this position.
+        The arm is held at ``held`` [rad] if it is near these positions.
         """
         if self.is_returning:
             self._rests_at = None
@@ -119,7 +119,7 @@ class ArmMotion:
     def has_returned(self, now: float) -> bool:
         """Return whether a returning arm has come to rest.
 
-        This function is called in each tick.
+        ``has_returned`` is called in each tick.
         """
         if self._rests_at is None or not self.controller.is_done(now):
             return False
@@ -142,7 +142,7 @@ class ArmMotion:
         self.is_taken, self._rests_at, self.has_torques = False, None, False
         self._manager.stop_own(self.spec.name, now)
 
-    # ---- while it is taken ----------------------------------------------------------
+    # ---- motion under program control -----------------------------------------------
 
     def execute(
         self,
@@ -195,7 +195,7 @@ class ArmMotion:
         self._manager.drive_efforts(self.spec.name, None, now)
         self.controller.end_compliance(now, STIFFENING)
 
-    # ---- where it is ----------------------------------------------------------------
+    # ---- state of the arm -----------------------------------------------------------
 
     def setpoint(self, now: JointState) -> tuple[float, ...]:
         """Return the commanded joint positions of the arm [rad].
@@ -234,7 +234,7 @@ class ArmMotion:
             joints,
         )
 
-    # ---- controllers that move it before and after ----------------------------------
+    # ---- controllers before and after program control -------------------------------
 
     def desired(self, now: JointState) -> tuple[float, ...] | None:
         """Return the positions at which a controller holds the arm [rad], or None.

@@ -112,7 +112,7 @@ class RealArm(Arm):
         self._drives.forgive()
         self.box.change(motion_failure="")
 
-    # ---- force mode and freedrive: the robot's --------------------------------------
+    # ---- force mode and freedrive of the robot --------------------------------------
 
     @property
     def _is_guided(self) -> bool:

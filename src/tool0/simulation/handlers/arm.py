@@ -41,7 +41,7 @@ _AFTER_ANY_MOTION = 1e6
 """Time after which every motion is assumed to have ended [s]."""
 AT_REST = 1e-6
 """Velocity and acceleration below which a joint is considered to be at rest [rad/s,
-rad/s²], and largest distance from its target in this case [rad]."""
+rad/s²], and largest distance of a joint at rest from its target [rad]."""
 
 
 @handles(ListArms)

@@ -1,4 +1,4 @@
-"""Conversion of journal requests to JSON, including internal requests."""
+"""Conversion of journal requests to and from JSON, including internal requests."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def request_of(method: str, params: bytes | str) -> Request[Any]:
 
     Raises:
         RequestError: If this version of tool0 has no such request, or the request does
-            not accept these parameters.
+            not accept the parameters.
     """
     entry = entries().get(method)
     if entry is None:

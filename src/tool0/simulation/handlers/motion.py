@@ -125,8 +125,8 @@ def _import_planner(simulation: Simulation, request: Request[Any]) -> None:
 def _prepare_move(simulation: Simulation, request: MoveJoints) -> None:
     """Execute the slow part of ``MoveJoints``.
 
-    CollisionError is raised if the motion would cause a collision and the request
-    rejects such motions.
+    CollisionError is raised if the motion would cause a collision and the request does
+    not ignore collisions.
     """
     _import_planner(simulation, request)
     if request.collision == "refuse":
@@ -212,7 +212,7 @@ def _go(simulation: Simulation, request: GoToPose) -> tuple[GoalStarted, ...]:
     )
 
 
-# ---- the controllers themselves -----------------------------------------------------
+# ---- controllers --------------------------------------------------------------------
 
 
 class LoadControllerWith(Request[None], frozen=True):

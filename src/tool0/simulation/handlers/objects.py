@@ -32,8 +32,8 @@ from tool0.simulation.pull_springs import PullSpring
 from tool0.simulation.simulation import Simulation
 
 MOST_SHAPES = 500
-"""Largest number of shapes in the scene.  Each additional shape makes adding objects
-slower."""
+"""Largest number of shapes in the scene.  Each additional shape increases the time for
+adding an object."""
 
 
 def _object_to_add(simulation: Simulation, request: AddObject) -> SceneObject:
@@ -69,7 +69,10 @@ def _require_outside(
     item: SceneObject,
     at: ObjectState | None = None,
 ) -> None:
-    """Raise PenetrationError if an object would impermissibly be inside a link."""
+    """Raise PenetrationError if an object would be inside a link.
+
+    There is no error if the request allows penetrations.
+    """
     if not request.allow_penetration:
         position = simulation.core.state.position
         simulation.collisions.require_outside(position, item, at)

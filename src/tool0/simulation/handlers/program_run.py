@@ -71,7 +71,7 @@ class ProgramExecution:
         self._events = simulation.bus.subscribe(latest_only=True)
         self._script = self._run()
 
-    # ---- requests: any thread ------------------------------------------------------
+    # ---- requests from any thread --------------------------------------------------
 
     @property
     def is_stopping(self) -> bool:

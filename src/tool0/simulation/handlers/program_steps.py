@@ -1,4 +1,4 @@
-"""The execution of a program's steps, in order, with the same requests as clients.
+"""The execution of a program's steps with the same requests that clients send.
 
 The steps are a generator that yields until the next snapshot whenever simulated time
 must pass.  Each change uses the request that a client would send, so that the journal
@@ -80,7 +80,7 @@ class EndedError(Exception):
 class ProgramSteps:
     """Executes the steps of a program.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``ProgramSteps``.
     """
 
     def __init__(
@@ -371,7 +371,7 @@ class ProgramSteps:
     def _motion(self) -> ArmMotionController:
         """The arm's controller.
 
-        EndedError is raised if something else moves the arm.
+        EndedError is raised if another program or client moves the arm.
         """
         motion = self.arm.controller_to_move()
         number, _ = motion.progress(self._simulation.core.time)
@@ -387,7 +387,7 @@ class ProgramSteps:
     def is_done(self) -> bool:
         """Whether the arm is at rest.
 
-        EndedError is raised if something else moves the arm.
+        EndedError is raised if another program or client moves the arm.
         """
         return self._motion.is_done(self._simulation.core.time)
 

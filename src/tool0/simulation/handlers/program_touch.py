@@ -23,7 +23,7 @@ treated as a contact [N]."""
 class Touch:
     """Monitors the contacts of an arm's tool.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``Touch``.
 
     The tool consists of the links beyond the last joint, and of an object that the
     gripper holds.  Contacts of the tool with any other body are detected.  Contacts

@@ -1,9 +1,9 @@
-"""Detection of streams that their senders have stopped, and a stop of the arms.
+"""Detection of interrupted streams, and the resulting stops of the arms.
 
 A stream consists of two or more target or velocity commands that follow each other
-within their timeout.  After a longer silence, the arm stops.  Later commands, which may
-have been delayed by a network outage or a suspended sender, are rejected until the arm
-has been stopped, or taken again with ``take_arm``.
+within their timeout.  After a silence that is longer than the timeout, the arm stops.
+Later commands, which may have been delayed by a network outage or a suspended sender,
+are rejected until the arm has been stopped, or taken again with ``take_arm``.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ class StreamWatch:
             arm: Name of the arm.
             timeout: Silence after which the stream ends, in wall time [s]; None if the
                 stream never ends.
-            is_rest: Whether the command is a command to rest.  Such a command ends a
-                stream regularly, and is always accepted.
+            is_rest: Whether the command is a command to rest, which ends a stream
+                regularly and is always accepted.
 
         Raises:
             ControlError: If the command continues a stream that has ended.

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Handler = Callable[..., Any]
 """Function that handles a request.  The arguments are the simulation, the request, and
-the result of ``prepare`` if the handler has this function."""
+the result of ``prepare`` if the handler has a ``prepare`` function."""
 Prepare = Callable[["Simulation", Any], Any]
 
 
@@ -32,9 +32,9 @@ class Entry:
     request: type[Request[Any]]
     handler: Handler
     in_tick: bool
-    """Whether the handler runs in the thread of the tick, between two ticks.  Such a
-    handler must be fast, and may use the engine and the controllers.  Any other handler
-    runs in the caller's thread and may take longer."""
+    """Whether the handler runs in the thread of the tick, between two ticks.  A handler
+    in the thread of the tick must be fast, and may use the engine and the controllers.
+    Any other handler runs in the caller's thread and may take longer."""
     changes: bool
     """Whether the handler changes the simulation.  Only ``in_tick`` handlers may change
     the simulation: each call is recorded in the journal, with which a session can be

@@ -87,11 +87,11 @@ _DID_NOT: Final = "the robot did not {}"
 
 @final
 class RealRobotBackend:
-    """A real robot, which the same controllers and the same executor move.
+    """A real robot, moved by the same controllers and executor as a simulated robot.
 
-    Requests for the robot's controller (power, payload, tare) are forwarded to it, and
-    are answered after the robot has executed them.  The safety system of the UR robot
-    is the only safety function.
+    Requests for the robot's controller (power, payload, tare) are forwarded to this
+    controller, and are answered after the robot has executed the requests.  The safety
+    system of the UR robot is the only safety function.
     """
 
     mode: Final = "hardware"
@@ -163,7 +163,7 @@ class RealRobotBackend:
     def superseded(self, request: Request[Any]) -> Collection[str]:
         return self._inner.superseded(request)
 
-    # ---- what the robot's own controller does ---------------------------------------
+    # ---- requests for the robot's controller ----------------------------------------
 
     def _enable(self, request: EnableMotion) -> None:
         if self._guard is None:

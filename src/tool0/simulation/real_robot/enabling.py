@@ -31,7 +31,7 @@ FIRST_SLIDER: Final = 0.25
 """Largest value of the speed slider when motion is enabled; a lower value is kept."""
 CALIBRATION_TOLERANCE: Final = 0.5e-3
 """Largest distance between the flange position that the robot reports and the flange
-position in the description [m].  Beyond this distance, the kinematics are considered
+position in the description [m].  Beyond the tolerance, the kinematics are considered
 different.  The calibrations of UR robots differ by one or two millimeters."""
 PAYLOAD_TOLERANCE: Final = (0.1, 0.1)
 """Largest differences between payloads that are considered equal: the absolute
@@ -51,15 +51,15 @@ _POLL: Final = 0.02
 class Enabling:
     """Finds obstacles to motion of the arm, and starts tool0's program on the robot.
 
-    The class queries the robot, which takes time.  It must never be used in the thread
-    of the tick.
+    ``Enabling`` queries the robot, which takes time.  ``Enabling`` must never be used
+    in the thread of the tick.
     """
 
     def __init__(self, simulation: Simulation, engine: RealRobotEngine) -> None:
         self._simulation, self._engine = simulation, engine
         self._frames = FlangeFrames(simulation.description.model, engine.arm)
 
-    # ---- what is known --------------------------------------------------------------
+    # ---- state of the robot ---------------------------------------------------------
 
     @property
     def box(self) -> ControlBoxState:
@@ -138,7 +138,7 @@ class Enabling:
         ]
 
     def calibration_distance(self) -> float:
-        """Return the distance from the described to the reported flange [m]."""
+        """Return the distance between the reported and the described flange [m]."""
         reader = self._engine.reader
         package, fields = reader.newest, reader.fields
         reported = self._frames.reported_flange(
@@ -161,7 +161,7 @@ class Enabling:
             "`tool0 hardware payload`, or in the robot's installation"
         ]
 
-    # ---- beginning and end ----------------------------------------------------------
+    # ---- enabling and disabling -----------------------------------------------------
 
     def enable(self, request: EnableMotion) -> None:
         """Start tool0's program on the robot, and the controllers that hold the arm.

@@ -1,4 +1,4 @@
-"""Checks of every motion with the model before it is sent to a real robot."""
+"""Checks of every motion with the model before the motion is sent to a real robot."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tool0.simulation.simulation import Simulation
 
 SAMPLING: Final = 0.04
 """Time between two checked postures at the start of a motion [s].  The paths between
-these postures are checked as straight lines in joint space."""
+checked postures are checked as straight lines in joint space."""
 _SAMPLES: Final = 500
 """Number of postures after which the time between two postures is doubled, since the
 tick waits for the check."""

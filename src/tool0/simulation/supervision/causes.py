@@ -34,7 +34,7 @@ class TrackedJoint(NamedTuple):
     upper: float
     """Lower and upper limits of the joint [rad]."""
     error: float
-    """Largest permissible distance from the setpoint [rad]."""
+    """Largest permissible distance of the joint from its setpoint [rad]."""
     effort: float
     """Largest effort of the joint's drive [N·m]."""
     links: frozenset[str]
@@ -85,10 +85,10 @@ class Causes:
     def known(
         self, joint: TrackedJoint, moving: Sequence[TrackedJoint], state: JointState
     ) -> str:
-        """Return the reason why a joint is not at its setpoint; empty if unknown.
+        """Return the reason why a joint is not at its setpoint.
 
-        Contacts may stop the joints in ``moving``, which contains the joint and
-        possibly other joints.
+        The result is empty if the reason is unknown.  Contacts may stop the joints in
+        ``moving``, which contains the joint and possibly other joints.
         """
         return self._obstacle(joint, moving, state) or _weakness(joint, state)
 
@@ -97,7 +97,7 @@ class Causes:
     ) -> str:
         """Return the contacts that stop ``moving`` joints, or the limit of ``joint``.
 
-        The result is empty if there is no such obstacle.
+        The result is empty if neither contacts nor a limit stop the joint.
         """
         self.watch(state.time)
         if 0.0 <= state.time - self._touched_at <= RECENT:
@@ -111,7 +111,10 @@ class Causes:
         return ""
 
     def _singularity(self, state: JointState) -> str:
-        """Describe a singularity that a fast motion approaches; empty if none."""
+        """Describe a singularity that a fast motion approaches.
+
+        The result is empty if there is no singularity nearby.
+        """
         if self._is_wanted_fast() and self._singular_value(state) < SINGULAR:
             return (
                 "no contact: the arm is at a singularity, where its joints would have "
@@ -132,7 +135,7 @@ class Causes:
         )
 
     def _singular_value(self, state: JointState) -> float:
-        """Return the Jacobian's smallest singular value, 0 at a singularity."""
+        """Return the smallest singular value of the Jacobian, 0 at a singularity."""
         import numpy as np  # only for failed motions
 
         from tool0.kinematics.chain import ArmChain
@@ -144,7 +147,10 @@ class Causes:
 
 
 def _weakness(joint: TrackedJoint, state: JointState) -> str:
-    """Describe a drive at its largest effort; empty if the effort is smaller."""
+    """Describe a drive that is at its largest effort.
+
+    The result is empty if the effort is smaller.
+    """
     if abs(state.effort[joint.number]) < _FULL * joint.effort:
         return ""
     return (

@@ -1,4 +1,4 @@
-"""Contact force of an arm.  If the force is too large, it causes a stop.
+"""Contact forces of an arm, which cause a stop if they are too large.
 
 A UR robot computes the force from the currents of its joints.  The simulation computes
 the force from the contacts of the physics engine.
@@ -71,7 +71,7 @@ class ContactForces:
 
         The result is empty if no force is excessive.
 
-        The call takes 1 µs if there are no contacts of the arm.
+        A call of ``excess`` takes 1 µs if there are no contacts of the arm.
         """
         passed, self._last = time - self._last, time
         if not (self._is_loaded or self._world.is_touched(self._links)):

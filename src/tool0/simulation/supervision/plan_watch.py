@@ -39,7 +39,10 @@ class ContactWatch:
         self._has_looked = False
 
     def unexpected(self, contacts: Collection[Contact]) -> str:
-        """Describe an unexpected contact in a sentence; empty if there is none."""
+        """Describe an unexpected contact in a sentence.
+
+        The result is empty if there is no unexpected contact.
+        """
         if not self._has_looked:
             self._has_looked = True
             self._known.update(map(_pair, contacts))

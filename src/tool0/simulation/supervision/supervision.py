@@ -26,11 +26,11 @@ from tool0.simulation.supervision.causes import Causes, TrackedJoint
 from tool0.simulation.supervision.contact_forces import ContactForces
 
 CHECK_PERIOD: Final = 0.1
-"""Simulated time between complete checks of the joints [s].  It is the time in which a
-UR robot detects a joint beyond its limit (user manual of the UR5/CB3, 5.1)."""
+"""Simulated time between complete checks of the joints [s].  The period is the time in
+which a UR robot detects a joint beyond its limit (user manual of the UR5/CB3, 5.1)."""
 LIMIT_MARGIN: Final = RECOVERABLE
-"""Tolerated distance beyond a joint's limit [rad].  Within this distance, an arm may
-rest and can be moved back.  The trueness of the joint positions of a UR robot is 0.02
+"""Tolerated distance beyond a joint's limit [rad].  Within the margin, an arm may rest
+and can be moved back.  The trueness of the joint positions of a UR robot is 0.02
 rad."""
 SUSPICIOUS: Final = 0.5
 """Fraction of the largest lag above which contacts are read, since an engine may record
@@ -51,7 +51,7 @@ class Failure(NamedTuple):
 class Supervision:
     """Finds and explains failures.
 
-    Only the thread that executes the tick may use this class.
+    Only the thread that executes the tick may use ``Supervision``.
     """
 
     def __init__(self, core: Core) -> None:
@@ -61,8 +61,8 @@ class Supervision:
     def failures(self) -> list[Failure]:
         """Return the arms that must stop, in the order of the model.
 
-        The call takes 2 µs for each monitored arm if there are no failures and no
-        contacts of the arm.
+        A call of ``failures`` takes 2 µs for each monitored arm if there are no
+        failures and no contacts of the arm.
         """
         found = []
         for watch in self._watches:
@@ -153,7 +153,10 @@ class _Watch:
     # ---- safety limits --------------------------------------------------------------
 
     def excess(self) -> str:
-        """Describe the enabled safety limit that is exceeded; empty if none."""
+        """Describe the enabled safety limit that is exceeded.
+
+        The result is empty if no safety limit is exceeded.
+        """
         box, state = self.arm.box.state, self._core.state
         if not (box.safety_limits.is_enabled and box.may_move):
             return ""
@@ -182,7 +185,10 @@ class _Watch:
         return self._is_servoed
 
     def _beyond_limit(self, wanted: Mapping[str, float]) -> str:
-        """Describe the joint that is commanded beyond a limit; empty if none."""
+        """Describe the joint that is commanded beyond a limit.
+
+        The result is empty if no joint is commanded beyond a limit.
+        """
         for joint in self.causes.joints:
             if (target := wanted.get(joint.name)) is None:
                 continue
@@ -197,7 +203,10 @@ class _Watch:
     # ---- the motion of a program ----------------------------------------------------
 
     def lost(self) -> str:
-        """Return the reason why a program's motion has failed; empty if it has not."""
+        """Return the reason why a program's motion has failed.
+
+        The result is empty if the motion has not failed.
+        """
         if not self.arm.motion.is_taken or self.arm.box.state.motion_failure:
             return ""
         controller, state = self.arm.motion.controller, self._core.state
@@ -221,7 +230,7 @@ class _Watch:
             )
         return ""
 
-    # ---- both -----------------------------------------------------------------------
+    # ---- shared functions -----------------------------------------------------------
 
     def _lag(self) -> float:
         """Return the largest distance of a joint from its command [rad]."""
@@ -231,7 +240,10 @@ class _Watch:
         return max(map(abs, errors), default=0.0)
 
     def _off_path(self, wanted: Mapping[str, float]) -> str:
-        """Describe a joint that is too far from its setpoint; empty if none."""
+        """Describe a joint that is too far from its setpoint.
+
+        The result is empty if no joint is too far from its setpoint.
+        """
         position = self._core.state.position
         for joint in self.causes.joints:
             here = position[joint.number]
@@ -252,7 +264,7 @@ def _furthest(
 ) -> tuple[TrackedJoint, float]:
     """Return the joint with the largest distance from its setpoint.
 
-    The second item is this distance [rad].
+    The second item of the result is the distance [rad].
     """
     errors = []
     for joint in joints:
