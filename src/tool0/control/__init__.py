@@ -1,1 +1,1 @@
-"""The semantics of ros_control, independent of any engine and of ROS itself."""
+"""Semantics of ros_control, independent of any physics engine and of ROS."""

@@ -1,4 +1,4 @@
-"""The controllers of ROS 1 or ROS 2 that YAML files describe."""
+"""The ROS 1 or ROS 2 controllers that YAML files describe."""
 
 from __future__ import annotations
 
@@ -32,13 +32,19 @@ class ControllerParameters(NamedTuple):
 
 @final
 class ControllerConfig:
-    """The controllers that YAML files describe; each one is checked when it is loaded.
+    """The controllers that YAML files describe.
 
-    The layout determines the version: ``ros__parameters`` means ROS 2.
+    Each controller is checked when it is loaded.
+
+    The layout of the files determines the ROS version: the key ``ros__parameters``
+    indicates ROS 2.
     """
 
     def __init__(self, tree: Tree, dialect: Dialect | None = None) -> None:
-        """Take the content of files; without ``dialect``, the layout determines it."""
+        """Store the content of files.
+
+        If ``dialect`` is None, the layout of the files determines the dialect.
+        """
         self.tree = tree
         self.dialect = dialect or (ROS2 if is_ros2(tree.root) else ROS1)
         self._declared = self.dialect.declared(tree.root)
@@ -52,7 +58,7 @@ class ControllerConfig:
         ``arguments`` are the values of ``$(var NAME)`` in files for ROS 2.
 
         Raises:
-            ConfigError: If a file cannot be read or is not YAML, or has an unknown
+            ConfigError: If a file cannot be read, is not YAML, or contains an unknown
                 variable.
         """
         tree = Tree()
@@ -73,7 +79,7 @@ class ControllerConfig:
         return ControllerConfig(tree)
 
     def with_type(self, name: str, type_name: str) -> ControllerConfig:
-        """Return a copy with another type for a controller, which may be new."""
+        """Return a copy in which a controller, which may be new, has another type."""
         config = ControllerConfig(self.tree, self.dialect)
         here = SourceLocation(None)
         empty = YamlEntry(name, here, {})
@@ -91,12 +97,12 @@ class ControllerConfig:
 
     @property
     def types(self) -> Mapping[str, str]:
-        """The type of each controller as written in the files; it need not exist."""
+        """The types of the controllers in the files; a type need not exist."""
         return {name: str(item.type.scalar) for name, item in self._declared.items()}
 
     @property
     def control_period(self) -> float | None:
-        """The time between updates that the files ask for [s]; None if unspecified.
+        """The time between updates that the files specify [s]; None if unspecified.
 
         Raises:
             ConfigError: If the specified rate is invalid.
@@ -104,11 +110,11 @@ class ControllerConfig:
         return self.dialect.control_period(self.tree.root)
 
     def parameters(self) -> Mapping[str, object]:
-        """Return the whole content of the files, as plain values by name."""
+        """Return the entire content of the files, as plain values by name."""
         return {name: e.plain() for name, e in self.tree.root.children.items()}
 
     def yaml(self) -> str:
-        """Return the whole content of the files as one YAML text, without comments."""
+        """Return the entire content of the files as one YAML text, without comments."""
         import yaml
 
         text: str = yaml.safe_dump(
@@ -117,10 +123,11 @@ class ControllerConfig:
         return text
 
     def type_of(self, name: str) -> str:
-        """Return the type of a controller, which is checked to exist.
+        """Return the type of a controller, after checking that the type exists.
 
         Raises:
-            ConfigError: If the controller or its type is missing or unknown.
+            ConfigError: If the controller or its type is missing, or the type is
+                unknown.
         """
         entry = self._find(name).type
         if not isinstance(entry.scalar, str):
@@ -153,7 +160,7 @@ class ControllerConfig:
         """Return the checked parameters of a controller.
 
         Raises:
-            ConfigError: If the controller is missing, or its parameters are wrong.
+            ConfigError: If the controller is missing, or its parameters are invalid.
         """
         return self._parse(name, robot, Namespace(self._find(name).parameters))
 
@@ -165,9 +172,10 @@ class ControllerConfig:
         return parse(name, kind, parameters, robot)
 
     def parameters_of(self, name: str, robot: RobotJoints) -> ControllerParameters:
-        """Return the values of a controller's parameters, defaults included.
+        """Return the values of a controller's parameters, including defaults.
 
-        If a parameter is wrong, parameters that are read after it are missing.
+        If a parameter is invalid, the parameters that are read after it are missing
+        from the result.
 
         Raises:
             ConfigError: If there is no such controller.
@@ -193,7 +201,7 @@ class ControllerConfig:
     def with_parameters(
         self, name: str, changes: Mapping[str, Value]
     ) -> ControllerConfig:
-        """Return a copy with changes to a controller's parameters, by dotted name."""
+        """Return a copy with changed parameters of a controller, by dotted name."""
         found = self._find(name)
         overlay = YamlEntry(name, found.parameters.location, {})
         for path, value in changes.items():
@@ -213,16 +221,17 @@ class ControllerConfig:
         return config
 
     def lint(self, joints: Collection[str] | None = None) -> tuple[Finding, ...]:
-        """Return unused, ineffective and suspicious parameters.
+        """Return findings about unused, ineffective and suspicious parameters.
 
-        ``joints`` are the robot's movable joints, if they are known.
+        ``joints`` are the robot's movable joints; None if they are unknown.
         """
         return self.dialect.lint(self.tree, joints)
 
     def joint_limits(self) -> Mapping[str, Mapping[str, float]]:
-        """Return the limits in ``joint_limits``, which override the URDF's, by joint.
+        """Return the limits in ``joint_limits``, by joint.
 
-        The keys are fields of ``JointLimits``.
+        The limits in ``joint_limits`` override the limits of the URDF.  The keys are
+        fields of ``JointLimits``.
         """
         limits = self.dialect.joint_limits(self.tree.root)
         entries = {} if limits is None else limits.entry.children
@@ -236,7 +245,7 @@ def _dotted(path: str) -> str:
 
 
 def _value(entry: YamlEntry) -> Value | None:
-    """Return a parameter as a plain value; None if it is empty or of mixed types."""
+    """Return a parameter as a plain value; None if it is empty or has mixed types."""
     if not entry.is_list:
         return entry.scalar
     items = [item.scalar for item in entry.items]

@@ -1,4 +1,4 @@
-"""Protocols of the controllers of ROS 1 and ROS 2, for the tick and for requests."""
+"""Protocols of ROS 1 and ROS 2 controllers, for the tick and for requests."""
 
 from __future__ import annotations
 
@@ -18,76 +18,80 @@ from tool0.protocol.trajectories import JointsMotion
 
 
 class Controller(Protocol):
-    """A running controller, which is ready once it exists; stopping drops it."""
+    """A running controller.
+
+    A controller is ready for use when it is constructed, and it is discarded when it is
+    stopped.
+    """
 
     @property
     def pid(self) -> Pid | None:
-        """The PID from errors to commands; None if commands are passed on."""
+        """The PID from errors to commands; None if commands are forwarded."""
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return one command per claimed joint, in the order of the spec's joints.
+        """Return one command per claimed joint, in the order of ``spec.joints``.
 
         Args:
-            state: State of all joints, in the engine's order.
+            state: State of all joints, in the order of the engine.
             period: Time since the last update [s].
         """
 
     def law(self) -> Law | None:
-        """Return the law that replaces ``update`` until an event, if there is one."""
+        """Return the law that replaces ``update`` until an event, or None."""
 
     def observe(self, state: JointState) -> None:
-        """Store the state of the last tick, which the law executed."""
+        """Store the state after the last tick, which the law executed."""
 
     def setpoint(self) -> Setpoint | None:
-        """Return the joints' setpoints; None if positions are not commanded.
+        """Return the setpoints of the joints; None if positions are not commanded.
 
-        This is called between ticks, about a hundred times a second, so the result only
-        holds references to immutable values.
+        ``setpoint`` is called between ticks, about a hundred times per second.  For
+        efficiency, the result contains only references to immutable values.
         """
 
     def stop(self) -> None:
-        """End the current motion and its goal, since the controller is deactivated."""
+        """End the current motion and its goal when the controller is deactivated."""
 
 
 class ControllerSpec(Protocol):
-    """The checked parameters of a controller, ready to be started."""
+    """The checked parameters of a controller that is ready to be started."""
 
     @property
     def name(self) -> str: ...
 
     @property
     def type(self) -> str:
-        """The type in YAML, e.g. ``effort_controllers/JointTrajectoryController``."""
+        """The type, such as ``effort_controllers/JointTrajectoryController``."""
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The joints that it claims, in the order of its commands."""
+        """The joints that the controller claims, in the order of its commands."""
 
     @property
     def interface(self) -> Interface | None:
-        """The command interface of each joint that it claims; None if it only reads."""
+        """The command interface to claim for each joint, or None if read-only."""
 
     @property
     def further_interfaces(self) -> tuple[str, ...]:
-        """Additional command interfaces that it claims, such as ``gpio/io_async``."""
+        """Additional command interfaces to claim, such as ``gpio/io_async``."""
 
     @property
     def state_interfaces(self) -> tuple[str, ...]:
-        """The state interfaces that it requires, such as ``elbow_joint/position``."""
+        """The required state interfaces, such as ``elbow_joint/position``."""
 
     @property
     def gains(self) -> tuple[Gains, ...]:
-        """The gains of each joint; empty without a PID."""
+        """The gains of each joint; empty if there is no PID."""
 
     @property
     def waits_for_command(self) -> bool:
-        """Whether the brakes stay on between its start and its first command."""
+        """Whether the brakes stay engaged between start and first command."""
 
     def start(self, indices: Sequence[int], state: JointState) -> Controller:
         """Return a running controller that holds the measured ``state``.
 
         Args:
-            indices: Indices of its joints in the state's lists.
+            indices: Indices of the controller's joints in the lists of the state.
             state: Measured state at the time of the start.
         """
 
@@ -97,41 +101,41 @@ class TrajectorySpec(ControllerSpec, Protocol):
 
     @property
     def joint_models(self) -> tuple[Joint, ...]:
-        """The joints with their limits."""
+        """The joints of the controller, with their limits."""
 
     @property
     def allow_partial_joints_goal(self) -> bool:
-        """Whether a goal may name only some of its joints."""
+        """Whether a goal may specify only some of the controller's joints."""
 
 
 @runtime_checkable
 class TrajectoryFollower(Controller, Protocol):
     """A running controller that follows trajectories.
 
-    Requests are handled between ticks; their ``now`` is the simulated time of the next
-    tick [s].
+    Requests are handled between ticks; the argument ``now`` of a request is the
+    simulated time of the next tick [s].
     """
 
     @property
     def spec(self) -> TrajectorySpec: ...
 
     def follow(self, goal: TrajectoryGoal | MotionPlan, now: float) -> Goal:
-        """Replace the motion by ``goal`` and return its handle, or reject it.
+        """Replace the motion with ``goal`` and return its handle, or reject the goal.
 
         A plan starts with the desired motion at ``now``.
 
         Raises:
-            GoalRejectedError: The previous motion then continues.
+            GoalRejectedError: If the goal is rejected; the previous motion continues.
         """
 
     def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
-        """Replace the motion without a result, like ROS's topic, or reject it."""
+        """Follow a goal from a topic, which has no result, or reject the goal."""
 
     def cancel(self, goal: Goal, now: float) -> None:
-        """Stop if ``goal`` is the active one, which then ends PREEMPTED."""
+        """Stop if ``goal`` is the active goal, and end it with the status PREEMPTED."""
 
     def query_state(self, time: float) -> JointsMotion:
-        """Return the desired motion at ``time`` [s]; ControlError if unknown."""
+        """Return the desired motion at ``time`` [s]; raise ControlError if unknown."""
 
     def setpoint(self) -> Setpoint:
         """Return the setpoints of the joints."""
@@ -144,25 +148,29 @@ class TrajectoryFollower(Controller, Protocol):
         is_first: bool,
         has_points: bool,
     ) -> None:
-        """Continue with the motions of joints, by index, that the kernel started.
+        """Continue with joint motions, by joint index, that the kernel started.
 
-        ``is_first`` says whether the next tick is the first one of these motions, and
-        ``has_points`` whether they have several points, in case the controller
-        distinguishes this.
+        ``is_first`` specifies whether the next tick is the first tick of the motions.
+        ``has_points`` specifies whether the motions have several points, for
+        controllers that treat motions with several points differently.
         """
 
 
 @runtime_checkable
 class SpeedScalable(Controller, Protocol):
-    """A running controller whose trajectories can be slowed down."""
+    """A running controller with trajectories that can be slowed down."""
 
     def scale_speed(self, factor: float) -> None:
-        """Set the ratio of trajectory time to simulated time, or raise ControlError."""
+        """Set the ratio of trajectory time to simulated time.
+
+        Raises:
+            ControlError: If the speed cannot be scaled.
+        """
 
 
 @runtime_checkable
 class GripperDriver(Controller, Protocol):
-    """A running controller that moves one joint and squeezes whatever stops it."""
+    """A running controller that moves one joint and squeezes objects."""
 
     @property
     def joint(self) -> Joint: ...
@@ -174,22 +182,23 @@ class GripperDriver(Controller, Protocol):
         now: float,
         drive_limits: DriveLimits | None = None,
     ) -> Goal:
-        """Replace the goal and return the new one's handle, or reject it.
+        """Start a new goal and return its handle, or reject the goal.
 
-        If ``max_effort`` [N·m | N] is None or 0, the controller's own value applies.
+        If ``max_effort`` [N·m | N] is None or 0, the value of the controller applies.
         ``drive_limits`` apply during the goal.
 
         Raises:
-            GoalRejectedError: The previous command then continues.
+            GoalRejectedError: If the goal is rejected; the previous command stays in
+                effect.
         """
 
     def limits(
         self, max_effort: float | None, max_velocity: float | None
     ) -> DriveLimits | None:
-        """Return the drive's limits with these settings of a goal.
+        """Return the limits of the drive for the settings of a goal.
 
-        The result is None if the drive is not limited.  Settings that are None default
-        to the controller's own.
+        The result is None if the drive is not limited.  If a setting is None, the value
+        of the controller applies.
         """
 
     def resume_from_kernel(
@@ -201,15 +210,15 @@ class GripperDriver(Controller, Protocol):
         *,
         has_goal: bool,
     ) -> None:
-        """Continue with a goal that the kernel started at ``now`` [s] or has ended."""
+        """Continue with a goal that the kernel started at ``now`` [s], or completed."""
 
     def cancel(self, goal: Goal, now: float) -> None:
-        """Stop if ``goal`` is the active one, which then ends PREEMPTED."""
+        """Stop if ``goal`` is the active goal, and end it with the status PREEMPTED."""
 
 
 @runtime_checkable
 class CommandTaker(Controller, Protocol):
-    """A running controller that takes one number per joint as its command."""
+    """A running controller with a command of one number per joint."""
 
     def command_joints(self, values: Sequence[float] | float) -> None:
         """Set one command per joint, in the spec's order, or raise ControlError."""
@@ -217,7 +226,7 @@ class CommandTaker(Controller, Protocol):
 
 @runtime_checkable
 class Adjustable(Controller, Protocol):
-    """A running controller whose parameters can change."""
+    """A running controller with parameters that can change."""
 
     def adjust(self, spec: Any) -> None:
-        """Continue with ``spec``, of the same class."""  # so Any; gains are the pid's
+        """Continue with ``spec`` of the same class."""  # hence Any; the PID has gains

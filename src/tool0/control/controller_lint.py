@@ -1,4 +1,4 @@
-"""Linting of controllers' parameters: unused ones, which both ROS versions ignore."""
+"""Linting of unused controller parameters, which ROS 1 and ROS 2 ignore."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import is_typo, nearest_name
 
 JOINT_MAPPINGS = ("gains", "constraints", "velocity_ff")
-"""Parameters that map joints to values."""
+"""Parameters that map joint names to values."""
 
 
 def or_remove(near: str | None) -> str:
@@ -23,7 +23,11 @@ def or_remove(near: str | None) -> str:
 
 
 def severity_of(written: str, near: str | None) -> Severity:
-    """Return the severity of an unknown name; unless a typo, others may read it."""
+    """Return the severity of an unknown name.
+
+    The severity is a warning if the name is not a typo, since other programs may read
+    the name.
+    """
     return "error" if is_typo(written, near) else "warning"
 
 
@@ -44,7 +48,7 @@ def unknown_joints(
 def limit_findings(
     limits: YamlEntry, known: Collection[str] | None
 ) -> Iterator[Finding]:
-    """Yield errors in the limits that override the URDF's."""
+    """Yield errors in the limits that override the limits of the URDF."""
     yield from unknown_joints(limits, known)
     valid = joint_limit_parameters()
     for joint in limits.children.values():
@@ -69,7 +73,7 @@ def limit_findings(
 @final
 @dataclass(frozen=True, slots=True)
 class ControllerLint:
-    """The parameters of one controller, whose type is known."""
+    """The parameters of one controller of a known type."""
 
     dialect: Dialect
     entry: YamlEntry
@@ -83,7 +87,7 @@ class ControllerLint:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The joints that the controller names."""
+        """The joints that the controller's parameters list."""
         return tuple(str(item.scalar) for item in joint_entries(self.entry))
 
     def findings(self) -> Iterator[Finding]:
@@ -100,21 +104,21 @@ class ControllerLint:
                 yield self._unread(unread)
 
     def _is_read(self, path: str, read: frozenset[str]) -> bool:
-        """Return whether a parameter, or one that contains it, is read."""
+        """Return whether a parameter, or a parameter that contains it, is read."""
         first, pattern = path.partition("/")[0], self._pattern(path)
         return first in self.dialect.common or any(
             pattern == known or pattern.startswith(f"{known}/") for known in read
         )
 
     def pattern_of(self, entry: YamlEntry) -> str:
-        """Return the path of ``entry``, with ``*`` for the controller's joints."""
+        """Return the path of ``entry``, in which ``*`` replaces controller joints."""
         return self._pattern(self._path(entry))
 
     def _path(self, entry: YamlEntry) -> str:
         return entry.key[len(self.entry.key) + 1 :]
 
     def _pattern(self, path: str) -> str:
-        """Return ``path`` with ``*`` for the controller's joints."""
+        """Return ``path``, in which ``*`` replaces controller joints."""
         joints = self.joints
         return "/".join("*" if part in joints else part for part in path.split("/"))
 

@@ -1,4 +1,4 @@
-"""Parts of the built-in controllers: the catalogue's files, and the names in them."""
+"""Parts of the built-in controllers: files of the catalogue, and names in the files."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ if TYPE_CHECKING:
     from tool0.control.gains import DerivedGains
 
 CATALOGUE_JOINTS: Final = tuple(arm_files.JOINTS.values())
-"""Names of the joints in the files that arms share."""
+"""Names of the joints in the files that all arms share."""
 LIMITS: Final = "joint_limits"
-"""Key, in a YAML file, of limits that override the URDF's."""
+"""Key of a YAML file for limits that override the limits of the URDF."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """Gains or limits of one joint: a line of YAML."""
+    """Gains or limits of one joint, as a line of YAML."""
 
     joint: str
     values: str
@@ -92,20 +92,20 @@ def renamed(
 @final
 @dataclass(frozen=True, slots=True)
 class OwnArm:
-    """An arm in the user's own robot file."""
+    """An arm in a robot file of the user."""
 
     prefix: str
-    """Prefix of its controllers; empty if the robot has only one arm."""
+    """Prefix of the arm's controllers; empty if the robot has only one arm."""
     names: str
-    """Prefix of its links and of its hardware's interfaces."""
+    """Prefix of the arm's links and of its hardware interfaces."""
     joints: tuple[str, ...]
-    """Joints of the arm, from base to flange."""
+    """Joints of the arm, from the base to the flange."""
 
     def written(self, text: str) -> str:
-        """Return YAML ``text`` for this arm's joints instead of the catalogue's.
+        """Return YAML ``text`` with the joints of this arm, not of the catalogue arm.
 
-        A line that names the catalogue's first joint is repeated for each joint;
-        ``$prefix`` becomes the prefix of the arm's links.
+        A line that contains the first joint of the catalogue is repeated for each
+        joint.  ``$prefix`` is replaced with the prefix of the arm's links.
         """
         first, *others = CATALOGUE_JOINTS
         lines = []
@@ -121,7 +121,8 @@ class OwnArm:
 def own_arms(model: RobotModel) -> tuple[OwnArm, ...]:
     """Return the arms of a robot that is not from the catalogue.
 
-    An arm ends at a link ``…tool0``, or has the joints of a catalogue arm.
+    A kinematic chain is an arm if it ends at a link ``…tool0``, or if it has the joints
+    of a catalogue arm.
     """
     arms = find_arms(model)
     if not arms and set(CATALOGUE_JOINTS) <= model.joint_by_name.keys():
@@ -152,7 +153,7 @@ def common_interface(
 
 
 def read_part(path: Path) -> str:
-    """Return the text of a controllers file."""
+    """Return the text of a file that defines controllers."""
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -162,12 +163,12 @@ def read_part(path: Path) -> str:
 
 
 def part_file(kind: PartKind, part: CataloguePart | None, name: str) -> Path:
-    """Return a file from a part's folder, or the one that all of its kind share."""
+    """Return a file from a part's folder, or the shared file for the kind of part."""
     return shared_folder(kind) / name if part is None else part.file(name)
 
 
 def joints_beyond(model: RobotModel, joint: str) -> list[str]:
-    """Return the driven joints beyond ``joint``, the last one of an arm."""
+    """Return the driven joints beyond ``joint``, which is the last joint of an arm."""
     links = set(model.links_from(model.joint(joint).child))
     return [
         item.name
@@ -177,7 +178,7 @@ def joints_beyond(model: RobotModel, joint: str) -> list[str]:
 
 
 def rating(part: CataloguePart, name: str) -> float | None:
-    """Return a rating of a part, such as its payload [kg]; None if not specified."""
+    """Return a rating of a part, such as its payload [kg], or None if unspecified."""
     path = part.file("specifications.yaml")
     if not path.is_file():
         return None
@@ -188,7 +189,10 @@ def rating(part: CataloguePart, name: str) -> float | None:
 
 
 def number_text(value: float) -> str:
-    """Return a number without an exponent, which YAML 1.1 could read as a string."""
+    """Return a number without an exponent.
+
+    YAML 1.1 could read a number with an exponent as a string.
+    """
     if not math.isfinite(value):
         return f"{'-' if value < 0 else ''}.inf" if math.isinf(value) else ".nan"
     whole = int(value)

@@ -1,9 +1,10 @@
 """The built-in controllers of a robot: one part per arm, and one per gripper.
 
-The parts are ros_control YAML files in ``tool0_description/config``: one that all arms
-share, and one that all grippers share.  The folder of an arm or a gripper may contain
-its own.  ``$gains`` in these files stands for the gains in the folder's ``gains.yaml``
-or, without one, for gains derived from the model.
+The parts are ros_control YAML files in ``tool0_description/config``: one file that all
+arms share, and one file that all grippers share.  The folder of an arm or a gripper may
+contain a separate file for this arm or gripper.  In the YAML files, ``$gains`` stands
+for the gains in the folder's ``gains.yaml``.  If the folder contains no ``gains.yaml``,
+the gains are derived from the model.
 """
 
 from __future__ import annotations
@@ -56,15 +57,16 @@ _FILES: Final = {
     Interface.EFFORT: _FILE,
     Interface.POSITION: "controllers_position.yaml",
 }
-"""The controllers files, by the interface of the joints."""
+"""The files that define controllers, by the interface of the joints."""
 _GAINS: Final = "$gains"
 _STATE_CONTROLLER: Final = "joint_state_controller"
-"""Name of the controller that publishes joint states: there is one for all robots, or
-one for each robot with a namespace."""
+"""Name of the controller that publishes joint states.  There is one joint state
+controller for all robots or, if the robots have namespaces, one for each robot."""
 _ROTARY: Final = {"$tolerance": "0.002", "$standstill": "0.001"}
 """Settings of a gripper with a revolute driven joint [rad, rad/s]."""
 _LINEAR: Final = {"$tolerance": "0.0001", "$standstill": "0.0001"}
-"""Settings of a gripper with a prismatic driven joint [m, m/s]: 0.2 mm of opening."""
+"""Settings of a gripper with a prismatic driven joint [m, m/s].  The tolerance
+corresponds to 0.2 mm of opening."""
 
 
 def controllers_yaml(
@@ -73,18 +75,19 @@ def controllers_yaml(
     gripper_action: bool = False,
     period: float = PERIOD,
 ) -> str:
-    """Return the built-in controllers as YAML, with the origin of each gain.
+    """Return the built-in controllers as YAML; comments describe the gains' origin.
 
     Args:
         description: The robot or robots.
-        gripper_action: Whether grippers have a GripperActionController instead of a
+        gripper_action: Whether grippers use a GripperActionController instead of a
             JointTrajectoryController.
         period: Time between updates of the controllers [s].
 
     Raises:
-        DescriptionError: If none fit, which can happen with the user's own robot file.
-        ConfigError: If a part's file is wrong, or ``gripper_action`` is given for a
-            gripper without an effort interface.
+        DescriptionError: If no built-in controllers fit, which can happen for a robot
+            file of the user.
+        ConfigError: If the file of a part is invalid, or ``gripper_action`` is given
+            for a gripper without an effort interface.
     """
     nothing_fits = DescriptionError(
         f"there are no built-in controllers for '{description.source}'; "
@@ -115,13 +118,13 @@ def default_controllers(
     gripper_action: bool = False,
     period: float = PERIOD,
 ) -> ControllerConfig:
-    """Return the built-in controllers with locations in their files.
+    """Return the built-in controllers, with their locations in the files.
 
-    The result is empty if no built-in controllers fit the user's own robot file.
+    The result is empty if no built-in controllers fit a robot file of the user.
 
     Raises:
-        ConfigError: If a part's file is wrong, or ``gripper_action`` is given for a
-            gripper without an effort interface.
+        ConfigError: If the file of a part is invalid, or ``gripper_action`` is given
+            for a gripper without an effort interface.
     """
     if has_ros2_controllers(description, gripper_action=gripper_action):
         return ControllerConfig(built_in.built_in_tree(description, period), ROS2)
@@ -134,10 +137,13 @@ def default_controllers(
 def has_ros2_controllers(
     description: RobotDescription, *, gripper_action: bool = False
 ) -> bool:
-    """Return whether the robot has ``<ros2_control>`` tags, and so ROS 2 controllers.
+    """Return whether the robot has ROS 2 controllers.
+
+    A robot with ``<ros2_control>`` tags has ROS 2 controllers.
 
     Raises:
-        ConfigError: If it does, but ``gripper_action`` asks for a controller of ROS 1.
+        ConfigError: If the robot has ROS 2 controllers, but ``gripper_action`` requests
+            a ROS 1 controller.
     """
     has = bool(description.model.hardware)
     if has and gripper_action:
@@ -149,7 +155,7 @@ def has_ros2_controllers(
 
 
 def controller_prefixes(description: RobotDescription) -> tuple[str, ...]:
-    """Return each robot's prefix of controllers, such as ``left_`` for ``left``."""
+    """Return the controllers' prefix of each robot, such as ``left_`` for ``left``."""
     if description.robots:
         return tuple(map(controller_prefix, description.robots))
     return tuple(arm.prefix for arm in own_arms(description.model)) or ("",)
@@ -158,7 +164,7 @@ def controller_prefixes(description: RobotDescription) -> tuple[str, ...]:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Piece:
-    """The text of a part for one robot, with the rows to insert."""
+    """The text of a part for one robot, and the rows to insert into the text."""
 
     text: str
     location: SourceLocation
@@ -166,7 +172,7 @@ class _Piece:
     limits: Sequence[Row] = ()
 
     def yaml(self) -> str:
-        """Return the text with its gains inserted."""
+        """Return the text with the inserted gains."""
         lines = self.text.splitlines(keepends=True)
         return "".join(
             lines_of(self.gains, line[: line.index(_GAINS)])
@@ -187,7 +193,7 @@ class _Piece:
 
 
 def _load_rows(tree: Tree, start: str, rows: Sequence[Row], end: str) -> None:
-    """Add the rows as one text for each file, in which they keep their line numbers."""
+    """Add the rows as one text per file, in which the rows keep their line numbers."""
     for file in dict.fromkeys(row.location.file for row in rows):
         text, line = start, 1
         for row in rows:
@@ -201,7 +207,7 @@ def _load_rows(tree: Tree, start: str, rows: Sequence[Row], end: str) -> None:
 def _pieces(
     description: RobotDescription, gripper_action: bool, period: float
 ) -> list[_Piece]:
-    """Return the parts of all robots; empty if none fit the user's own file."""
+    """Return the parts of all robots; empty if no parts fit a file of the user."""
     parts = [
         piece
         for robot in description.robots
@@ -229,11 +235,12 @@ def _pieces(
 @final
 @dataclass(frozen=True, slots=True)
 class _Composer:
-    """Builds the parts of one robot."""
+    """Creates the parts of one robot."""
 
     description: RobotDescription
     robot: CatalogueRobot | None
-    """None for the user's own file, whose names have no prefix."""
+    """The catalogue robot; None for a robot file of the user, in which names have no
+    prefix."""
     gripper_action: bool
     period: float
 
@@ -260,9 +267,10 @@ class _Composer:
             yield self._gripper(hand, kind)
 
     def own_pieces(self, arm: OwnArm) -> Iterator[_Piece]:
-        """Yield the parts of an arm in the user's own file, and of its gripper.
+        """Yield the parts of an arm in a file of the user, and of the arm's gripper.
 
-        There are none if the joints have no interface in common other than velocity.
+        The result is empty if velocity is the only interface that the joints have in
+        common.
         """
         model = self.description.model
         kind = common_interface(model, arm.joints, _BY_PREFERENCE)
@@ -280,17 +288,17 @@ class _Composer:
             yield replace(piece, text=arm.written(piece.text))
 
     def lone_gripper(self) -> Iterator[_Piece]:
-        """Yield the part of the gripper in a file that has no arm."""
+        """Yield the part of the gripper in a robot file without an arm."""
         yield from self._own_gripper([g.joint for g in self.description.model.grippers])
 
     def _own_gripper(self, joints: Sequence[str]) -> Iterator[_Piece]:
-        """Yield the part of a gripper in the user's file, if one joint drives it."""
+        """Yield the part of a gripper in a file of the user, if one joint drives it."""
         kind = common_interface(self.description.model, joints, _BY_PREFERENCE)
         if len(joints) == 1 and kind is not None:
             yield self._gripper(joints, kind)
 
     def joint_states(self, text: str) -> str:
-        """Return the YAML of a joint_state_controller for one robot's joints."""
+        """Return the YAML of a joint_state_controller for the joints of one robot."""
         assert self.robot is not None
         model = self.description.model
         driven = model.transmission_by_joint
@@ -299,7 +307,7 @@ class _Composer:
         return f"{text}  joints: [{', '.join(sorted(joints))}]\n"
 
     def _own_file(self) -> Path | None:
-        """Return the controllers file that the cell's file specifies for this robot."""
+        """Return the controllers file that the cell file specifies for the robot."""
         cell, robot = self.description.cell, self.robot
         for item in cell.robots if cell and robot else ():
             if robot and item.name == robot.name and item.controllers_file:
@@ -307,7 +315,7 @@ class _Composer:
         return None
 
     def _own_piece(self, path: Path) -> _Piece:
-        """Return a controllers file without the entries that a cell has only once."""
+        """Return a controllers file without the entries that a cell shares."""
         text = read_part(path)
         tree = Tree()
         tree.load(text, SourceLocation(path, 1))
@@ -331,7 +339,7 @@ class _Composer:
         )
 
     def _arm_rows(self, joints: Sequence[str]) -> tuple[list[Row], list[Row]]:
-        """Return an arm's gains, and its limits for joints whose gains are derived."""
+        """Return an arm's gains, and the limits of joints with derived gains."""
         stated = self._stated(self.robot.arm if self.robot else None, joints)
         if all(joint in stated for joint in joints):
             return [stated[joint] for joint in joints], []
@@ -352,7 +360,7 @@ class _Composer:
     def _gripper(
         self, joints: Sequence[str], kind: Interface = Interface.EFFORT
     ) -> _Piece:
-        """Return the part of a gripper with these driven joints."""
+        """Return the part of a gripper that ``joints`` drive."""
         if self.gripper_action and kind is not Interface.EFFORT:
             raise ConfigError(
                 "gripper_action: the built-in GripperActionController commands "

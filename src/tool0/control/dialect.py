@@ -1,4 +1,4 @@
-"""The two versions of ros_control, each with its own controllers, YAML and terms."""
+"""The two versions of ros_control, which differ in controllers, YAML and terms."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from tool0.errors import ConfigError, SourceLocation, did_you_mean
 from tool0.protocol.controllers import Role
 
 Parser = Callable[[str, str, Namespace, RobotJoints], ControllerSpec]
-"""Parser of a controller's parameters, given its name, type, YAML and the robot's
-joints."""
+"""Parser of a controller's parameters.  The arguments are the controller's name, type
+and YAML, and the robot's joints."""
 
 
 class ControllerType(NamedTuple):
@@ -41,7 +41,7 @@ class Stages(NamedTuple):
 
     unconfigured: str
     configured: str
-    """Name for ready, but never started."""
+    """Name of the stage of a controller that is ready but has never been started."""
     running: str
     stopped: str
 
@@ -49,26 +49,28 @@ class Stages(NamedTuple):
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Dialect:
-    """A version of ros_control: ROS 1's ros_control, or ros2_control."""
+    """A version of ros_control: ros_control of ROS 1, or ros2_control of ROS 2."""
 
     name: Literal["ros1", "ros2"]
     title: str
-    """Name in messages, such as ``ROS 1``."""
+    """Name that is used in messages, such as ``ROS 1``."""
     types: Mapping[str, ControllerType]
     declared: Callable[[YamlEntry], Mapping[str, Declared]]
-    """Function that returns the controllers in a YAML by name; their types need not
-    exist."""
+    """Function that returns the controllers in a YAML tree, by name.  The types of the
+    controllers need not exist."""
     parameters: Callable[[YamlEntry, str], YamlEntry | None]
-    """Function that returns a YAML's parameters for a name, even without a type."""
+    """Function that returns the parameters in a YAML tree for a controller's name, even
+    if the type is missing."""
     joint_limits: Callable[[YamlEntry], Namespace | None]
-    """Function that returns the limits that override the URDF's, by joint."""
+    """Function that returns the limits that override the limits of the URDF, by
+    joint."""
     control_period: Callable[[YamlEntry], float | None]
-    """Function that returns the time between updates that a YAML asks for [s]."""
+    """Function that returns the time between updates that a YAML tree specifies [s]."""
     stages: Stages
     common: frozenset[str]
-    """Parameters that every controller has."""
+    """Names of the parameters that every controller has."""
     sample: str
-    """YAML of a controller for the joint ``*``, without a type, but with every
+    """YAML of a controller for the joint ``*``.  The YAML contains no type, but every
     parameter that any type requires."""
     linter: str
     """The module that defines ``lint(tree, joints)``."""
@@ -76,18 +78,18 @@ class Dialect:
     restarts_by_switch: bool
     """Whether one switch may stop and restart the same controller."""
     needs_known_controller: bool
-    """Whether a switch that names only unknown controllers is an error even if it is
-    not strict."""
+    """Whether a switch that lists only unknown controllers is an error even if the
+    switch is not strict."""
     bases: Mapping[Role, str]
     """The base class that ``list_controller_types`` reports, by role."""
 
     def lint(self, tree: Tree, joints: Collection[str] | None) -> tuple[Finding, ...]:
-        """Return unused, ineffective and suspicious parameters of files."""
+        """Return findings about unused, ineffective and suspicious parameters."""
         findings: tuple[Finding, ...] = import_module(self.linter).lint(tree, joints)
         return findings
 
     def role(self, type_name: str) -> Role:
-        """Return the role of a type; ``Role.READER`` if there is no such type."""
+        """Return the role of a type, or ``Role.READER`` if there is no such type."""
         known = self.types.get(type_name)
         return Role.READER if known is None else known.role
 
@@ -111,8 +113,8 @@ class Dialect:
     def parameters_of(self, type_name: str) -> frozenset[str]:
         """Return the parameters that a type reads; ``*`` stands for a joint.
 
-        They are recorded while the type's parser reads a sample, so that a new
-        parameter only has to be added to the parser.
+        The parameters are recorded while the parser of the type reads a sample.  A new
+        parameter therefore only has to be added to the parser.
 
         Raises:
             ConfigError: If there is no such type.
@@ -120,9 +122,10 @@ class Dialect:
         return _sample_of(self, type_name).read_keys()
 
     def values_of(self, type_name: str) -> Mapping[str, Value]:
-        """Return the defaults of a type's parameters, or else the sample's values.
+        """Return the values of a type's parameters for the sample.
 
-        ``*`` stands for a joint.  The values show the type of each parameter.
+        A parameter that the sample does not contain has its default value.  ``*``
+        stands for a joint.  The values show the type of each parameter.
 
         Raises:
             ConfigError: If there is no such type.
@@ -130,7 +133,7 @@ class Dialect:
         return _sample_of(self, type_name).read_values()
 
     def readers_of(self, parameter: str) -> tuple[str, ...]:
-        """Return the types that read a parameter, without their packages."""
+        """Return the types that read a parameter, without package names."""
         types = sorted(self.types)
         readers = {name for name in types if parameter in self.parameters_of(name)}
         return tuple(sorted({name.partition("/")[2] for name in readers}))

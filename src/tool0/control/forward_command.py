@@ -1,4 +1,4 @@
-"""Controllers that take one number per joint and forward it, or follow it by PID."""
+"""Controllers that forward one number per joint, or follow it with a PID."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from tool0.protocol.controllers import Gains
 
 
 class CommandWording(NamedTuple):
-    """A dialect's messages for rejected commands, as format strings."""
+    """Messages of a dialect for rejected commands, as format strings."""
 
     wrong_size: str
-    """Message for a wrong count, with ``size``, ``n_joints``, ``joints``,
-    ``controller``."""
+    """Message for a wrong number of values, with the fields ``size``, ``n_joints``,
+    ``joints`` and ``controller``."""
     not_finite: str
-    """Message for a number that is not finite, with ``value``, ``joint``,
+    """Message for a number that is not finite, with the fields ``value``, ``joint`` and
     ``controller``."""
 
 
@@ -38,7 +38,8 @@ class ForwardCommandSpec:
     joint_models: tuple[Joint, ...]
     interface: Interface
     quantity: Interface
-    """The quantity that is commanded; a PID follows it unless it is ``interface``."""
+    """The quantity that is commanded.  A PID follows the command unless the quantity is
+    the same as ``interface``."""
     gains: tuple[Gains, ...] = ()
     """Gains of each joint if ``quantity`` differs from ``interface``."""
     wording: CommandWording
@@ -52,7 +53,10 @@ class ForwardCommandSpec:
 
     @property
     def waits_for_command(self) -> bool:
-        """Whether efforts are passed on: an initial effort of 0 would drop the arm."""
+        """Whether the controller forwards efforts.
+
+        If efforts are forwarded, an initial effort of 0 would drop the arm.
+        """
         return self.interface is Interface.EFFORT and not self.gains
 
     def start(
@@ -63,15 +67,16 @@ class ForwardCommandSpec:
 
 @final
 class ForwardCommandController:
-    """Pass the newest command on to the joints, or follow it with a PID per joint.
+    """Forwards the newest command to the joints, or follows it with a PID per joint.
 
-    ROS 1 starts effort controllers with a command of 0, which drops the arm.  Here the
-    brakes hold until the first command; from then on the command is applied as effort.
-    Position commands start at the measured positions, velocity commands at 0.
+    ROS 1 starts effort controllers with a command of 0, which drops the arm.
+    ForwardCommandController keeps the brakes engaged until the first command, and then
+    applies commands as efforts.  Position commands start at the measured positions, and
+    velocity commands start at 0.
 
     A PID computes the error's rate from the last two errors.  The error of a continuous
-    joint is wrapped to the shortest way round.  That of a revolute joint is the plain
-    difference, since the shortest way could leave its limits.
+    joint is wrapped to the shortest rotation.  The error of a revolute joint is the
+    plain difference, since the shortest rotation could exceed the joint's limits.
     """
 
     def __init__(
@@ -92,7 +97,7 @@ class ForwardCommandController:
         """The commanded positions as splines; empty until the setpoint is read."""
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return the commands, or the outputs of the PIDs that follow them."""
+        """Return the commands, or the outputs of the PIDs that follow the commands."""
         self._state = state
         if self.pid is None:
             return self._command
@@ -129,9 +134,9 @@ class ForwardCommandController:
         return desired - measured
 
     def _within_limits(self, command: list[float]) -> list[float]:
-        """Return the allowed positions nearest to ``command`` if a PID follows them.
+        """Return the allowed positions nearest to ``command`` for a position PID.
 
-        Other commands are passed on as they are.
+        Other commands are returned unchanged.
         """
         if self.pid is None or not self._is_position:
             return command
@@ -144,8 +149,8 @@ class ForwardCommandController:
         """Set one command per joint, in the order of the controller's joints.
 
         Raises:
-            ControlError: If the count is wrong or a number is not finite; the last
-                command then stays in effect.
+            ControlError: If the number of values is wrong or a value is not finite; in
+                this case, the last command stays in effect.
         """
         self._command = self._within_limits(self._checked(values))
         self._is_commanded, self._holds = True, ()
@@ -170,7 +175,7 @@ class ForwardCommandController:
         return [float(value) for value in given]
 
     def setpoint(self) -> Setpoint | None:
-        """Return the commanded positions as setpoints; None if there are none."""
+        """Return the commanded positions as setpoints, or None without commands."""
         if not (self._is_position and self._is_commanded):
             return None
         time = self._state.time

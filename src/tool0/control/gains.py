@@ -1,11 +1,11 @@
-"""PID gains and accelerations that follow from the model of an arm or a gripper.
+"""PID gains and accelerations that are derived from the model of an arm or gripper.
 
-The rule and its reasons are in docs/adr/0013-derived-gains.md.  For each joint of an
-arm, the rule needs two inertias over all postures.  One is the smallest inertia with
-which the joint reacts while the others are free, without payload.  The other is the
-largest inertia that it has to move, with the rated payload.  The first limits the
-damping, since the controller samples the velocity; the damping and the second limit the
-stiffness.
+The rule and its rationale are described in docs/adr/0013-derived-gains.md.  For each
+joint of an arm, the rule needs two inertias over all postures.  The smallest inertia is
+the inertia of the joint while the other joints are free, without payload.  The largest
+inertia is the inertia that the joint has to move, with the rated payload.  The smallest
+inertia limits the damping, since the controller samples the velocity.  The damping and
+the largest inertia limit the stiffness.
 """
 
 from __future__ import annotations
@@ -38,32 +38,37 @@ from tool0.description.transform import Vector3
 from tool0.hardware.sampled_dynamics import SampledDynamics, sample_dynamics
 
 SAMPLING = 1.7
-"""Largest eigenvalue of M⁻¹ D · period in any posture.  At 2 or more, damping by
-sampled velocities is unstable."""
+"""Largest eigenvalue of M⁻¹ D · period in any posture.  For an eigenvalue of 2 or more,
+damping with sampled velocities is unstable."""
 DAMPING_RATIO = 0.1
-"""Smallest damping ratio, at the largest inertia.  It is low because the inertia of a
-pan joint varies by a factor of 100, so that more damping would cost stiffness."""
+"""Smallest damping ratio, which occurs at the largest inertia.  The value is low
+because the inertia of a pan joint varies by a factor of 100, and a higher damping ratio
+would reduce the stiffness."""
 BANDWIDTH = 60.0
-"""Largest natural frequency at the largest inertia [rad/s]: a cycle is 100 periods of
-1 ms.  Damping beyond a ratio of 1 there would only slow the joint."""
+"""Largest natural frequency at the largest inertia [rad/s].  At the largest frequency,
+an oscillation cycle takes about 100 control periods of 1 ms.  A damping ratio above 1
+at the largest inertia would only slow the joint."""
 INTEGRAL_RATE = 5.0
-"""Largest i / p [1/s]: this compensates a load within half a second."""
+"""Largest ratio i / p [1/s].  With the largest ratio, a load is compensated within half
+a second."""
 INTEGRAL_SHARE = 0.6
-"""Largest i / p as a fraction of the smallest eigenvalue of D M⁻¹ in any posture, with
-payload; at 1 or more, the arm may oscillate."""
+"""Largest ratio i / p as a fraction of the smallest eigenvalue of D M⁻¹ in any posture,
+with payload.  At a fraction of 1 or more, the arm may oscillate."""
 LOAD_MARGIN = 1.2
-"""The integral's clamp relative to the largest static load."""
+"""Clamp of the integral term relative to the largest static load."""
 CLAMP_SHARE = 0.1
-"""The smallest clamp relative to the joint's effort limit, for joints that carry no
-load in the model."""
+"""Smallest clamp of the integral term relative to the joint's effort limit, for joints
+that carry no load in the model."""
 DRIVE_SHARE = 0.9
-"""Fraction of the effort remaining after the static load that accelerations may use."""
+"""Fraction of the effort that remains after the static load and may be used for
+acceleration."""
 LAG = 0.015
-"""Error of a joint at its largest acceleration [rad]; oscillation can double it."""
+"""Error of a joint at its largest acceleration [rad]; oscillation can double the
+error."""
 ALUMINIUM = 2700.0
-"""Density of the payload, which is modelled as a cube around the flange [kg/m³]."""
+"""Density of the payload, which is modeled as a cube around the flange [kg/m³]."""
 FULL_EFFORT_ERROR = 0.05
-"""Error at which a gripper pushes with full effort, as a fraction of its range."""
+"""Error at which a gripper exerts its full effort, as a fraction of its range."""
 
 _RIGHT_ANGLES = np.arange(4) * (math.pi / 2)
 _DIGITS = 3
@@ -72,7 +77,7 @@ _DIGITS = 3
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DerivedGains:
-    """Gains of one joint, and how they are derived."""
+    """Gains of one joint, and their derivation."""
 
     p: float
     i: float
@@ -97,13 +102,13 @@ def derive_arm_gains(
 ) -> tuple[DerivedGains, ...]:
     """Return the gains of an arm's ``joints``, which form a chain from its base.
 
-    Everything beyond the arm counts as fixed to it.
+    All bodies beyond the arm are treated as fixed to the arm.
 
     Args:
         model: The robot.
         joints: The joints of the arm.
         payload: The rated payload at the flange [kg], including mounted tools; None if
-            unknown.
+            the payload is unknown.
         period: Time between controller updates [s].
         gravity: Gravity in the axes of the model's root [m/s²].
     """
@@ -137,7 +142,8 @@ def derive_arm_gains(
     usual = np.array([body.joint.max_acceleration for body in bodies])
     by_lag = np.minimum(LAG * stiffness / largest, usual)
     acceleration = _rounded(_within_drives(heavy, effort, by_lag))
-    # A ramp of one period leaves no oscillation; all joints finish it together.
+    # A ramp over one period of oscillation leaves no residual oscillation.  All joints
+    # use the same ramp duration.
     ramp = 2.0 * math.pi / float(frequency.min())
     weight = "without payload (unknown)" if payload is None else f"with {payload:g} kg"
     ratio = damping / (2.0 * np.sqrt(stiffness * largest))
@@ -173,9 +179,10 @@ def derive_arm_gains(
 def derive_gripper_gains(
     model: RobotModel, joint: str, *, period: float
 ) -> DerivedGains:
-    """Return the gains of a gripper's driven ``joint``: critically damped, no integral.
+    """Return critically damped gains, without an integral, for a gripper's ``joint``.
 
-    Its drive compensates gravity, and an integral would build up on a gripped object.
+    The drive of the joint compensates gravity, and the integral term would wind up
+    while the gripper holds an object.
     """
     driven = model.joint(joint)
     hand = _part(model, driven.parent)
@@ -187,7 +194,7 @@ def derive_gripper_gains(
     masses = JointDynamics(hand).mass_matrix(middle)
     inertia = float(masses[index, index])
     error = FULL_EFFORT_ERROR * (limits.upper - limits.lower)
-    most = (SAMPLING / 4.0 / period) ** 2 * inertia  # d·dt/inertia, if critical
+    most = (SAMPLING / 4.0 / period) ** 2 * inertia  # bounds d·dt/inertia
     stiffness = float(_rounded(min(limits.effort / error, most)))
     unit, length = (
         ("kg", "m") if driven.type is JointType.PRISMATIC else ("kg·m²", "rad")
@@ -205,9 +212,9 @@ def derive_gripper_gains(
 
 
 def _part(model: RobotModel, root: str, movable: Sequence[str] = ()) -> RobotModel:
-    """Return the links from ``root`` on as a separate model.
+    """Return the links of the subtree at ``root`` as a separate model.
 
-    If ``movable`` names joints, all others are fixed at 0.
+    If ``movable`` contains joints, all other joints are fixed at 0.
     """
     links = set(model.links_from(root))
     joints = [
@@ -230,9 +237,9 @@ def _part(model: RobotModel, root: str, movable: Sequence[str] = ()) -> RobotMod
 def _postures(limits: Sequence[JointLimits], *, is_upright: bool) -> Matrix:
     """Return postures with the extreme inertias and loads, shape (n, n_joints) [rad].
 
-    All joints are at multiples of a right angle: the arm is stretched out or folded,
-    with aligned or crossed axes.  The first joint only matters for gravity, if the base
-    is not upright; the last one hardly matters.
+    All joints are at multiples of a right angle: the arm is extended or folded, with
+    aligned or crossed axes.  The first joint only affects gravity loads, and only if
+    the base is not upright.  The last joint has almost no influence.
     """
     first = _RIGHT_ANGLES[: 1 if is_upright else 2]
     between = [_RIGHT_ANGLES] * (len(limits) - 2)
@@ -245,7 +252,7 @@ def _postures(limits: Sequence[JointLimits], *, is_upright: bool) -> Matrix:
 def _loaded(
     model: RobotModel, bodies: Sequence[MovingBody], payload: float
 ) -> list[MovingBody]:
-    """Return the bodies with the payload, less the mounted mass, at the flange."""
+    """Return the bodies with the payload, minus the mounted mass, at the flange."""
     *inner, last = bodies
     flange = next(
         ((name, at) for name, at in last.links if name.endswith(FLANGE)), None
@@ -272,16 +279,20 @@ def _diagonals(matrices: Matrix) -> Matrix:
 
 
 def _largest_eigenvalue(matrices: Matrix, factors: Matrix) -> float:
-    """Return the largest eigenvalue of any symmetric matrix times diag(``factors``)."""
+    """Return the largest eigenvalue of all ``matrices`` times diag(``factors``).
+
+    The matrices are symmetric.
+    """
     root = np.sqrt(factors)
     return float(np.linalg.eigvalsh(root[:, None] * matrices * root).max())
 
 
 def _within_drives(heavy: SampledDynamics, effort: Matrix, wanted: Matrix) -> Matrix:
-    """Return accelerations, at most ``wanted``, that the drives can produce everywhere.
+    """Return accelerations, up to ``wanted``, that the drives can produce everywhere.
 
-    All joints may accelerate at once.  Their efforts are added like independent random
-    numbers, since joints that accelerate together need not work against each other.
+    All joints may accelerate at the same time.  The required efforts are combined as
+    the root of the sum of squares, like independent random numbers, since joints that
+    accelerate simultaneously do not necessarily act against each other.
     """
     left = np.maximum(DRIVE_SHARE * (effort - np.abs(heavy.loads)), 1e-3 * effort)
     masses = np.abs(heavy.masses)

@@ -1,7 +1,7 @@
 """The motion of each joint through the points of a trajectory goal.
 
-Contains the code that ROS 1 and ROS 2 controllers share: checks of the numbers, and
-splines along a plan.
+The module contains the code that ROS 1 and ROS 2 controllers share: checks of the
+numbers, and splines along a plan.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from tool0.protocol.goals import Goal
 from tool0.protocol.trajectories import TrajectoryPoint
 
 _COARSE = 1e-9
-"""Rounding error of times above which every segment is examined [s]."""
+"""Rounding error of times [s] above which every segment is examined."""
 
 Splines = Sequence[JointSpline]
 """One spline per joint of a controller."""
@@ -43,7 +43,7 @@ def start_time(goal: TrajectoryGoal, now: float) -> float:
 def check_finite(
     number: int, kind: str, names: Sequence[str], values: Sequence[float]
 ) -> None:
-    """Reject a point's values, one per name, if any is not finite."""
+    """Reject a point's values, one per name, if any value is not finite."""
     if all(map(math.isfinite, values)):
         return
     for name, value in zip(names, values, strict=True):
@@ -60,10 +60,10 @@ def check_limits(
     first: int,
     starts: Callable[[], Sequence[float]],
 ) -> None:
-    """Reject positions that ``joints`` cannot reach, from point ``first`` on.
+    """Reject positions that ``joints`` cannot reach, starting at point ``first``.
 
     ``starts`` returns the joints' positions at the start [rad | m], since a goal may
-    move back from beyond a limit.
+    move back from a position beyond a limit.
     """
     limits = [position_range(joint) for joint in joints]
     blocks = [range(first, len(goal.points))]
@@ -84,7 +84,7 @@ def check_limits(
 def suspects_after(
     goal: TrajectoryGoal, first: int, start: float, turns: Sequence[float | None]
 ) -> Sequence[int]:
-    """Return the points after ``first`` whose segments may be implausible.
+    """Return the points after ``first`` with possibly implausible segments.
 
     ``turns`` [rad] are added to the positions of continuous joints.
     """
@@ -95,7 +95,7 @@ def suspects_after(
 
 
 def whole_turns(joint: Joint, at: float, following: float) -> float | None:
-    """Return the whole turns that bring ``following`` nearest to ``at`` [rad].
+    """Return the whole turns that move ``following`` closest to ``at`` [rad].
 
     The result is None if the joint is not continuous.
     """
@@ -107,7 +107,7 @@ def whole_turns(joint: Joint, at: float, following: float) -> float | None:
 def motion_at(
     points: Sequence[TrajectoryPoint], column: int, offset: float | None
 ) -> Callable[[int], Motion]:
-    """Return a function from a point's index to the motion of joint ``column``.
+    """Return a function that maps a point's index to the motion of joint ``column``.
 
     ``offset`` [rad] is added to the positions of a continuous joint.
     """

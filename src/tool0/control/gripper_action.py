@@ -21,29 +21,29 @@ from tool0.protocol.controllers import Gains
 from tool0.protocol.goals import Goal, GoalStatus, GripperResult
 
 _IN_PADS = "set_gripper_max_"
-"""Part of the name of interfaces that set speed [m/s] or force [N] at the pads; other
-interfaces set speed and effort of the joint."""
+"""Part of the name of interfaces that set the speed [m/s] or the force [N] at the pads.
+Other interfaces set the speed and the effort of the joint."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DriveSettings:
-    """Drive speed and effort that goals set, with parameters as defaults.
+    """Drive speed and effort that goals set; parameters define the defaults.
 
-    The values are those written to the interfaces, for the pads or the joint.
+    The values are written to the interfaces and refer to the pads or to the joint.
     """
 
     gripper: ParallelGripper | None
-    """The gripper; None if the description does not say how the opening depends on the
-    joint, in which case the drive has no such settings."""
+    """The gripper; None if the description does not specify how the opening depends on
+    the joint.  Without a gripper, the drive has no speed and effort settings."""
     effort_interface: str
-    """Interface for the effort; empty if the effort is not set.  The same applies to
-    ``velocity_interface`` and the speed."""
+    """Interface for the effort; empty if the effort is not set.  ``velocity_interface``
+    is the corresponding interface for the speed."""
     velocity_interface: str
     max_effort: float
-    """Effort for goals that do not specify one [N | N·m]."""
+    """Effort for goals that do not specify an effort [N | N·m]."""
     max_velocity: float
-    """Speed for goals that do not specify one [m/s | rad/s]."""
+    """Speed for goals that do not specify a speed [m/s | rad/s]."""
 
     @property
     def interfaces(self) -> tuple[str, ...]:
@@ -53,9 +53,9 @@ class DriveSettings:
     def limits(
         self, effort: float | None, velocity: float | None
     ) -> DriveLimits | None:
-        """Return the limits for the drive; None if its own apply.
+        """Return the limits for the drive; None if the drive's own limits apply.
 
-        As in the gripper's own driver, settings beyond the range are clamped.
+        Settings beyond the range are clamped, as they are in the gripper's driver.
         """
         gripper = self.gripper
         if gripper is None or not self.interfaces:
@@ -82,9 +82,9 @@ def _within(value: float, span: tuple[float, float]) -> float:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GripperActionSpec:
-    """The parameters of a gripper's controller, in units of its joint.
+    """The parameters of a gripper controller, in units of the gripper's joint.
 
-    Units are [rad] and [N·m], or [m] and [N].
+    The units are [rad] and [N·m], or [m] and [N].
     """
 
     name: str
@@ -95,19 +95,19 @@ class GripperActionSpec:
     """Gains of the joint; empty for the position interface."""
     goal_tolerance: float = 0.01
     max_effort: float
-    """Effort limit at the start, after a cancellation, and for goals without a
-    limit."""
+    """Effort limit at the start, after a cancellation, and for goals without an effort
+    limit [N·m | N]."""
     stall_velocity_threshold: float = 0.001
-    """Mean speed below which the joint counts as stalled [rad/s | m/s]."""
+    """Mean speed below which the joint is considered stalled [rad/s | m/s]."""
     stall_timeout: float = 1.0
-    """Time for which the joint must be that slow [s]."""
+    """Time for which the joint must be slower than ``stall_velocity_threshold`` [s]."""
     allow_stalling: bool = False
-    """Whether a stall counts as success, since the gripper holds an object."""
+    """Whether a stall is treated as success, since the gripper holds an object."""
     action_monitor_rate: float = 20.0
-    """Rate of the action's feedback in ROS [Hz]."""
+    """Rate of the feedback of the ROS action [Hz]."""
     state_interfaces: tuple[str, ...] = ()
     settings: DriveSettings | None = None
-    """Drive settings that goals can set; None if there are none."""
+    """Drive settings that goals can set; None if there are no such settings."""
 
     waits_for_command: ClassVar[bool] = False
 
@@ -128,18 +128,20 @@ class GripperActionSpec:
 
 @final
 class GripperActionController:
-    """Drive one joint to a position with bounded effort.
+    """Moves one joint to a position with limited effort.
 
-    A goal succeeds within ``goal_tolerance``, and is aborted when the joint stalls
-    before that, unless ``allow_stalling`` makes a stall a success.  Either way, the
-    command remains in effect: a gripper keeps squeezing with the goal's effort.  The
-    controller behaves like ROS's controllers of that name, with these improvements:
+    A goal succeeds when the error is below ``goal_tolerance``.  If the joint stalls
+    with a larger error, the goal is aborted or, if ``allow_stalling`` is set, succeeds.
+    After a success and after an abort, the command remains in effect: a gripper
+    continues to squeeze with the goal's effort.  The controller behaves like the ROS
+    controllers of the same name, with these improvements:
 
     * a stall is a *change of position* of less than ``stall_velocity_threshold *
       stall_timeout`` during ``stall_timeout``: in ROS, the velocity of a simulated grip
-      chatters above any threshold, and such goals never end;
-    * a goal with ``max_effort`` 0 gets the controller's own value instead of going
-      limp; without the parameter ``max_effort``, that is the joint's limit;
+      chatters above any threshold, so goals that hold an object never end;
+    * a goal with a ``max_effort`` of 0 uses the effort limit of the controller instead
+      of no effort; without the parameter ``max_effort``, this limit is the joint's
+      effort limit;
     * positions beyond the joint's limits and numbers that are not finite are rejected.
     """
 
@@ -163,7 +165,7 @@ class GripperActionController:
         return self.spec.joint
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return the joint's command: its position, or an effort towards it."""
+        """Return the joint's command: the target position, or an effort toward it."""
         self._state = state
         position = self._position = state.position[self._index]
         if self._goal is not None:
@@ -198,10 +200,10 @@ class GripperActionController:
         self._position = state.position[self._index]
 
     def _advance_ramp(self, period: float) -> float:
-        """Return the current setpoint, which moves to the target at a limited speed.
+        """Return the current setpoint, which approaches the target at a limited speed.
 
-        If the PID saw the whole error, its integral would wind up while the drive is
-        slow.
+        If the PID received the full error, its integral term would wind up while the
+        drive is slow.
         """
         if self._drive_limits is None:
             self._grip.ramp = self._target
@@ -229,13 +231,15 @@ class GripperActionController:
         now: float,
         drive_limits: DriveLimits | None = None,
     ) -> Goal:
-        """Replace the goal and return the new one's handle, or reject it.
+        """Start a new goal and return its handle, or reject the goal.
 
-        The sign of ``max_effort`` [N·m | N] is ignored, as in ROS; None or 0 stands for
-        the controller's own value.  ``drive_limits`` apply during the goal.
+        The sign of ``max_effort`` [N·m | N] is ignored, as it is in ROS.  If
+        ``max_effort`` is None or 0, the value of the controller applies.
+        ``drive_limits`` apply during the goal.
 
         Raises:
-            GoalRejectedError: The previous command then continues.
+            GoalRejectedError: If the goal is rejected; the previous command stays in
+                effect.
         """
         if not math.isfinite(position):
             raise GoalRejectedError(f"position {position}; it must be finite")
@@ -247,7 +251,7 @@ class GripperActionController:
         self._move_to(float(position), drive_limits, now)
         lead = self._grip.ramp - self._position
         distance = self._target - self._position
-        # A further squeeze in the same direction must not release the object.
+        # Another squeeze in the same direction must not release the object.
         if lead * distance <= 0.0:
             self._grip.ramp = self._position
         elif abs(lead) > abs(distance):
@@ -265,9 +269,9 @@ class GripperActionController:
         *,
         has_goal: bool,
     ) -> None:
-        """Continue with a goal that the kernel started at ``now`` [s] or has ended.
+        """Continue with a goal that the kernel started at ``now`` [s], or completed.
 
-        No client has a handle of this goal.
+        Clients have no handle of a goal that the kernel started.
         """
         self._finish(GoalStatus.PREEMPTED)
         self._goal = Goal(self.spec.name) if has_goal else None
@@ -283,7 +287,7 @@ class GripperActionController:
     def limits(
         self, max_effort: float | None, max_velocity: float | None
     ) -> DriveLimits | None:
-        """Return the drive's limits with these settings of a goal."""
+        """Return the limits of the drive for the settings of a goal."""
         settings = self.spec.settings
         return None if settings is None else settings.limits(max_effort, max_velocity)
 
@@ -338,9 +342,12 @@ def read_gripper_action(
     settings: DriveSettings | None = None,
     delay: float = 0.0,
 ) -> GripperActionSpec:
-    """Return a gripper controller's parameters; gains and stall settings are read.
+    """Return the parameters of a gripper controller.
 
-    ``delay`` [s] is added to the stall timeout, since the state lags by this time.
+    Gains and stall settings are read from ``parameters``; other values are arguments.
+
+    ``delay`` [s] is added to the stall timeout, since the state is delayed by
+    ``delay``.
     """
     gains: tuple[Gains, ...] = ()
     if interface is Interface.EFFORT:

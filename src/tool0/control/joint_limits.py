@@ -1,4 +1,4 @@
-"""Joint limits in YAML, which override those of the URDF."""
+"""Joint limits in YAML, which override the limits of the URDF."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SAMPLE_LIMITS = """
  has_acceleration_limits: true, max_acceleration: 1,
  has_jerk_limits: true, max_jerk: 1}
 """
-"""Sample joint with every limit, for ``joint_limit_parameters``."""
+"""Limits of a sample joint, with every parameter, for ``joint_limit_parameters``."""
 
 
 @cache
@@ -29,7 +29,10 @@ def joint_limit_parameters() -> frozenset[str]:
 
 
 def read_joint_limits(limits: Namespace) -> dict[str, float]:
-    """Read one joint's limits; as in ROS, each applies only with ``has_…: true``."""
+    """Read the limits of one joint.
+
+    As in ROS, a limit applies only if the parameter ``has_…_limits`` is true.
+    """
     limits.accept("angle_wraparound")
 
     def has_limit(kind: str) -> bool | None:

@@ -1,4 +1,4 @@
-"""The joints of a trajectory controller: desired and measured motion, and PIDs."""
+"""Joints of a trajectory controller: desired and measured motion, and PID control."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from tool0.protocol.controllers import Gains
 
 @final
 class JointTracking:
-    """Splines that joints follow, by PID and feed-forward if gains are given.
+    """Splines that joints follow, with a PID and feed-forward if gains are given.
 
-    The controller decides which splines are followed, when they start, and when they
-    end.
+    The controller determines which splines are followed, when the splines start, and
+    when the splines end.
     """
 
     def __init__(
@@ -36,9 +36,10 @@ class JointTracking:
 
         Args:
             joints: The joints of the controller.
-            gains: Gains, one per joint; if empty, the desired positions are commanded.
+            gains: Gains, one per joint; if there are none, the desired positions are
+                commanded.
             velocity_ff: Feed-forward factors from desired velocity to command, one per
-                joint; may be empty.
+                joint; the sequence may be empty.
             indices: Indices of the joints in the lists of a state.
             state: Measured state.
         """
@@ -55,19 +56,19 @@ class JointTracking:
         self.sampler = TrajectorySampler(held, state.time)
 
     def set_feed_forward(self, velocity_ff: Sequence[float]) -> None:
-        """Change the feed-forward factors, one per joint; they may be empty."""
+        """Change the feed-forward factors, one per joint or none."""
         self.feed_forward = velocity_ff if any(velocity_ff) else ()
 
     def follow(self, splines: Sequence[JointSpline], time: float) -> None:
-        """Follow other splines; they are first sampled at ``time`` [s]."""
+        """Follow other splines, which are first sampled at ``time`` [s]."""
         self.sampler = TrajectorySampler(splines, time)
 
     def merged(self, splines: Mapping[int, JointSpline]) -> list[JointSpline]:
-        """Return the splines of all joints after replacing some of them, by index."""
+        """Return the splines of all joints; ``splines`` replaces some, by index."""
         return [splines.get(k, old) for k, old in enumerate(self.sampler.splines)]
 
     def errors(self, time: float) -> tuple[list[float], list[float]]:
-        """Return desired minus measured positions, and the same for velocities."""
+        """Return the position errors and velocity errors (desired minus measured)."""
         position, velocity = self.state.position, self.state.velocity
         select = self.select
         errors, rates = self.sampler.errors(time, select(position), select(velocity))
@@ -76,13 +77,13 @@ class JointTracking:
         return errors, rates
 
     def law(self, monitor: GoalMonitor | TrajectoryMonitor | None) -> TrajectoryLaw:
-        """Return the law by which the joints follow the splines until an event."""
+        """Return the law with which the joints follow the splines until an event."""
         return TrajectoryLaw(
             self.sampler, monitor, self.pid, self.feed_forward, self._wrapping
         )
 
     def setpoint(self, *, lag: float = 0.0, speed_scaling: float = 1.0) -> Setpoint:
-        """Return the joints' setpoints; for ``lag`` [s], see ``Setpoint``."""
+        """Return the setpoints of the joints; ``Setpoint`` documents ``lag`` [s]."""
         return Setpoint(
             self.joints,
             self.sampler.splines,

@@ -1,6 +1,6 @@
-"""Control laws: the work of a controller in each tick until an event.
+"""Control laws: computations of a controller in each tick until an event.
 
-A running controller describes itself by a law, so that a kernel can execute its ticks
+A running controller provides a law, so that a kernel can execute the controller's ticks
 without Python.  ``Controller.update`` remains the reference implementation, and the
 controller itself executes the tick of an event, such as the end of a goal.
 """
@@ -19,17 +19,17 @@ from tool0.protocol.goals import Tolerance
 
 
 class TrajectoryClock(NamedTuple):
-    """The time of a trajectory, which passes more slowly if its speed is reduced."""
+    """The clock of a trajectory, which runs more slowly if the speed is reduced."""
 
     since: float = 0.0
-    """Simulated time at which the current speed began [s]."""
+    """Simulated time at which the current speed was set [s]."""
     lag: float = 0.0
-    """Delay behind simulated time at that moment [s]."""
+    """Delay of the clock relative to simulated time at the time ``since`` [s]."""
     slip: float = 0.0
-    """Growth of the delay per simulated second; 0 at full speed."""
+    """Increase of the delay per second of simulated time; 0 at full speed."""
 
     def lag_at(self, time: float) -> float:
-        """Return its delay at simulated ``time`` [s], which is not before ``since``."""
+        """Return the delay [s] at simulated ``time`` [s], at or after ``since``."""
         return self.lag + self.slip * (time - self.since)
 
     def at(self, time: float) -> float:
@@ -37,7 +37,7 @@ class TrajectoryClock(NamedTuple):
         return time - self.lag_at(time)
 
     def scaled(self, factor: float, now: float) -> TrajectoryClock:
-        """Return the clock that runs with this factor from ``now`` [s] on."""
+        """Return a clock that runs at the speed ``factor`` after ``now`` [s]."""
         return TrajectoryClock(now, self.lag_at(now), 1.0 - factor)
 
 
@@ -45,63 +45,65 @@ REAL_CLOCK = TrajectoryClock()
 
 
 class TrajectoryStart(NamedTuple):
-    """Rules for starting a trajectory without a goal in the next tick, as in ROS 2."""
+    """The rules of ROS 2 for starting a trajectory without a goal in the next tick."""
 
     is_spliced: bool
-    """Whether it continues the desired motion, if that has several points."""
+    """Whether the trajectory continues the desired motion if the desired motion has
+    several points."""
     from_desired: bool
-    """Whether it starts from the desired motion even otherwise, not from the measured
-    one."""
+    """Whether a trajectory that does not continue the desired motion starts from the
+    desired motion instead of the measured motion."""
     reads_velocity: bool
-    """Whether the measured velocity is used; otherwise, 0 is assumed."""
+    """Whether the measured velocity is used; otherwise, a velocity of 0 is assumed."""
     may_end_moving: bool
-    """Whether the last point may have a velocity other than 0."""
+    """Whether the last point may have a nonzero velocity."""
     path: Sequence[Tolerance]
     """Tolerances on the path, one per joint."""
     at_goal: Sequence[Tolerance]
     """Tolerances at the goal, one per joint."""
     goal_time: float
-    """Time to arrive after the end [s]."""
+    """Time that the joints may take to arrive after the end of the trajectory [s]."""
     timeout: float
-    """Time after the end at which the trajectory is aborted [s]."""
+    """Time after the end of the trajectory at which the trajectory is aborted [s]."""
 
 
 class TrajectoryLaw(NamedTuple):
-    """Sample the desired motion; a PID and feed-forward turn errors into commands."""
+    """Samples the desired motion and commands it, or follows it with a PID."""
 
     sampler: TrajectorySampler
     monitor: GoalMonitor | TrajectoryMonitor | None
-    """Monitor of the goal; a TrajectoryMonitor also works without a goal."""
+    """Monitor of the goal; a TrajectoryMonitor can also be used without a goal."""
     pid: Pid | None
     """PID from errors to commands; if None, the desired positions are commanded."""
     feed_forward: Sequence[float]
-    """Feed-forward factors from desired velocity to command, one per joint; may be
-    empty."""
+    """Feed-forward factors from desired velocity to command, one per joint; the
+    sequence may be empty."""
     wrapping: Sequence[int]
-    """Indices of the joints whose errors are wrapped to the shortest way round."""
+    """Indices of the joints with errors that are wrapped to the shortest rotation."""
     lead: float = 0.0
-    """Time by which the commanded motion is ahead of the motion of the errors [s]."""
+    """Time by which the commanded motion leads the motion from which the errors are
+    computed [s]."""
     clock: TrajectoryClock = REAL_CLOCK
     start: TrajectoryStart | None = None
-    """Rules for the start of another trajectory.  If None, although there is a
-    ``lead``, the controller starts it itself."""
+    """Rules for the start of another trajectory.  If the rules are None although
+    ``lead`` is not 0, the controller starts the trajectory."""
     has_points: bool = False
     """Whether the motion has several points, so that another motion can continue it."""
 
 
 class CommandLaw(NamedTuple):
-    """Pass on one command per joint, or follow the commands with a PID."""
+    """Forwards one command per joint, or follows the commands with a PID."""
 
     values: Sequence[float]
     """The command of each joint."""
     pid: Pid | None
-    """PID from values to commands; if None, the values are passed on."""
+    """PID from values to commands; if None, the values are forwarded."""
     measures_velocity: bool
     """Whether the PID compares the values with velocities instead of positions."""
     wrapping: Sequence[int]
-    """Indices of the joints whose errors are wrapped to the shortest way round."""
+    """Indices of the joints with errors that are wrapped to the shortest rotation."""
     last_errors: list[float]
-    """Errors of the last update, one per joint; updated in place."""
+    """Errors of the last update, one per joint; the list is updated in place."""
 
 
 @final
@@ -112,7 +114,7 @@ class GripState:
     ramp: float
     """The current setpoint [rad | m]."""
     stall_position: float
-    """Position that the joint has not left since ``stall_since`` [rad | m]."""
+    """Position at which the joint has stayed since ``stall_since`` [rad | m]."""
     stall_since: float
     """Time since which the joint has stayed at ``stall_position`` [s]."""
     effort: float = 0.0
@@ -120,7 +122,7 @@ class GripState:
 
 
 class GripperLaw(NamedTuple):
-    """Drive one joint to a position with bounded effort until it arrives or stalls."""
+    """Moves one joint to a position with limited effort until it arrives or stalls."""
 
     target: float
     """Target position [rad | m]."""
@@ -129,25 +131,27 @@ class GripperLaw(NamedTuple):
     max_effort: float
     """Largest effort [N·m | N]."""
     stall_range: float
-    """Largest movement of the joint that still counts as a stall [rad | m]."""
+    """Largest movement of the joint that is still considered a stall [rad | m]."""
     stall_timeout: float
     """Time after which a goal ends if the joint has stalled [s]."""
     has_goal: bool
-    """Whether there is a goal, which ends at the target or by a stall."""
+    """Whether there is a goal.  A goal ends when the joint reaches the target or
+    stalls."""
     pid: Pid | None
     """PID from errors to efforts; if None, the target position is commanded."""
     drive_limits: DriveLimits | None
-    """Limits of the drive during the goal, which slow down the ramp of the setpoint."""
+    """Limits of the drive during the goal; they limit the speed of the setpoint's
+    ramp."""
     grip: GripState
-    """State of the motion; updated in place."""
+    """State of the motion, which is updated in place."""
     position: float
     """Measured position in the last tick [rad | m]."""
     own_effort: float
-    """Largest effort for goals that do not specify one [N·m | N]."""
+    """Largest effort for goals that do not specify an effort [N·m | N]."""
 
 
 class IdleLaw(NamedTuple):
-    """Command nothing."""
+    """Commands no joints."""
 
 
 ActiveLaw = TrajectoryLaw | CommandLaw | GripperLaw

@@ -16,7 +16,7 @@ from tool0.hardware.robot_hardware import EffortLaw
 
 @final
 class LoadedController:
-    """A loaded controller, with its parameters once configured."""
+    """A loaded controller, with its parameters after it has been configured."""
 
     def __init__(
         self, name: str, type_name: str, stages: Stages, config: ControllerConfig | None
@@ -24,40 +24,41 @@ class LoadedController:
         self.name = name
         self.type = type_name
         self.config = config
-        """Parameters in YAML; None for tool0's own controllers, which requests start
-        and stop."""
+        """Parameters in YAML; None for the internal controllers of tool0, which
+        requests start and stop."""
         self.spec: ControllerSpec | None = None
         self.indices: tuple[int, ...] = ()
         self.controller: Controller | None = None
         self.state = stages.unconfigured
         self.is_waiting = False
-        """Whether the brakes hold its joints until its first command."""
+        """Whether the brakes hold the controller's joints until its first command."""
         self.effort_law: EffortLaw | None = None
-        """Effort law that drives its joints instead of its commands, if any."""
+        """Effort law that drives the joints instead of the controller's commands; None
+        if there is no such law."""
         self.has_rotors = False
-        """Whether that law includes the inertia of the joints' rotors."""
+        """Whether the effort law includes the rotor inertias of the joints."""
 
     @property
     def interface(self) -> Interface | None:
-        """The interface through which it commands its joints."""
+        """The interface through which the controller commands its joints."""
         if self.effort_law is not None and self.is_own:
             return Interface.EFFORT
         return None if self.spec is None else self.spec.interface
 
     @property
     def is_own(self) -> bool:
-        """Whether it is one of tool0's own controllers, which have no YAML."""
+        """Whether the controller is internal to tool0 and has no YAML."""
         return self.config is None
 
     def require_config(self) -> ControllerConfig:
-        """Return its YAML; ControlError if it is one of tool0's own controllers."""
+        """Return the YAML; raise ControlError for an internal controller of tool0."""
         if self.config is None:
             raise ControlError(self.why_fixed)
         return self.config
 
     @property
     def why_fixed(self) -> str:
-        """Reason why clients cannot start, stop or change tool0's own controller."""
+        """Reason why clients cannot start, stop or change an internal controller."""
         return (
             f"controller '{self.name}' is tool0's own: `take_arm` starts it, and "
             "`return_arm` stops it"
@@ -65,7 +66,7 @@ class LoadedController:
 
     @property
     def claims(self) -> tuple[str, ...]:
-        """The joints that it claims."""
+        """The joints that the controller claims."""
         spec = self.spec
         if spec is None or (spec.interface is None and self.arm_mode is None):
             return ()
@@ -73,23 +74,23 @@ class LoadedController:
 
     @property
     def commands(self) -> bool:
-        """Whether it has a command for each of its joints."""
+        """Whether the controller has a command for each of its joints."""
         return bool(self.claims) and self.arm_mode is None
 
     @property
     def arm_mode(self) -> ArmModeSpec | None:
-        """Its parameters, if it stands for freedrive or force mode of an arm."""
+        """The parameters, if the controller represents freedrive or force mode."""
         return self.spec if isinstance(self.spec, ArmModeSpec) else None
 
     @property
     def held(self) -> tuple[str, ...]:
-        """The joints that it currently holds."""
+        """The joints that the controller currently drives."""
         is_idle = self.arm_mode is not None and self.effort_law is None
         return () if self.is_waiting or is_idle else self.claims
 
     @property
     def claimed(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
-        """The command interfaces that it claims, each with its joints."""
+        """The command interfaces that the controller claims, with their joints."""
         if self.arm_mode is not None:
             return ((self.arm_mode.mode, self.claims),)
         interface = self.interface
@@ -108,12 +109,16 @@ class LoadedController:
         return (*names, *spec.further_interfaces)
 
     def started(self, state: JointState) -> Controller:
-        """Return a new running instance."""
+        """Return a new running instance of the controller."""
         return self.configured.start(self.indices, state)
 
     @property
     def configured(self) -> ControllerSpec:
-        """The checked parameters; ControlError if it is not configured."""
+        """The checked parameters.
+
+        Raises:
+            ControlError: If the controller is not configured.
+        """
         if self.spec is None:
             raise ControlError(
                 f"controller '{self.name}' is {self.state}; configure it with "

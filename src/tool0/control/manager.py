@@ -35,34 +35,34 @@ _KIND: Final[Mapping[type, str]] = {
     str: "string",
     tuple: "array",
 }
-"""ROS's names for the types of parameters."""
+"""Names of the parameter types in ROS."""
 
 
 class SavedController(NamedTuple):
-    """The state of a running controller at one instant."""
+    """The state of a running controller at one point in time."""
 
     spec: ControllerSpec
     controller: Controller
-    """A copy of the controller, which never runs itself."""
+    """A copy of the controller; the copy itself never runs."""
     is_waiting: bool
-    """Whether the brakes hold its joints until its first command."""
+    """Whether the brakes hold the controller's joints until its first command."""
 
 
 class Strictness(enum.Enum):
-    """Handling of requests that a switch cannot fulfil, with ROS's values."""
+    """Handling of requests that a switch cannot fulfill, with the values of ROS."""
 
     BEST_EFFORT = 1
-    """Skip these requests, and fulfil the others."""
+    """Skip requests that cannot be fulfilled, and fulfill the other requests."""
     STRICT = 2
     """Raise an error, and change nothing."""
 
 
 @final
 class ControllerManager:
-    """Owns the controllers over one robot's hardware, with ros_control's rules.
+    """Manages the controllers of one robot's hardware, with the rules of ros_control.
 
-    All controllers have the same dialect, ROS 1 or ROS 2.  Only the thread that runs
-    the tick may call the manager.
+    All controllers have the same dialect, which is ROS 1 or ROS 2.  Only the thread
+    that executes the tick may call the manager.
     """
 
     def __init__(
@@ -72,10 +72,11 @@ class ControllerManager:
         joints: Mapping[str, Joint],
         model: RobotModel | None = None,
     ) -> None:
-        """Take the hardware and the config; no controller is loaded yet.
+        """Store the hardware and the config; no controllers are loaded.
 
-        ``config`` contains the controllers that can be loaded, ``joints`` the joints'
-        limits, and ``model`` the rest of the robot.
+        ``config`` contains the controllers that can be loaded.  ``joints`` contains the
+        limits of the joints.  ``model`` contains the hardware, the grippers and the
+        arms of the robot.
         """
         self._hardware = hardware
         self.config = config
@@ -91,18 +92,20 @@ class ControllerManager:
             gripper_delay=hardware.gripper_delay,
         )
         self.when_switched: Callable[[JointState], None] = lambda state: None
-        """Callback that gets the state after controllers were started or stopped."""
+        """Callback that receives the state after controllers were started or
+        stopped."""
         self._loaded: dict[str, LoadedController] = {}
         self._blocked: dict[str, str] = {}
         """Joint → reason why controllers that claim it cannot be started."""
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
-        """Name and instance of each running controller, and its positions in the
-        command."""
+        """Name and instance of each running controller, and the controller's positions
+        in the list of commands."""
         self.running_controllers: tuple[tuple[Controller, tuple[int, ...]], ...] = ()
-        """The running controllers in load order, with their joints; a new tuple
-        whenever a controller starts or stops."""
+        """The running controllers in load order, with their joints.  The tuple is
+        replaced whenever a controller starts or stops."""
         self.running_specs: tuple[ControllerSpec, ...] = ()
-        """Parameters of the running controllers; restarting a controller keeps them."""
+        """Parameters of the running controllers; a restart of a controller keeps its
+        parameters."""
         self._observers: tuple[Callable[[JointState], None], ...] = ()
         self._setpoints: tuple[tuple[str, Callable[[], Setpoint | None]], ...] = ()
         """Name and setpoint function of each running controller."""
@@ -154,13 +157,14 @@ class ControllerManager:
         *,
         configure: bool = True,
     ) -> None:
-        """Load a controller from ``config`` or the manager's own, and configure it.
+        """Load a controller from ``config``, and configure it.
 
-        Without ``configure``, it stays unconfigured, as after ROS 2's service.
+        If ``config`` is None, the manager's config is used.  If ``configure`` is False,
+        the controller stays unconfigured, as it does after the load service of ROS 2.
 
         Raises:
             ControlError: If the controller is already loaded.
-            ConfigError: If the controller is unknown, or its parameters are wrong.
+            ConfigError: If the controller is unknown, or its parameters are invalid.
         """
         if name in self._loaded:
             raise ControlError(
@@ -179,11 +183,12 @@ class ControllerManager:
         self._refresh()
 
     def configure(self, name: str) -> None:
-        """Check the parameters of a loaded controller, which can then be started.
+        """Check the parameters of a loaded controller, so that it can be started.
 
         Raises:
             ControlError: If the controller is already configured.
-            ConfigError: If its parameters are wrong; it then stays unconfigured.
+            ConfigError: If the controller's parameters are invalid; the controller
+                stays unconfigured.
         """
         item = self._find(name)
         if item.spec is not None:
@@ -222,16 +227,16 @@ class ControllerManager:
         del self._loaded[name]
         self._refresh()
 
-    # ---- tool0's own controllers ----------------------------------------------------
+    # ---- internal controllers of tool0 ----------------------------------------------
 
     def start_own(self, spec: ControllerSpec, state: JointState) -> None:
-        """Load and start one of tool0's own controllers, which have no YAML.
+        """Load and start an internal controller of tool0, which has no YAML.
 
-        Its joints follow positions by their servos, whichever interfaces the drives
-        offer.
+        The servos of the joints follow positions, regardless of the interfaces that the
+        drives offer.
 
         Raises:
-            ControlError: If a controller with this name is already loaded.
+            ControlError: If a controller with the same name is already loaded.
             ClaimError: If another running controller claims one of the joints.
         """
         if spec.name in self._loaded:
@@ -251,7 +256,10 @@ class ControllerManager:
         self._refresh()
 
     def stop_own(self, name: str, state: JointState) -> None:
-        """Stop and unload one of tool0's own controllers; the brakes then hold."""
+        """Stop and unload an internal controller of tool0.
+
+        After the stop, the brakes hold the joints.
+        """
         self._stop([name], state)
         del self._loaded[name]
         self._refresh()
@@ -264,10 +272,10 @@ class ControllerManager:
         *,
         with_rotors: bool = False,
     ) -> None:
-        """Drive a running controller's joints by a law instead of its commands.
+        """Drive a running controller's joints with a law instead of its commands.
 
-        With None, the joints follow the commands again.  For ``with_rotors``, see
-        ``RobotHardware.claim_efforts``.
+        If ``law`` is None, the joints follow the commands again.
+        ``RobotHardware.claim_efforts`` documents ``with_rotors``.
         """
         item = self._find(name)
         self._disengage(item, state)
@@ -287,12 +295,14 @@ class ControllerManager:
         strictness: Strictness,
         state: JointState,
     ) -> tuple[str, ...]:
-        """Stop and start controllers at once; return the reasons for skipped ones.
+        """Stop and start controllers in one step.
+
+        The result contains the reasons why controllers were skipped.
 
         Started controllers hold the measured ``state``.
 
         Raises:
-            ControlError: If the switch is impossible; nothing has changed then.
+            ControlError: If the switch is impossible; in this case, nothing changes.
             ClaimError: If two running controllers would claim the same joint.
         """
         skipped: list[str] = []
@@ -316,7 +326,7 @@ class ControllerManager:
         return tuple(skipped)
 
     def _take_shared(self, item: LoadedController, state: JointState) -> None:
-        """Take joints back from an arm mode that shares them with a new controller."""
+        """Release the joints of an arm mode that shares them with a new controller."""
         for other in self._loaded.values():
             if other.arm_mode is not None and set(other.held) & set(item.claims):
                 self._disengage(other, state)
@@ -329,7 +339,10 @@ class ControllerManager:
         strictness: Strictness,
         skipped: list[str],
     ) -> tuple[list[str], list[str]]:
-        """Return the controllers to stop and to start, after checks in ROS's order."""
+        """Return the controllers to stop and to start.
+
+        The checks have the same order as in ROS.
+        """
 
         def refuse(message: str) -> None:
             if strictness is Strictness.STRICT:
@@ -383,7 +396,9 @@ class ControllerManager:
         return plans["stop"], plans["start"]
 
     def block(self, joints: Collection[str], reason: str) -> None:
-        """Block starting controllers that claim ``joints``; an empty reason unblocks.
+        """Prevent the start of controllers that claim ``joints``.
+
+        An empty ``reason`` permits the start again.
 
         Controllers that are already running continue.
         """
@@ -394,14 +409,14 @@ class ControllerManager:
         self._refresh()
 
     def _why_blocked(self, item: LoadedController) -> str:
-        """Return the reason why a controller cannot be started; empty if it can."""
+        """Return the reason why a controller cannot be started, or an empty text."""
         return next(filter(None, map(self._blocked.get, item.claims)), "")
 
     def _check_claims(self, running: Sequence[str]) -> None:
         """Raise ClaimError if two controllers claim the same joint or interface.
 
-        A drive follows only one interface at a time.  Force mode, however, shares the
-        joints with its companions.
+        A drive follows only one interface at a time.  A controller for an arm mode,
+        however, shares the joints with its companions.
         """
         owners: dict[str, str] = {}
         for name in running:
@@ -418,7 +433,7 @@ class ControllerManager:
 
     @staticmethod
     def _may_share(first: LoadedController, second: LoadedController) -> bool:
-        """Return whether one is an arm mode that shares the joints with the other."""
+        """Return whether either controller is an arm mode that may share its joints."""
         return any(
             one.arm_mode is not None and other.type in one.arm_mode.companions
             for one, other in ((first, second), (second, first))
@@ -435,7 +450,7 @@ class ControllerManager:
             item.effort_law = None
 
     def _engage(self, item: LoadedController, state: JointState) -> None:
-        """Give a started controller its joints, unless it waits for a command."""
+        """Claim the joints of a started controller, unless it waits for a command."""
         item.is_waiting = item.configured.waits_for_command
         if not item.is_waiting:
             self._claim(item, state)
@@ -452,22 +467,22 @@ class ControllerManager:
             self._hardware.claim(item.claims, interface, state)
 
     def _disengage(self, item: LoadedController, state: JointState) -> None:
-        """Take a stopped controller's joints back."""
+        """Release the joints of a stopped controller."""
         if item.held:
             self._hardware.release(item.held, state)
 
     def release_brakes(self, name: str, state: JointState) -> None:
-        """Give a controller its joints, since its first command has arrived."""
+        """Claim the joints of a controller that has received its first command."""
         item = self._find(name)
         if item.is_waiting and item.controller is not None:
             item.is_waiting = False
             self._claim(item, state)
 
     def restart(self, state: JointState) -> None:
-        """Restart every running controller, holding ``state``.
+        """Restart every running controller, so that it holds ``state``.
 
-        This is needed when the state or the time jumps: after a reset, or at the end of
-        an emergency stop.
+        A restart is needed when the state or the time jumps, for example after a reset
+        or at the end of an emergency stop.
         """
         for item in self._loaded.values():
             if item.controller is None:
@@ -481,7 +496,7 @@ class ControllerManager:
         self._refresh()
 
     def saved(self) -> Mapping[str, SavedController]:
-        """Return the running controllers as they are now, by name.
+        """Return the current state of the running controllers, by name.
 
         Raises:
             ControlError: If a goal or an effort law moves the joints of a controller.
@@ -499,7 +514,7 @@ class ControllerManager:
         return found
 
     def check_saved(self, saved: Mapping[str, SavedController]) -> None:
-        """Raise ControlError if other controllers or parameters are running."""
+        """Raise ControlError if the running controllers or parameters differ."""
         specs = {name: self._loaded[name].configured for name in self._names_running()}
         if specs != {name: one.spec for name, one in saved.items()}:
             raise ControlError(
@@ -510,8 +525,7 @@ class ControllerManager:
     def resume(self, saved: Mapping[str, SavedController]) -> None:
         """Continue from the saved states of the running controllers.
 
-        The hardware restores its own state, including the claims.
-
+        The state of the hardware, including the claims, must be restored separately.
         """
         for name, one in saved.items():
             item = self._loaded[name]
@@ -520,7 +534,10 @@ class ControllerManager:
         self._refresh()
 
     def stop_all(self, state: JointState) -> None:
-        """Stop every running controller; the brakes then hold all joints."""
+        """Stop every running controller.
+
+        After the stop, the brakes hold all joints.
+        """
         self._stop(self._names_running(), state)
         self._refresh()
 
@@ -530,7 +547,7 @@ class ControllerManager:
         """Return a running controller.
 
         Raises:
-            GoalRejectedError: If the controller is loaded, but not running.
+            GoalRejectedError: If the controller is loaded but not running.
             ControlError: If the controller is not loaded.
         """
         item = self._find(name)
@@ -577,7 +594,7 @@ class ControllerManager:
         }
 
     def is_overruled(self, name: str) -> bool:
-        """Return whether a law drives a controller's joints instead of its commands."""
+        """Return whether an effort law overrides a controller's commands."""
         item = self._loaded[name]
         return item.effort_law is not None and not item.is_own
 
@@ -586,10 +603,10 @@ class ControllerManager:
         return self._find(name).configured
 
     def set_gains(self, name: str, joint: str, **changes: float | bool) -> Gains:
-        """Change some of a joint's ``Gains``, and return all of them.
+        """Change some of a joint's ``Gains``, and return all of its gains.
 
-        A running controller continues with the new gains, which apply until it is
-        unloaded.
+        A running controller continues with the new gains.  The gains apply until the
+        controller is unloaded.
 
         Raises:
             ControlError: If there is no such controller or joint, or the controller has
@@ -622,12 +639,12 @@ class ControllerManager:
     def set_parameters(self, name: str, changes: Mapping[str, Value]) -> None:
         """Change adjustable parameters of a loaded controller, by dotted name.
 
-        A running controller continues with the new values, which apply until it is
-        unloaded.
+        A running controller continues with the new values.  The values apply until the
+        controller is unloaded.
 
         Raises:
             ControlError: If a parameter is unknown or read-only, or if a value has the
-                wrong type or is not valid; nothing has changed then.
+                wrong type or is invalid; in this case, nothing changes.
         """
         item = self._find(name)
         given = item.require_config()
@@ -660,7 +677,7 @@ class ControllerManager:
 
 
 def _copied(item: LoadedController) -> Controller:
-    """Return a copy of a running controller; ControlError if it has a goal."""
+    """Return a copy of a running controller; raise ControlError if it has a goal."""
     assert item.controller is not None
     try:
         return _copied_controller(item.controller, item.configured)
@@ -671,13 +688,13 @@ def _copied(item: LoadedController) -> Controller:
 
 
 def _copied_controller(controller: Controller, spec: ControllerSpec) -> Controller:
-    """Return a copy of a controller that shares its parameters ``spec``."""
+    """Return a copy of a controller; the copy shares the parameters ``spec``."""
     parts = [getattr(spec, name.name) for name in fields(spec)]  # type: ignore[arg-type]  # dataclasses
     return copy.deepcopy(controller, {id(part): part for part in (spec, *parts)})
 
 
 def _sharing(*items: LoadedController) -> str:
-    """Return a text with the types that an arm mode shares its joints with."""
+    """Return a text that lists the types with which an arm mode shares its joints."""
     return "".join(
         f" ('{item.name}' goes with {quoted(sorted(item.arm_mode.companions))} only)"
         for item in items
@@ -688,7 +705,7 @@ def _sharing(*items: LoadedController) -> str:
 def _check_change(
     controller: str, current: ControllerParameters, name: str, value: Value
 ) -> None:
-    """Raise ControlError if a parameter cannot be set to this value."""
+    """Raise ControlError if a parameter cannot be set to ``value``."""
     before = current.values.get(name)
     if before is None:
         raise ControlError(

@@ -24,11 +24,11 @@ from tool0.protocol.goals import Tolerance
 
 @final
 class Pid:
-    """Per joint: ``p e + clamp(i ∫e dt) + d de/dt``, within limits; no filter.
+    """PID law per joint: ``p e + clamp(i ∫e dt) + d de/dt``, limited, without a filter.
 
-    If the period is 0, the command is 0 and the integral stays.  The errors must be
-    finite, as ensured by the engine (DivergenceError) and by the checks of goals and
-    commands.
+    If the period is 0, the command is 0 and the integral is unchanged.  The errors must
+    be finite, which the engine (DivergenceError) and the checks of goals and commands
+    ensure.
     """
 
     __slots__ = ("integrals", "rows")
@@ -40,11 +40,11 @@ class Pid:
         """Integral of each joint's error."""
 
     def reset(self, joint: int) -> None:
-        """Reset the integral of one joint, given by index."""
+        """Reset the integral of one joint, which is given by its index."""
         self.integrals[joint] = 0.0
 
     def set_contribution(self, joint: int, command: float) -> None:
-        """Make a joint's integral contribute ``command``, within its clamp."""
+        """Set a joint's integral to contribute ``command``, within its clamp."""
         _, _, i, _, i_min, i_max, *_ = self.rows[joint]
         term = min(max(command, i_min), i_max)
         self.integrals[joint] = term / i if i else 0.0
@@ -52,8 +52,8 @@ class Pid:
     def set_gains(self, k: int, gains: Gains) -> None:
         """Change the gains of joint ``k``.
 
-        The integral's contribution is kept, within the new clamp, so that a new ``i``
-        causes no jump; if ``i`` is 0, the integral is reset.
+        The contribution of the integral is kept, within the new clamp, so that a new
+        ``i`` causes no jump.  If ``i`` is 0, the integral is reset.
         """
         _, _, i, _, i_min, i_max, *_ = self.rows[k]
         term = min(max(i * self.integrals[k], i_min), i_max)
@@ -64,7 +64,7 @@ class Pid:
     def update(
         self, errors: Sequence[float], error_rates: Sequence[float], period: float
     ) -> list[float]:
-        """Return a command per joint."""
+        """Return one command per joint."""
         if not period > 0.0:
             return [0.0] * len(self.rows)
         integrals = self.integrals
@@ -122,9 +122,9 @@ INTERFACE_OF_PACKAGE = {
     "position_controllers": Interface.POSITION,
     "velocity_controllers": Interface.VELOCITY,
 }
-"""Command interface that the package of a controller's type implies."""
+"""Command interface that is implied by the package of a controller's type."""
 INTERFACE_OF_NAME = {item.name.lower(): item for item in Interface}
-"""Command interfaces by their names in ROS 2."""
+"""Command interfaces, by their names in ROS 2."""
 JOINT_STATES = ("position", "velocity", "effort")
 """State interfaces of a driven joint."""
 
@@ -132,21 +132,21 @@ JOINT_STATES = ("position", "velocity", "effort")
 @final
 @dataclass(frozen=True, slots=True)
 class RobotJoints:
-    """The joints that a controller's parameters can name, and the robot's hardware."""
+    """The joints that controllers' parameters can specify, and the robot's hardware."""
 
     joints: Mapping[str, Joint]
     interfaces: Mapping[str, tuple[Interface, ...]]
-    """Driven joints, in the engine's order, with their command interfaces."""
+    """Driven joints, in the order of the engine, with their command interfaces."""
     hardware: tuple[HardwareComponent, ...] = ()
     """Hardware that ``<ros2_control>`` tags describe."""
     grippers: tuple[ParallelGripper, ...] = ()
     speed_scaling: Mapping[str, float] = field(default_factory=dict)
     """Prefix of each arm → current speed factor of its trajectories."""
     arms: Mapping[str, tuple[str, ...]] | None = field(default_factory=dict)
-    """Prefix of each arm → its joints, from base to flange; None if any prefix is
-    accepted."""
+    """Prefix of each arm → its joints, from the base to the flange; None if any prefix
+    is accepted."""
     gripper_delay: float = 0.0
-    """Longest time until a command to a gripper shows in its state [s]."""
+    """Longest time until a command to a gripper affects the gripper's state [s]."""
 
     @property
     def joint_states(self) -> tuple[str, ...]:
@@ -164,7 +164,7 @@ class RobotJoints:
 
     @staticmethod
     def assumed(names: Iterable[str], type_name: str) -> RobotJoints:
-        """Return made-up joints that a controller of this type can command."""
+        """Return artificial joints that a controller of a given type can command."""
         package = type_name.partition("/")[0]
         known = INTERFACE_OF_PACKAGE.get(package)
         interfaces = tuple(Interface) if known is None else (known,)
@@ -178,7 +178,7 @@ class RobotJoints:
 
 
 def joint_entries(controller: YamlEntry) -> list[YamlEntry]:
-    """Return the entries that name a controller's joints: ``joint``, ``joints``."""
+    """Return the entries that list a controller's joints: ``joint`` and ``joints``."""
     joint, joints = controller.find("joint"), controller.find("joints")
     return [
         *([] if joint is None else [joint]),
@@ -189,9 +189,9 @@ def joint_entries(controller: YamlEntry) -> list[YamlEntry]:
 def controlled_joint(
     robot: RobotJoints, name: str, interface: Interface | None, entry: YamlEntry
 ) -> Joint:
-    """Return the joint called ``name``, which must have ``interface`` if given.
+    """Return the joint ``name``, which must have ``interface`` if it is given.
 
-    ``entry`` is where the file names it, for messages.
+    ``entry`` is the YAML entry that contains the name; messages report its location.
     """
     joint = robot.joints.get(name)
     wanted = "any interface" if interface is None else f"'{interface.value}'"
@@ -221,7 +221,7 @@ def controlled_joint(
 def controlled_joints(
     robot: RobotJoints, parameters: Namespace, interface: Interface
 ) -> tuple[Joint, ...]:
-    """Return the joints in the list ``joints``, which must name each only once."""
+    """Return the joints in the list ``joints``, which must not contain duplicates."""
     names = parameters.texts("joints")
     entry = parameters.find("joints")
     items = [] if entry is None else entry.items
@@ -237,7 +237,7 @@ def controlled_joints(
 def single_joint(
     robot: RobotJoints, parameters: Namespace, interface: Interface
 ) -> Joint:
-    """Return the joint that the parameter ``joint`` names."""
+    """Return the joint that the parameter ``joint`` specifies."""
     name = parameters.text("joint")
     entry = parameters.find("joint") or parameters.entry
     return controlled_joint(robot, name, interface, entry)
@@ -249,7 +249,7 @@ def read_tolerances(
     """Return the tolerances of a trajectory controller's joints.
 
     A joint that drives a gripper has no default goal tolerance, since a held object
-    keeps it from arriving.
+    prevents the joint from reaching its goal.
     """
     read = parameters.not_negative
     stopped = read("constraints/stopped_velocity_tolerance", DEFAULT_STOPPED_VELOCITY)
@@ -280,9 +280,11 @@ def read_at_least(
 
 
 def read_gains(parameters: Namespace, path: str, why: str) -> Gains:
-    """Return the gains at ``path``; ``p`` is required, as in control_toolbox.
+    """Return the gains at ``path``.
 
-    ``why`` is the reason that the message gives if they are missing.
+    The gain ``p`` is required, as it is in control_toolbox.
+
+    ``why`` is the reason in the error message if gains are missing.
     """
     gains = parameters.namespace(path)
     if gains is None:

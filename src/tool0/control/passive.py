@@ -1,4 +1,4 @@
-"""Controllers that move nothing; the ROS node has their messages and services."""
+"""Controllers that move no joints; the ROS node implements their ROS interfaces."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tool0.protocol.controllers import Gains
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PassiveSpec:
-    """The parameters of a controller that moves nothing."""
+    """The parameters of a controller that moves no joints."""
 
     name: str
     type: str
@@ -28,7 +28,7 @@ class PassiveSpec:
     waits_for_command: ClassVar[bool] = False
 
     def start(self, indices: Sequence[int], state: JointState) -> PassiveController:
-        """Return a controller; indices and state are not used."""
+        """Return a controller; ``indices`` and ``state`` are not used."""
         del indices, state
         return PassiveController()
 
@@ -50,7 +50,7 @@ class PassiveController:
         """Do nothing."""
 
     def setpoint(self) -> None:
-        """Return None, since no joints are commanded."""
+        """Return None, since the controller commands no joints."""
 
     def stop(self) -> None:
         """Do nothing, since there is no goal to end."""

@@ -11,16 +11,18 @@ from tool0.description.units import ANGLE, LENGTH
 from tool0.errors import GoalRejectedError, did_you_mean
 
 ROUNDING = 1e-6
-"""Accepted excess over a limit [rad | m], since limits are printed rounded."""
+"""Accepted excess over a limit [rad | m], since printed limits are rounded."""
 
 
 def check_position(
     joint: Joint, position: float, where: str, start: float | None = None
 ) -> None:
-    """Reject a position beyond the joint's limits; a continuous joint has none.
+    """Reject a position beyond the joint's limits.
 
-    ``start`` is the position at which the motion starts; if left out, it is assumed to
-    be within the limits.
+    A continuous joint has no limits.
+
+    ``start`` is the position at which the motion starts.  If ``start`` is None, the
+    position is assumed to be within the limits.
     """
     if joint.type is JointType.CONTINUOUS:
         return
@@ -36,10 +38,10 @@ def check_position(
 
 
 def position_range(joint: Joint, start: float | None = None) -> tuple[float, float]:
-    """Return the smallest and the largest accepted position.
+    """Return the smallest and the largest accepted position [rad | m].
 
-    ``start`` is the position at which the motion starts; if left out, it is assumed to
-    be within the limits.
+    ``start`` is the position at which the motion starts.  If ``start`` is None, the
+    position is assumed to be within the limits.
     """
     if joint.type is JointType.CONTINUOUS:
         return -math.inf, math.inf
@@ -55,7 +57,7 @@ def check_targets(
 ) -> None:
     """Raise GoalRejectedError if a controller cannot move joints to ``positions``.
 
-    ``what`` is the word in the message for the motion that is checked.
+    ``what`` is the name of the checked motion in the error message.
     """
     for name, position in positions.items():
         if name not in spec.joints:

@@ -1,4 +1,4 @@
-"""Timing of messages at a given rate, in simulated time."""
+"""Timing of messages that are published at a fixed rate in simulated time."""
 
 from __future__ import annotations
 
@@ -10,22 +10,25 @@ _ROUNDING = 1e-9
 
 _PAUSE = 0.5
 """Pause after which missed publications are dropped, since the publisher did not run
-[s]. ros_control drops them at every start."""
+[s]. ros_control drops missed publications at every start."""
 
 
 @final
 class PublishRate:
-    """ros_control's rule: publish once per period, and catch up on late messages."""
+    """Rule of ros_control: publish once per period, and catch up on late messages."""
 
     def __init__(self, rate: float) -> None:
-        """Take a rate [Hz]; 0 or less means never."""
+        """Set a rate [Hz]; with a rate of 0 or less, no messages are published."""
         self._period = 1.0 / rate if rate > 0.0 else math.inf
         self._last = self._checked = -math.inf
 
     def is_due(self, time: float) -> bool:
-        """Return whether to publish at ``time`` [s]; True on the first call.
+        """Return whether to publish at ``time`` [s].
 
-        Each time is published only once, even if several snapshots have the same time.
+        The first call returns True if the rate is positive.
+
+        A message for each time is published only once, even if several snapshots have
+        the same time.
         """
         if not math.isfinite(self._period) or time == self._checked:
             return False

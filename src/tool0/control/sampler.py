@@ -1,4 +1,4 @@
-"""The motion of several joints in the tick: sampling, and monitoring of a goal."""
+"""Sampling of the motion of several joints in the tick, and monitoring of a goal."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ from tool0.protocol.goals import Goal, GoalResult, GoalStatus, Tolerance
 
 
 class Piece(NamedTuple):
-    """Desired motion of one joint, up to the next change of polynomial."""
+    """Desired motion of one joint until the polynomial changes."""
 
     until: float
-    """Start of the next piece [s]; inf for the last one."""
+    """Start time of the next piece [s]; inf for the last piece."""
     polynomial: Polynomial
     section: SplineSection
-    """The section that the piece belongs to."""
+    """The section that contains the piece."""
     segment: Segment
     has_ended: bool
     """Whether the piece is at or after the end of the segment."""
     is_last: bool
-    """Whether the segment is the last one."""
+    """Whether the segment is the last segment."""
 
     @property
     def is_at_end(self) -> bool:
-        """Whether the joint's whole motion has ended."""
+        """Whether the entire motion of the joint has ended."""
         return self.has_ended and self.is_last
 
 
@@ -64,7 +64,7 @@ def piece_at(spline: JointSpline, time: float) -> Piece:
 
 
 def pieces_from(spline: JointSpline, time: float, most: int) -> list[Piece]:
-    """Return the pieces of a motion from ``time`` [s] on, at most ``most``."""
+    """Return up to ``most`` pieces of a motion, starting at ``time`` [s]."""
     found: list[Piece] = []
     while len(found) < most and time < math.inf:
         found.append(piece_at(spline, time))
@@ -74,7 +74,10 @@ def pieces_from(spline: JointSpline, time: float, most: int) -> list[Piece]:
 
 @final
 class TrajectorySampler:
-    """Splines with a cursor: call ``advance`` at a change, ``errors`` in each tick."""
+    """Splines with a cursor.
+
+    Call ``errors`` in each tick, and call ``advance`` when a piece changes.
+    """
 
     __slots__ = (
         "_moving",
@@ -91,11 +94,14 @@ class TrajectorySampler:
         self.advance(time)
 
     def __deepcopy__(self, memo: dict[int, object]) -> TrajectorySampler:
-        """Return a sampler that shares the splines, since only the cursor changes."""
+        """Return a sampler that shares the splines.
+
+        Only the cursor changes, so the splines need not be copied.
+        """
         return copy.copy(self)
 
     def advance(self, time: float) -> None:
-        """Find the pieces that are active at ``time``, and when they change."""
+        """Find the pieces that are active at ``time`` [s], and the next change."""
         self.pieces = [piece_at(spline, time) for spline in self.splines]
         """The active piece of each joint."""
         self.next_change = min(piece.until for piece in self.pieces)
@@ -109,7 +115,7 @@ class TrajectorySampler:
     def errors(
         self, time: float, positions: Sequence[float], velocities: Sequence[float]
     ) -> tuple[list[float], list[float]]:
-        """Return desired minus measured positions, and the same for velocities."""
+        """Return the position errors and velocity errors (desired minus measured)."""
         if not self._moving:
             return list(map(sub, self._rest, positions)), list(map(neg, velocities))
         errors: list[float] = []
@@ -127,7 +133,10 @@ class TrajectorySampler:
         return self.errors(time, self._zeros, self._zeros)
 
     def samples(self, time: float) -> list[Sample]:
-        """Return the desired motion of every joint; ControlError if it is unknown."""
+        """Return the desired motion of every joint, or raise ControlError.
+
+        ControlError is raised if the motion at ``time`` [s] is unknown.
+        """
         earliest = max(spline.begin for spline in self.splines)
         if not time >= earliest:
             raise ControlError(
@@ -143,7 +152,7 @@ SUCCEEDED = GoalResult(status=GoalStatus.SUCCEEDED)
 
 
 class Check(enum.IntEnum):
-    """The kind of check that an active goal demands of a joint."""
+    """The kind of check that an active goal requires for a joint."""
 
     NOTHING = 0
     PATH = 1
@@ -154,22 +163,24 @@ class Check(enum.IntEnum):
 class GoalMonitor:
     """Checks one active goal in every tick.
 
-    Old segments that are still being executed when a goal starts are not checked.  As
-    in ROS, a joint counts as arrived once it has been within its goal tolerances.
+    Segments of a previous trajectory that are still being executed when a goal starts
+    are not checked.  As in ROS, a joint is considered to have arrived after it has been
+    within its goal tolerances once.
     """
 
     def __init__(
         self, goal: Goal, joint_names: tuple[str, ...], goal_time: float
     ) -> None:
-        """Take a goal; ``goal_time`` [s] is the time to arrive after the end."""
+        """Store a goal; ``goal_time`` [s] is the time to arrive after the end."""
         self.goal = goal
         self._joint_names = joint_names
         self.goal_time = goal_time
-        """Time to arrive after the end [s]."""
+        """Time that the joints may take to arrive after the end of the trajectory
+        [s]."""
         self._arrived: set[int] = set()
 
     def check_of(self, piece: Piece) -> tuple[Check, Tolerance]:
-        """Return the check during a piece, and its tolerance."""
+        """Return the kind of check during a piece, and the tolerance of the check."""
         section = piece.section
         if section.goal is self.goal:
             if piece.is_at_end:
@@ -180,7 +191,7 @@ class GoalMonitor:
         return Check.NOTHING, UNCHECKED
 
     def watch(self, sampler: TrajectorySampler) -> None:
-        """Collect the checks until the sampler's next change."""
+        """Collect the checks until the next change of the sampler."""
         self._ends = [piece.segment.end for piece in sampler.pieces]
         self._on_path: list[tuple[int, Tolerance]] = []
         self._at_goal: list[tuple[int, Tolerance]] = []
@@ -202,7 +213,7 @@ class GoalMonitor:
         return self._arrived
 
     def note_arrived(self, joints: Iterable[int]) -> None:
-        """Count further joints, given by index, as arrived."""
+        """Mark additional joints, which are given by their indices, as arrived."""
         self._arrived.update(joints)
         self._at_goal = [item for item in self._at_goal if item[0] not in self._arrived]
 

@@ -1,7 +1,7 @@
 """The motion of one joint: polynomial segments through the knots of its trajectories.
 
-Segments are created on demand, so that accepting a trajectory with very many points
-costs no more than accepting one with a few points.
+Segments are created on demand, so accepting a trajectory with many points takes no
+longer than accepting a trajectory with a few points.
 """
 
 from __future__ import annotations
@@ -19,26 +19,26 @@ from tool0.protocol.goals import Goal
 Polynomial = tuple[float, ...]
 """``(t0, c0 … c5, 2 c2, 3 c3, 4 c4, 5 c5)``, for Horner's rule.
 
-The argument is ``t = time - t0``.  The velocity's coefficients are precomputed, since
-the tick needs position and velocity.
+The argument of the polynomial is ``t = time - t0``.  The coefficients of the velocity
+are precomputed, since the tick needs both the position and the velocity.
 """
 
 
 IMPLAUSIBLE = 1e9
-"""Position or velocity that no segment may reach [rad, rad/s], so that sums in the tick
-stay far from overflow; no joint could follow it anyway."""
+"""Position or velocity that no segment may exceed [rad, rad/s].  The bound keeps sums
+in the tick far from overflow; no joint could follow a motion beyond the bound."""
 
 
 _ALMOST_PI = math.pi - 1e-9
 
 
 class Motion(NamedTuple):
-    """Position, velocity and acceleration of a joint; None if not prescribed."""
+    """Position, velocity and acceleration of a joint; None for unspecified values."""
 
     position: float
     velocity: float | None = None
     acceleration: float | None = None
-    """Acceleration; it is only used if there is a velocity."""
+    """Acceleration; it is used only if there is a velocity."""
 
 
 MotionPlan = Sequence[Sequence[tuple[float, Motion]]]
@@ -46,7 +46,7 @@ MotionPlan = Sequence[Sequence[tuple[float, Motion]]]
 
 
 class Sample(NamedTuple):
-    """Position, velocity and acceleration of a joint, all known."""
+    """Known position, velocity and acceleration of a joint."""
 
     position: float
     velocity: float
@@ -55,11 +55,12 @@ class Sample(NamedTuple):
 
 @final
 class Segment:
-    """The polynomial of lowest order on [start, end] that meets both motions.
+    """Lowest-order polynomial on [start, end] that matches the motions at both ends.
 
-    It is linear for positions, cubic with velocities, and quintic with accelerations as
-    well; *both* ends must prescribe them.  Before ``start`` and after ``end``, the
-    joint rests at the respective end.  A segment without duration keeps to its start.
+    The polynomial is linear if only positions are given, cubic if velocities are also
+    given, and quintic if accelerations are also given.  Velocities and accelerations
+    are used only if *both* ends specify them.  Before ``start`` and after ``end``, the
+    joint rests at the respective end.  A segment of zero duration stays at its start.
     """
 
     __slots__ = ("coefficients", "end", "start")
@@ -76,7 +77,7 @@ class Segment:
 
     @staticmethod
     def of(start: float, end: float, polynomial: Sequence[float]) -> Segment:
-        """Return the segment with these coefficients c0 … c5."""
+        """Return the segment with the coefficients c0 … c5 in ``polynomial``."""
         segment = Segment.__new__(Segment)
         c0, c1, c2, c3, c4, c5 = polynomial
         segment.start, segment.end = start, end
@@ -84,7 +85,7 @@ class Segment:
         return segment
 
     def sample(self, time: float) -> Sample:
-        """Return the motion at ``time``."""
+        """Return the motion at the given ``time`` [s]."""
         if time < self.start:
             return Sample(self.coefficients[0], 0.0, 0.0)
         t = min(time, self.end) - self.start
@@ -100,20 +101,20 @@ class Segment:
 
     @property
     def polynomial(self) -> Polynomial:
-        """The coefficients in the form that the tick uses."""
+        """The coefficients in the form that is used in the tick."""
         _, _, c2, c3, c4, c5 = self.coefficients
         return (self.start, *self.coefficients, 2 * c2, 3 * c3, 4 * c4, 5 * c5)
 
     @property
     def rest(self) -> Polynomial:
-        """The polynomial for resting at the end."""
+        """The constant polynomial at the end of the segment."""
         return resting(self.sample(self.end).position)
 
     def is_bounded(self, bound: float = IMPLAUSIBLE) -> bool:
-        """Return whether neither position nor speed can exceed ``bound``.
+        """Return whether ``bound`` limits both the position and the speed.
 
-        The absolute values of the terms are summed, so that NaN and overflow count as
-        unbounded.
+        The absolute values of the terms are summed, so that NaN and overflow are
+        treated as unbounded.
         """
         T = self.end - self.start
         c0, c1, c2, c3, c4, c5 = map(abs, self.coefficients)
@@ -128,11 +129,11 @@ def resting(position: float) -> Polynomial:
 
 
 def stop_ramp(time: float, now: Sample, duration: float) -> tuple[Motion, Motion]:
-    """Return the ends of the quintic that brings a moving joint to rest.
+    """Return the start and the end of the quintic that brings a joint to rest.
 
-    As in ROS, it is the first half of the symmetric quintic from velocity v to -v over
-    twice the ``duration``.  It ends where that quintic turns round, at ``position + 5/8
-    v duration``.
+    As in ROS, the ramp is the first half of the symmetric quintic that changes the
+    velocity from v to -v over twice the ``duration``.  The ramp ends at the turning
+    point of the symmetric quintic, at ``position + 5/8 v duration``.
     """
     position, velocity, _ = now
     first = Motion(position, velocity, 0.0)
@@ -166,10 +167,11 @@ def _fit(
 
 
 def wrap_offset(previous: float, following: float) -> float:
-    """Return the whole turns that bring ``following`` nearest to ``previous`` [rad].
+    """Return the whole turns that move ``following`` closest to ``previous`` [rad].
 
-    If they are half a turn apart, within 1e-9 rad, the direction depends on which
-    number is larger, so that it does not depend on rounding.
+    If the two angles are half a turn apart, within 1e-9 rad, the direction of the turn
+    depends on which angle is larger.  The direction of the turn therefore does not
+    depend on rounding.
     """
     turn = shortest_turn(previous, following)
     if abs(turn) > _ALMOST_PI:
@@ -181,11 +183,11 @@ class Knots(NamedTuple):
     """The knots of one joint: motions and their times."""
 
     times: Sequence[float]
-    """Times after the start of the trajectory [s], increasing."""
+    """Times after the start of the trajectory [s], in increasing order."""
     motion: Callable[[int], Motion]
     """Function that returns the motion at a knot, by index."""
     is_stepped: bool = False
-    """Whether the joint jumps to each knot when it reaches the previous one, instead of
+    """Whether the joint jumps to each knot at the time of the previous knot, instead of
     moving there."""
 
     def segment(
@@ -205,7 +207,10 @@ class Knots(NamedTuple):
 
     @staticmethod
     def of(path: Sequence[tuple[float, Motion]]) -> Knots:
-        """Return the knots with these times [s] and motions, at least one."""
+        """Return the knots for a path of times [s] and motions.
+
+        The path must contain at least one knot.
+        """
         times, motions = zip(*path, strict=True)
         return Knots(times, motions.__getitem__)
 
@@ -220,13 +225,13 @@ class SplineSection(NamedTuple):
     """Start time of the trajectory [s]."""
     knots: Knots
     first: int
-    """Index of the knot that the segment from ``origin`` leads to."""
+    """Index of the knot at the end of the segment from ``origin``."""
     origin: tuple[float, Motion]
     """Time [s] and motion at the start of the first segment."""
     span: range
-    """Indices of the remaining segments, at least one."""
+    """Indices of the remaining segments; there is at least one segment."""
     goal: Goal | None
-    """The goal that the tolerances belong to."""
+    """The goal to which the tolerances apply."""
     tolerances: JointTolerances
     made: Mapping[int, Segment]
     """Segments that were created when the trajectory was accepted, by index."""
@@ -240,8 +245,8 @@ class SplineSection(NamedTuple):
         return self.start + self.knots.times[number - 1]
 
     def active_number(self, time: float) -> int:
-        """Return the index of the remaining segment that is nearest to ``time``."""
-        # Only the times between segments matter.
+        """Return the index of the remaining segment that is closest to ``time`` [s]."""
+        # Only the times at which one segment follows another are relevant.
         return bisect_right(
             self.knots.times,
             time,
@@ -251,12 +256,12 @@ class SplineSection(NamedTuple):
         )
 
     def between(self, begin: float, end: float) -> SplineSection:
-        """Return the section with only the segments between two times [s]."""
+        """Return the section, restricted to the segments between two times [s]."""
         span = range(self.active_number(begin), self.active_number(end) + 1)
         return self if span == self.span else self._replace(span=span)
 
     def segment(self, number: int) -> Segment:
-        """Return the segment with this index."""
+        """Return the segment with the index ``number``."""
         made = self.made.get(number)
         if made is not None:
             return made
@@ -271,12 +276,13 @@ class SplineSection(NamedTuple):
 class JointSpline(NamedTuple):
     """The motion of one joint.
 
-    Each section is active until the next section begins, and so is each segment. Before
-    the first segment and after the last one, the joint rests.
+    Each section is active until the next section begins, and each segment is active
+    until the next segment begins.  Before the first segment and after the last segment,
+    the joint is at rest.
     """
 
     sections: tuple[SplineSection, ...]
-    """The sections in order, at least one."""
+    """The sections, in order; there is at least one section."""
 
     @property
     def begin(self) -> float:
@@ -299,9 +305,10 @@ class JointSpline(NamedTuple):
         return section.segment(section.span[-1])
 
     def active(self, time: float) -> tuple[SplineSection, Segment, float]:
-        """Return section and segment at ``time``, and the start of the next one [s].
+        """Return the section and the segment at ``time``, and the next start time [s].
 
-        The last one has no next, so the result is inf.
+        The next start time is the start of the next segment; it is inf for the last
+        segment.
         """
         number = self._active_section(time)
         section = self.sections[number]
@@ -320,11 +327,11 @@ class JointSpline(NamedTuple):
         return number
 
     def sample(self, time: float) -> Sample:
-        """Return the desired motion at ``time``."""
+        """Return the desired motion at ``time`` [s]."""
         return self.active(time)[1].sample(time)
 
     def with_goal(self, goal: Goal | None) -> JointSpline:
-        """Return the same motion, which belongs to ``goal``."""
+        """Return a copy of the motion that is part of ``goal``."""
         return JointSpline(
             tuple(section._replace(goal=goal) for section in self.sections)
         )
@@ -340,19 +347,21 @@ class JointSpline(NamedTuple):
         goal: Goal | None = None,
         tolerances: JointTolerances = NO_TOLERANCES,
     ) -> JointSpline:
-        """Return this motion up to ``start``, a bridge, and a new motion.
+        """Return a spline of the motion up to ``start``, a bridge, and a new motion.
 
         Args:
             now: Time from which the spline is needed [s].
             start: Start time of the new trajectory [s].
             knots: Knots of the new trajectory.
-            first: Index of the first knot that is used, after ``now`` and ``start``.
+            first: Index of the first knot that is used, which is after ``now`` and
+                ``start``.
             suspects: Indices of segments after the bridge that may be implausible.
-            goal: Goal that the tolerances on the new segments belong to.
+            goal: Goal to which the tolerances on the new segments apply.
             tolerances: Tolerances on the new segments.
 
         The bridge starts from the old *desired* motion, at ``start`` or ``now``,
-        whichever is later.  As in ROS, the first knot determines its order.
+        whichever is later.  As in ROS, the first knot determines the polynomial order
+        of the bridge.
 
         Raises:
             GoalRejectedError: If a segment is implausible.
@@ -373,7 +382,7 @@ class JointSpline(NamedTuple):
     def followed_by(
         self, section: SplineSection, now: float, leave: float
     ) -> JointSpline:
-        """Return this motion between ``now`` and ``leave`` [s], then a section."""
+        """Return the motion from ``now`` to ``leave`` [s], followed by a section."""
         kept = self.sections[
             self._active_section(now) : self._active_section(leave) + 1
         ]
@@ -390,15 +399,15 @@ def section_through(
     goal: Goal | None = None,
     tolerances: JointTolerances = NO_TOLERANCES,
 ) -> SplineSection:
-    """Return the segments from ``origin`` through the knots from ``first`` on.
+    """Return the segments from ``origin`` through the knots, starting at ``first``.
 
     Args:
         start: Start time of the trajectory [s].
         knots: Knots of the trajectory.
         origin: Time [s] and motion at the start of the first segment.
-        first: Index of the knot that this segment leads to.
+        first: Index of the knot at the end of the first segment.
         suspects: Indices of later segments that may be implausible.
-        goal: Goal that the tolerances belong to.
+        goal: Goal to which the tolerances apply.
         tolerances: Tolerances on the segments.
 
     Raises:
@@ -438,14 +447,15 @@ def point_to_point(
 
 
 def along(segment: Segment) -> JointSpline:
-    """Return the spline of one segment, which belongs to no goal."""
+    """Return the spline of one segment, which has no goal."""
     return through([segment], [segment.end - segment.start])
 
 
 def through(segments: Sequence[Segment], times: Sequence[float]) -> JointSpline:
-    """Return the spline of consecutive segments, which belong to no goal.
+    """Return the spline of consecutive segments, which have no goal.
 
-    ``times`` are the segments' ends, relative to the start of the first one [s].
+    ``times`` are the end times of the segments, relative to the start of the first
+    segment [s].
     """
     start = segments[0].start
     origin = start, Motion(*segments[0].sample(start))
@@ -459,7 +469,7 @@ def through(segments: Sequence[Segment], times: Sequence[float]) -> JointSpline:
 
 
 def hold(time: float, position: float, goal: Goal | None = None) -> JointSpline:
-    """Return the spline of a joint that rests at ``position`` from ``time`` on."""
+    """Return the spline of a joint that rests at ``position`` after ``time`` [s]."""
     rest = Motion(position, 0.0, 0.0)
     return point_to_point(time, rest, 0.0, rest, goal)
 
@@ -471,7 +481,10 @@ def stop(
     clamp: Callable[[float], float],
     goal: Goal | None = None,
 ) -> JointSpline:
-    """Return the spline of a stop like that of ROS, but within the joint's limits."""
+    """Return the spline of a stop that ends within the joint's limits.
+
+    Within the limits, the stop is the same as in ROS.
+    """
     first, last = stop_ramp(time, now, duration)
     ramp = Segment(time, first, time + duration, last)
     position = ramp.sample(ramp.end).position

@@ -1,4 +1,4 @@
-"""Choice of the controllers in a YAML that can drive a robot without ambiguity."""
+"""Choice of the controllers in a YAML file that can drive a robot unambiguously."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from tool0.protocol.controllers import Role
 _GOALS = (Role.TRAJECTORY, Role.GRIPPER)
 _STATES = ("JointStateController", "JointStateBroadcaster")
 _SCALED = "Scaled"
-"""Part of the type names of Universal Robots' trajectory controllers with speed
-scaling."""
+"""Part of the type names of Universal Robots' trajectory controllers that scale their
+speed."""
 
 
 class Choice(NamedTuple):
-    """The controllers to start besides the usual ones, and reasons against others."""
+    """The additional controllers to start, and the reasons for not starting others."""
 
     started: tuple[str, ...]
     reasons: tuple[str, ...]
@@ -32,16 +32,16 @@ def choose(
     usual: Sequence[str],
     not_to_start: Collection[str],
 ) -> Choice:
-    """Return the controllers in a YAML that can be started without ambiguity.
+    """Return the controllers in a YAML file that can be started unambiguously.
 
-    Controllers that follow goals come first: one is started if no other controller with
-    goals drives any of its joints.  A controller without goals is started if no other
-    controller at all does.
+    Controllers that follow goals take precedence: such a controller is started if no
+    other controller that follows goals drives any of its joints.  A controller without
+    goals is started if no other controller drives any of its joints.
 
     Args:
-        config: The YAML.
+        config: The content of the YAML file.
         robot: The joints and their command interfaces.
-        usual: Names of the controllers that are started anyway.
+        usual: Names of the controllers that are started in any case.
         not_to_start: Names of controllers that are not considered.
     """
     specs: dict[str, ControllerSpec] = {}
@@ -102,7 +102,7 @@ def choose(
 
 
 def _joints(config: ControllerConfig, robot: RobotJoints, name: str) -> set[str]:
-    """Return the joints that a controller names, even if its parameters are wrong."""
+    """Return the joints that a controller lists, even if its parameters are invalid."""
     values = config.parameters_of(name, robot).values
     joints = values.get("joints", ())
     return {str(values.get("joint", ""))} - {""} | set(
@@ -117,7 +117,7 @@ def _is_of_goals(config: ControllerConfig, name: str) -> bool:
 def _without_scaled(
     config: ControllerConfig, rivals: Mapping[str, ControllerSpec]
 ) -> Mapping[str, ControllerSpec]:
-    """Leave out scaled controllers if a plain one can also drive their joints."""
+    """Omit scaled controllers if an unscaled controller can also drive their joints."""
     plain = {
         joint
         for name, spec in rivals.items()

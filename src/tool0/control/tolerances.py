@@ -1,4 +1,4 @@
-"""The tolerances of goals: a controller's own ones, and those that a goal overrides."""
+"""The tolerances of goals: defaults of a controller, and overrides in a goal."""
 
 from __future__ import annotations
 
@@ -9,23 +9,24 @@ from typing import final
 from tool0.protocol.goals import Tolerance, ToleranceOverride
 
 DEFAULT_GOAL_TIME = 1.0
-"""Time to arrive after the last point if YAML has no ``constraints/goal_time`` [s].
+"""Time to arrive after the last point if ``constraints/goal_time`` is missing [s].
 
-In this case, ROS uses 0 and then aborts many goals that have arrived, because the
-velocity is not yet below ``stopped_velocity_tolerance`` in the very cycle in which the
-motion ends.
+Without ``constraints/goal_time``, ROS uses a time of 0, and therefore aborts many goals
+although the joints have arrived, because the velocity is not yet below
+``stopped_velocity_tolerance`` in the cycle in which the motion ends.
 """
 
 DEFAULT_STOPPED_VELOCITY = 0.01
-"""``constraints/stopped_velocity_tolerance`` if YAML does not have it [rad/s], as in
-ROS."""
+"""Value of ``constraints/stopped_velocity_tolerance`` if the YAML does not contain the
+parameter [rad/s].  ROS has the same default."""
 
 
 DEFAULT_GOAL_TOLERANCE = 0.1
-"""Goal tolerance if neither YAML nor the goal specifies one [rad]: that of ur_gazebo's
-controllers.
+"""Goal tolerance if neither the YAML nor the goal specifies a tolerance [rad].  The
+value is the tolerance of the controllers in ur_gazebo.
 
-In this case, ROS checks nothing, and reports success wherever the joints are.
+Without a goal tolerance, ROS performs no check, and reports success regardless of the
+joint positions.
 """
 
 DEFAULT_SLIDING_TOLERANCE = 0.01
@@ -38,7 +39,7 @@ UNCHECKED = Tolerance()
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointTolerances:
-    """Tolerances of one joint: on the path, and at the goal."""
+    """Tolerances of one joint, on the path and at the goal."""
 
     path: Tolerance = UNCHECKED
     goal: Tolerance = UNCHECKED
@@ -48,7 +49,7 @@ NO_TOLERANCES = JointTolerances()
 
 
 def as_tolerance(override: ToleranceOverride) -> Tolerance:
-    """Return a goal's own tolerance as a ``Tolerance``."""
+    """Return the tolerance in a goal as a ``Tolerance``."""
     return override if isinstance(override, Tolerance) else Tolerance(override)
 
 
@@ -59,7 +60,7 @@ class TrajectoryTolerances:
 
     joints: Mapping[str, JointTolerances] = field(default_factory=dict)
     goal_time: float = DEFAULT_GOAL_TIME
-    """Time to arrive after the last point [s]; inf for unlimited."""
+    """Time to arrive after the last point [s]; inf if the time is unlimited."""
 
     def of(self, joint: str) -> JointTolerances:
         """Return the tolerances of one joint."""

@@ -1,8 +1,8 @@
-"""Trajectory goals, states and setpoints, as values.
+"""Trajectory goals, states and setpoints, as immutable values.
 
 A goal may have many thousands of points.  Checks that do not need the controller run in
-the caller's thread, when the goal is created.  Accepting it between two ticks therefore
-does not need to examine every point.
+the caller's thread, when the goal is created.  When the controller accepts the goal
+between two ticks, it therefore does not need to examine every point.
 """
 
 from __future__ import annotations
@@ -33,36 +33,38 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 MANY = 50
-"""Number of points from which numpy is faster than a Python loop."""
+"""Number of points above which numpy is faster than a Python loop."""
 
 BLOCK = 1024
-"""Number of points that numpy examines at a time.  This takes less than a millisecond,
-during which no other thread runs."""
+"""Number of points that numpy examines in one call.  One call takes less than a
+millisecond, during which no other thread runs."""
 
 _SHORT = 1e-9
-"""Duration below which segments are suspect, since rounding determines their length
-[s]."""
+"""Duration below which segments are examined [s], since rounding errors determine the
+length of such segments."""
 
 _TERMS = 256.0
-"""Factor of the terms in a fast version of ``Segment.is_bounded``.  That method adds at
-most 32 |d| + 32 |v| T + 6 |a| T² to the position, and sums at most 120 |d| + 121 |v| T
-+ 22 |a| T² for T times the speed, where d is the distance, and v and a are the larger
-values of both ends.  Twice the largest coefficient leaves room for rounding.  Half the
-bound (MARGIN) leaves room for a rounded T and for whole turns of a continuous joint."""
+"""Factor of the terms in a fast version of ``Segment.is_bounded``.  The terms in
+``is_bounded`` add at most 32 |d| + 32 |v| T + 6 |a| T² to the position.  For T times
+the speed, the sum of the terms is at most 120 |d| + 121 |v| T + 22 |a| T².  The symbol
+d is the distance, and v and a are the larger velocity and acceleration of both ends.
+The factor is about twice the largest coefficient, which leaves a margin for rounding.
+Half the bound (MARGIN) leaves a margin for a rounded T and for whole turns of a
+continuous joint."""
 
 MARGIN = IMPLAUSIBLE / 2.0
-"""Largest shift of positions for which not every point has to be examined [rad]."""
+"""Largest shift of positions up to which not every point has to be examined [rad]."""
 
 
-_set = object.__setattr__  # for the fields of frozen instances
+_set = object.__setattr__  # sets the fields of frozen instances
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrajectoryGoal:
-    """A trajectory with its tolerances: control_msgs/FollowJointTrajectoryGoal.
+    """A trajectory with its tolerances, like control_msgs/FollowJointTrajectoryGoal.
 
-    A goal without points means stop.
+    A goal without points is a request to stop.
 
     Raises:
         GoalRejectedError: If ``points`` are not TrajectoryPoints.
@@ -70,24 +72,25 @@ class TrajectoryGoal:
 
     points: Sequence[TrajectoryPoint]
     joint_names: Sequence[str] | None = None
-    """Joints that the points' values belong to; None for the controller's, in its
-    order."""
+    """Joints to which the points' values apply; None for the joints of the controller,
+    in the controller's order."""
     stamp: float | None = None
-    """Simulated time at which the trajectory starts [s]; None or 0 for now."""
+    """Simulated time at which the trajectory starts [s]; None or 0 for the current
+    time."""
     path_tolerance: Mapping[str, ToleranceOverride] = field(default_factory=dict)
-    """Path tolerance per joint: > 0 replaces the controller's tolerance, < 0 switches
-    it off, and 0 keeps it."""
+    """Path tolerance per joint: a value > 0 replaces the controller's tolerance, a
+    value < 0 disables the tolerance, and 0 keeps the controller's tolerance."""
     goal_tolerance: Mapping[str, ToleranceOverride] = field(default_factory=dict)
-    """Goal tolerance per joint, with the same rules as for the path."""
+    """Goal tolerance per joint, with the same rules as for the path tolerance."""
     goal_time_tolerance: float | None = None
-    """Time to arrive after the last point [s]: > 0 replaces the controller's, < 0 means
-    unlimited, and 0 keeps the controller's."""
+    """Time to arrive after the last point [s]: a value > 0 replaces the controller's
+    time, a value < 0 means unlimited time, and 0 keeps the controller's time."""
     times: Sequence[float] = field(init=False, repr=False, compare=False)
-    """Times of the points after the start [s]."""
+    """Times of the points after the start of the trajectory [s]."""
     suspects: Sequence[int] = field(init=False, repr=False, compare=False)
-    """Indices of points that may be wrong, in order: the first one, and others with
-    invalid times or numbers or a possibly implausible segment.  If there are few
-    points, all of them."""
+    """Indices of points that may be invalid, in increasing order: the first point, and
+    points with invalid times, invalid numbers or a possibly implausible segment.  If
+    there are few points, all indices are included."""
     position_ranges: PositionRanges | None = field(
         init=False, repr=False, compare=False
     )
@@ -115,16 +118,17 @@ class TrajectoryGoal:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class PositionRanges:
-    """Smallest and largest positions in each block of points [rad | m].
+    """Smallest and largest position of each joint in each block of points [rad | m].
 
-    Both have shape (n_blocks, n_joints), and are NaN where numbers are invalid.
+    Both arrays have shape (n_blocks, n_joints), and contain NaN for blocks with invalid
+    numbers.
     """
 
     lowest: FloatArray
     highest: FloatArray
 
     def blocks_beyond(self, limits: Sequence[tuple[float, float]]) -> list[int]:
-        """Return the indices of blocks that may have positions beyond the limits."""
+        """Return the indices of blocks that may contain positions beyond the limits."""
         import numpy as np
 
         lower, upper = zip(*limits, strict=True)
@@ -136,11 +140,11 @@ class PositionRanges:
 def _examine(
     points: Sequence[TrajectoryPoint], times: Sequence[float]
 ) -> tuple[list[int], PositionRanges]:
-    """Return the indices of points that may be wrong, and the ranges of positions.
+    """Return the indices of points that may be invalid, and the ranges of positions.
 
-    A point that is not returned has a finite time after the previous point, as many
-    finite numbers as the first point has positions, and a segment before it on which no
-    joint exceeds IMPLAUSIBLE.
+    A point that is not returned has a finite time after the previous point, and as many
+    finite numbers as the first point has positions.  In the segment before a point that
+    is not returned, no joint exceeds IMPLAUSIBLE.
     """
     import numpy as np
 
@@ -150,7 +154,7 @@ def _examine(
     highest = lowest.copy()
     for block in range(len(lowest) if n_joints else 0):
         first, end = block * BLOCK, (block + 1) * BLOCK
-        before = max(first - 1, 0)  # where the segment to the first point starts
+        before = max(first - 1, 0)  # start of the segment to the first point
         numbers = _numbers(points[before:end], n_joints)
         if numbers is None:
             continue
@@ -169,7 +173,7 @@ def _examine(
 
 
 def _numbers(points: Sequence[TrajectoryPoint], n_joints: int) -> FloatArray | None:
-    """Return positions, velocities and accelerations, or None if any is invalid.
+    """Return positions, velocities and accelerations; None if any value is invalid.
 
     Missing values are 0.  The shape is (3, n_points, n_joints).
     """
@@ -185,41 +189,43 @@ def _numbers(points: Sequence[TrajectoryPoint], n_joints: int) -> FloatArray | N
             ],
             dtype=np.float64,
         )
-    except ValueError:  # the counts of numbers differ
+    except ValueError:  # the numbers of values differ
         return None
-    # numpy does not notice the same wrong number of positions everywhere.
+    # numpy does not detect a wrong number of positions if all points have the same
+    # number.
     is_sound = numbers.shape == (3, len(points), n_joints)
     return numbers if is_sound and np.isfinite(numbers).all() else None
 
 
 @final
 class Setpoint(Struct, frozen=True):
-    """Setpoints of one controller, at one instant and at the end of its motion.
+    """Setpoints of one controller, at one point in time and at the end of its motion.
 
-    A struct of immutable values, since the loop creates one for every eight steps.  The
-    numbers are computed when they are read, in the reader's thread.
+    For efficiency, ``Setpoint`` is a struct of immutable values: the loop creates an
+    instance every eight steps.  The setpoints are computed when they are read, in the
+    thread that reads them.
     """
 
     joint_models: tuple[Joint, ...]
     splines: tuple[JointSpline, ...]
-    """Spline of each joint; a new goal creates new splines."""
+    """Spline of each joint.  A new goal creates new splines."""
     select: JointSelector
     """Function that extracts the joints from the lists in ``measured``."""
     measured: JointState
-    """The measured state at the instant of the setpoint."""
+    """The measured state at the time of the setpoint."""
     lag: float = 0.0
-    """Delay of the motion behind simulated time because of speed scaling [s]."""
+    """Delay of the motion relative to simulated time due to speed scaling [s]."""
     speed_scaling: float = 1.0
     """Ratio of trajectory time to simulated time."""
 
     @property
     def time(self) -> float:
-        """Time along the splines at the instant of the setpoint [s]."""
+        """Time along the splines at the time of the setpoint [s]."""
         return self.measured.time - self.lag
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of the joints, in the order of every sequence in this class."""
+        """Names of the joints, in the order of the other sequences of a setpoint."""
         return tuple(joint.name for joint in self.joint_models)
 
     def joint_setpoints(self) -> Mapping[str, JointSetpoint]:
@@ -232,9 +238,9 @@ class Setpoint(Struct, frozen=True):
         return found
 
     def desired_motion(self, joints: Sequence[str], time: float) -> ArmSetpoint | None:
-        """Return the desired motion of these joints at a simulated time [s].
+        """Return the desired motion of ``joints`` at the simulated ``time`` [s].
 
-        The result is None if any of them is not a joint of this controller.
+        The result is None if any of ``joints`` is not a joint of the controller.
         """
         names = self.joint_names
         if not set(joints).issubset(names):
@@ -253,10 +259,10 @@ class Setpoint(Struct, frozen=True):
         return tuple(spline.target for spline in self.splines)
 
     def desired_and_target(self, joint: str) -> tuple[float, float] | None:
-        """Return a joint's desired position at this instant and at the end [rad | m].
+        """Return the desired position of a joint now and at the end [rad | m].
 
-        The result is None if the controller does not have the joint.  This is much
-        cheaper than ``joint_setpoints``.
+        The result is None if the controller does not have the joint.
+        ``desired_and_target`` is much faster than ``joint_setpoints``.
         """
         for model, spline in zip(self.joint_models, self.splines, strict=True):
             if model.name == joint:
@@ -264,7 +270,7 @@ class Setpoint(Struct, frozen=True):
         return None
 
     def state(self) -> TrajectoryState:
-        """Return the desired and actual motion, and the error, at this instant."""
+        """Return the desired motion, the actual motion and the tracking error."""
         time = self.time
         _, position, velocity, _ = self.measured
         section, segment, _ = self.splines[0].active(time)

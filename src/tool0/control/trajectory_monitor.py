@@ -1,4 +1,4 @@
-"""Monitoring of a trajectory in every tick: all joints together, as in ROS 2."""
+"""Monitoring of a trajectory in every tick, for all joints together, as in ROS 2."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ TIMED_OUT = GoalResult(
 class TrajectoryMonitor:
     """Checks the current trajectory, with or without a goal, in every tick.
 
-    Times are those of the trajectory.  It counts as ended one period early, namely when
-    its end is commanded.
+    All times are trajectory times.  A trajectory is considered to have ended one period
+    early, when its end is commanded.
     """
 
     def __init__(
@@ -41,17 +41,17 @@ class TrajectoryMonitor:
         goal_time: float,
         timeout: float,
     ) -> None:
-        """Monitor a trajectory until its ``end`` [s], and its arrival there.
+        """Monitor a trajectory until its ``end`` [s] and the arrival at its end.
 
         Args:
             goal: Goal of the trajectory; None for a command from the topic.
             end: Time at which the last joint's motion ends [s].
             path: Tolerances on the path, one per joint.
-            at_goal: Tolerances at the goal, one per joint, which must all be met at
-                once.
-            goal_time: Time to arrive after the end [s]; inf waits for ever.
-            timeout: Time after the end at which the trajectory is aborted [s]; inf for
-                never.
+            at_goal: Tolerances at the goal, one per joint.  All tolerances must be met
+                simultaneously.
+            goal_time: Time to arrive after the end [s]; inf if the time is unlimited.
+            timeout: Time after the end at which the trajectory is aborted [s]; inf if
+                the trajectory is never aborted.
         """
         self.goal = goal
         self.end = end
@@ -70,11 +70,11 @@ class TrajectoryMonitor:
         *,
         is_first: bool,
     ) -> GoalResult | None:
-        """Return the result if the trajectory ends at ``time``; None if it continues.
+        """Return the result if the trajectory ends at ``time`` [s], or None.
 
         ``ahead`` [s] is the time of the commanded motion.  The path tolerances also
-        apply in the first tick (``is_first``) of a trajectory that has already ended by
-        then.
+        apply in the first tick of a trajectory (``is_first``), even if the trajectory
+        has already ended.
         """
         is_moving = ahead < self.end
         if (is_moving or is_first) and not self._is_on_path(errors, rates):

@@ -1,1 +1,1 @@
-"""The simulation as a backend: request handlers, core, and loop with its mailbox."""
+"""The simulation as a backend: request handlers, core, and loop with a mailbox."""

@@ -1,4 +1,4 @@
-"""External wrenches on links and objects, for a span of simulated time."""
+"""External wrenches on links and objects for a limited simulated time."""
 
 from __future__ import annotations
 
@@ -12,49 +12,52 @@ from tool0.hardware.engine import World, Wrench
 
 _ZERO: Wrench = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 _ROUNDING = 1e-9
-"""Tolerance by which a time may differ from a multiple of the tick [s]."""
+"""Tolerance for differences between a time and a multiple of the tick [s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AppliedWrench:
-    """Force and torque of constant direction, in the axes of the robot's root frame."""
+    """Constant force and torque on a body, in the axes of the robot's root frame."""
 
     name: str
-    """Name of the link or object that the wrench acts on."""
+    """Name of the link or object on which the wrench acts."""
     force: Vector3
     """Force [N], in the axes of the robot's root frame."""
     torque: Vector3
     """Torque [N·m], in the axes of the robot's root frame."""
     point: Vector3 | None = None
-    """Point of application of the force at its start [m], in the robot's root frame;
-    None is the body's centre of mass.  The lever moves with the body but does not
-    rotate."""
+    """Point of application of the force when the wrench starts, in the robot's root
+    frame [m]; None for the center of mass of the body.  The lever arm moves with the
+    body but does not rotate."""
     start: float = 0.0
-    """Simulated time at which the wrench begins [s]; it begins at once if that time is
-    past."""
+    """Simulated time at which the wrench begins [s].  If the start time has passed, the
+    wrench begins immediately."""
     duration: float = math.inf
     """Duration of the wrench [s]."""
 
 
 @final
 class AppliedWrenches:
-    """Starts and ends wrenches.  Only the thread that owns the tick may use it."""
+    """Starts and ends wrenches.
+
+    Only the thread that executes the tick may use ``AppliedWrenches``.
+    """
 
     def __init__(self, world: World) -> None:
         self._world = world
         self._waiting: tuple[AppliedWrench, ...] = ()
         self._acting: tuple[tuple[float, str, Wrench], ...] = ()
-        """End time, body, and wrench at the body's centre of mass, for each active
+        """End time [s], body, and wrench at the body's center of mass, for each active
         wrench."""
 
     @property
     def is_idle(self) -> bool:
-        """Whether no wrench is active or waits for its start."""
+        """Whether no wrench is active or scheduled."""
         return not self._waiting and not self._acting
 
     def add(self, wrench: AppliedWrench) -> None:
-        """Apply a wrench from the next tick on, or from its later start time.
+        """Apply a wrench, starting in the next tick or at its later start time.
 
         Raises:
             EngineError: If the link or object does not exist or cannot move.
@@ -74,11 +77,11 @@ class AppliedWrenches:
             self._hold(left)
 
     def forget(self) -> None:
-        """Forget all wrenches, since the engine was reset."""
+        """Discard all wrenches after a reset of the engine."""
         self._waiting = self._acting = ()
 
     def tick(self, time: float) -> None:
-        """Start and end the wrenches that are due at ``time`` [s], before a step."""
+        """Start and end wrenches according to ``time`` [s], before a physics step."""
         if self.is_idle:
             return
         now = time + _ROUNDING
@@ -93,10 +96,10 @@ class AppliedWrenches:
             self._hold(tuple(acting))
 
     def quiet_ticks(self, time: float, period: float, most: int) -> int:
-        """Return how many of the next ``most`` ticks neither start nor end a wrench.
+        """Return the number of upcoming ticks that neither start nor end a wrench.
 
-        The result may be too small by one.  The next tick is at ``time`` [s], and each
-        tick takes ``period`` [s].
+        The result is at most ``most``, and may be too small by one.  The next tick is
+        at ``time`` [s], and each tick takes ``period`` [s].
         """
         changes = [wrench.start for wrench in self._waiting]
         changes += [end for end, _, _ in self._acting]
@@ -104,7 +107,7 @@ class AppliedWrenches:
         return most if quiet >= most else max(0, math.floor(quiet))
 
     def contacts(self) -> tuple[Contact, ...]:
-        """Return the active wrenches as contacts, in the form that sensors use."""
+        """Return the active wrenches in the form of contacts, which sensors use."""
         return tuple(
             Contact("", name, self._world.center_of_mass(name), *wrench)
             for _, name, wrench in self._acting

@@ -1,4 +1,4 @@
-"""Bring-up of a robot: from options to an initial pose with running controllers."""
+"""Bring-up of a simulated or real robot from options."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def start_simulation(
     """Return a running simulation in which the robot holds its pose.
 
     Raises:
-        Tool0Error: If an option or a file is wrong.
+        Tool0Error: If an option or a file is invalid.
     """
     model = description.model
     setup = Setup.of(description, control, simulation)
@@ -62,10 +62,11 @@ def start_simulation(
 
 
 def _require_pose(collisions: CollisionFinder, setup: Setup) -> None:
-    """Raise PenetrationError if the initial pose is impossible.
+    """Raise PenetrationError if the initial pose causes impermissible contacts.
 
-    A pose that nobody specified is accepted if the robot meets no object in it: such a
-    pose comes from the description, and the engine warns about it.
+    A default pose, which the user did not specify, is accepted if the robot does not
+    touch an object in this pose.  A default pose is defined by the description, and the
+    engine issues a warning about penetrations in the pose.
     """
     model, cell, objects = (
         setup.description.model,

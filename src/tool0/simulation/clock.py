@@ -1,4 +1,4 @@
-"""Simulated time against the wall clock: times at which ticks are due, late ticks."""
+"""Simulated time in relation to the wall clock: due times of ticks, and late ticks."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from collections.abc import Callable
 from typing import final
 
 CATCH_UP = 0.1
-"""Wall time by which the simulation may lag behind and still catch up [s].
+"""Wall time up to which the simulation catches up if it lags behind [s].
 
-A larger lag is dropped, so that the robot does not race through hours that it missed
-while the machine was suspended.
+A larger lag is dropped, since the simulation would otherwise run at full speed through
+the time that it missed while the computer was suspended.
 """
 
 
 @final
 class Pacer:
-    """Computes when the next tick is due, and counts late ticks."""
+    """Computes the due time of the next tick, and counts late ticks."""
 
     def __init__(
         self,
@@ -24,7 +24,10 @@ class Pacer:
         speed: float = 1.0,
         now: Callable[[], float] = time.perf_counter,
     ) -> None:
-        """Start now; ``period`` is in simulated [s], ``now`` returns wall time [s]."""
+        """Start with a due tick.
+
+        ``period`` is in simulated time [s], and ``now`` returns wall time [s].
+        """
         self._wall_period = period / speed
         self._now = now
         self._due = now()
@@ -32,11 +35,17 @@ class Pacer:
         self.overruns = 0
 
     def wait_time(self) -> float:
-        """Return the wait until the next tick [wall s]; 0 or negative if it is due."""
+        """Return the wall time until the next tick [s].
+
+        The result is 0 or negative if the tick is due.
+        """
         return self._due - self._now()
 
     def tick(self) -> int:
-        """Record the start of the due tick; return how many are due, including it."""
+        """Record the start of a due tick, and return the number of due ticks.
+
+        The number includes the recorded tick.
+        """
         self._late = late = self._now() - self._due
         if late > CATCH_UP:
             self._due += late - CATCH_UP
@@ -44,7 +53,7 @@ class Pacer:
         return 1 + int(max(0.0, min(late, CATCH_UP)) / self._wall_period)
 
     def tick_further(self, count: int) -> None:
-        """Record that further ticks started together with the last one."""
+        """Record that additional ticks started together with the last tick."""
         for _ in range(count):
             self._late -= self._wall_period
             self._count()
@@ -57,7 +66,7 @@ class Pacer:
 
 @final
 class FollowedClock:
-    """Pace of an engine that waits for its own clock in each step."""
+    """Pacer for an engine that waits for its own clock in each step."""
 
     overruns = 0
 
@@ -70,12 +79,15 @@ class FollowedClock:
         return 1
 
     def tick_further(self, count: int) -> None:
-        """Do nothing, since no tick of such an engine is late."""
+        """Do nothing, since ticks of an engine with its own clock are never late."""
 
 
 @final
 class SpeedMeter:
-    """Measures simulated per wall time, and late ticks, over about the last second."""
+    """Measures the ratio of simulated to wall time, and late ticks.
+
+    The measurement covers about the last second.
+    """
 
     def __init__(self, now: Callable[[], float] = time.perf_counter) -> None:
         self._now = now
@@ -85,7 +97,7 @@ class SpeedMeter:
         self.restart(0.0, 0)
 
     def restart(self, sim_time: float, overruns: int) -> None:
-        """Start a window; earlier time, such as a pause, is ignored."""
+        """Start a measurement window; earlier time, such as a pause, is ignored."""
         self._since = self._now(), sim_time
         self._overruns = overruns
         self.late_ticks = 0
@@ -93,9 +105,9 @@ class SpeedMeter:
     def measure(
         self, sim_time: float, overruns: int = 0, *, window: float = 1.0
     ) -> bool:
-        """Take ``sim_time`` [s] and the late ticks since the start into account.
+        """Update the measurement with ``sim_time`` [s] and the total of late ticks.
 
-        Returns whether a window ended.
+        The result is True if a measurement window ended.
         """
         wall = self._now()
         since, start = self._since
@@ -112,21 +124,28 @@ class SpeedMeter:
 
 
 BEHIND = 0.95
-"""Fraction of the requested speed below which a second counts as slow."""
+"""Fraction of the requested speed below which a second is counted as slow."""
 SLOW_WINDOWS = 3
-"""Surplus of slow over other seconds after which the simulation is behind."""
+"""Number of slow seconds in excess of other seconds at which the simulation is
+considered to be behind."""
 
 
 @final
 class Lag:
-    """Whether the simulation is behind the wall clock; single hiccups do not count."""
+    """Detects whether the simulation is behind the wall clock.
+
+    Single short delays are ignored.
+    """
 
     def __init__(self) -> None:
         self.is_behind = False
         self._n_slow = 0
 
     def changes(self, share: float) -> bool:
-        """Take the achieved part of the speed; return whether ``is_behind`` changes."""
+        """Update with the achieved fraction of the requested speed.
+
+        The result is True if ``is_behind`` has changed.
+        """
         step = 1 if share < BEHIND else -1
         self._n_slow = min(max(self._n_slow + step, 0), SLOW_WINDOWS)
         before = self.is_behind

@@ -1,4 +1,4 @@
-"""Chooses the controllers that a bring-up loads and starts."""
+"""Choice of the controllers that a bring-up loads and starts."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ DEFAULT_STOPPED_CONTROLLERS = (
     "joint_group_pos_controller",
 )
 """Controllers of ROS 1 that are loaded but not started, as in the launch file
-``ur5_bringup.launch``, provided that the YAML defines them.  In a cell, each robot has
-them, prefixed with its name."""
+``ur5_bringup.launch``, if the YAML defines these controllers.  In a cell, each robot
+has its own controllers, with names that start with the robot's name."""
 
 
 UNSCALED = "joint_trajectory_controller"
@@ -50,22 +50,23 @@ class ControllerChoice(NamedTuple):
     config: ControllerConfig
     started: tuple[str, ...]
     stopped: tuple[str, ...]
-    """Controllers to load but not to start."""
+    """Names of the controllers to load but not to start."""
     findings: tuple[Finding, ...]
-    """Warnings about joints that nothing moves, unless the options ask for that."""
+    """Warnings about joints that no controller moves; empty if the options specify the
+    controllers."""
 
 
 def choose_controllers(
     description: RobotDescription, control: ControlConfig, *, is_real: bool = False
 ) -> ControllerChoice:
-    """Return the controllers that the options name, or the default ones.
+    """Return the controllers that the options specify, or the default controllers.
 
-    From the user's own YAML, all controllers that certainly drive joints are started,
-    too.  A real robot (``is_real``) is moved by the controller that follows its speed
-    slider.
+    If the user provides a YAML file, all controllers in the file that drive joints
+    unambiguously are also started.  On a real robot (``is_real``), the default is the
+    controller that follows the robot's speed slider.
 
     Raises:
-        ConfigError: If the YAML is wrong or does not define one of the names.
+        ConfigError: If the YAML is invalid or does not define one of the names.
     """
     config = _config(description, control)
     prefixes = ("", *controller_prefixes(description))
@@ -114,7 +115,7 @@ def _file_of(config: ControllerConfig) -> SourceLocation:
 def _defaults(
     description: RobotDescription, control: ControlConfig, config: ControllerConfig
 ) -> tuple[Sequence[str], Sequence[str]]:
-    """Return the controllers to start and to load, as far as the YAML defines them."""
+    """Return the default controllers to start, and the controllers to load only."""
     if config.dialect is not ROS2:
         return DEFAULT_CONTROLLERS, DEFAULT_STOPPED_CONTROLLERS
     usual = started_controllers()
@@ -147,7 +148,10 @@ def _existing(
     default: Sequence[str],
     prefixes: Sequence[str],
 ) -> tuple[str, ...]:
-    """Return the given names, which must be defined, or the defined default ones."""
+    """Return the given names, or the default names that are defined.
+
+    The given names must be defined.
+    """
     defined = config.names
     if names is None:
         usual = dict.fromkeys(prefix + name for prefix in prefixes for name in default)
@@ -166,7 +170,10 @@ def _findings(
     config: ControllerConfig,
     started: tuple[str, ...],
 ) -> list[Finding]:
-    """Return a warning if nothing can move, unless the options ask for that."""
+    """Return a warning if no joint can move.
+
+    There is no warning if the options specify the controllers.
+    """
     here = SourceLocation(description.source)
     driven = [item.joint for item in description.model.transmissions]
     if not driven:

@@ -34,7 +34,7 @@ from tool0.simulation.wanted import WantedMotions
 @final
 @dataclass(frozen=True, slots=True)
 class SavedCore:
-    """State of a core at one instant, excluding the state of its engine."""
+    """State of a core at one point in time, excluding the state of its engine."""
 
     controllers: Mapping[str, SavedController]
     drives: SavedDrives
@@ -47,9 +47,11 @@ class SavedCore:
 
 @final
 class Core:
-    """The core that the loop ticks; an Executor moves the core's robot.
+    """The core, which the loop ticks.
 
-    Only the thread of the tick may use it.
+    An Executor moves the robot of the core.
+
+    Only the thread that executes the tick may use ``Core``.
     """
 
     def __init__(
@@ -64,11 +66,12 @@ class Core:
         control_period: float | None = None,
         grasp_assist: bool = False,
     ) -> None:
-        """Put the robot into its initial pose.
+        """Set the robot to its initial pose.
 
-        ``initial_position`` [rad | m] has shape (n_joints,), in the engine's order;
-        ``scene`` is the scene that the engine was made with.  ``control_period`` [s] is
-        a whole multiple of the engine's step, which is also the default.
+        ``initial_position`` [rad | m] has shape (n_joints,), in the order of the
+        engine.  ``scene`` is the scene for which the engine was created.
+        ``control_period`` [s] must be a multiple of the engine's step; the default is
+        the engine's step.
         """
         self.model = model
         self.engine = engine
@@ -86,13 +89,13 @@ class Core:
         hardware.set_steps_per_command(self._steps_per_tick)
         self._kernel = Kernel(engine, hardware, manager, self.control_period)
         self._program: TickProgram | None = None
-        """Program that executes the ticks, while it holds the state of controllers and
-        drives."""
+        """Program that executes the ticks; None unless the program holds the state of
+        the controllers and drives."""
         self._brakes: Mapping[int, float] = {}
         self._rotors: Mapping[int, float] = {}
-        """Brakes and rotor inertias that are set in the engine now, by joint."""
+        """Brakes and rotor inertias that are currently set in the engine, by joint."""
         self.initial_position = list(initial_position)
-        """Start positions of the joints [rad | m], shape (n_joints,)."""
+        """Initial positions of the joints [rad | m], shape (n_joints,)."""
         self._start = self.initial_position
         self._commanded: set[str] = set()
         self._watch_drift()
@@ -111,9 +114,9 @@ class Core:
         return self.ticks * self.control_period
 
     def newest_command(self) -> list[float]:
-        """Return each joint's last command, in the unit of its interface.
+        """Return the last command of each joint, in the unit of its interface.
 
-        The list is read-only, and is valid until the next tick.
+        The list must not be modified, and is valid until the next tick.
         """
         program = self._program
         return self.hardware.command if program is None else program.command
@@ -158,7 +161,7 @@ class Core:
             self.engine.set_rotors(rotors)
 
     def _finish_tick(self, state: JointState, n_steps: int) -> None:
-        """Execute the last steps of a tick, from ``state`` on."""
+        """Execute the last ``n_steps`` steps of a tick, starting from ``state``."""
         engine, hardware, before = self.engine, self.hardware, self._before
         if self.own_drives is not None:
             self.own_drives.follow(self._wanted.look(state))
@@ -179,14 +182,14 @@ class Core:
             sensor.tick(before, state, self._forces_on)
 
     def advance(self, most: int) -> int:
-        """Tick at least once and up to ``most`` times; return how many times.
+        """Tick one to ``most`` times, and return the number of ticks.
 
-        The kernel executes as many ticks as it can; this returns after a tick in
-        Python.
+        The kernel executes as many ticks as possible.  ``advance`` returns after a tick
+        in Python.
         """
         most = self.scene.wrenches.quiet_ticks(self.time, self.control_period, most)
         program = None if self.engine.stepper is None or not most else self.program()
-        stepper = self.engine.stepper  # another one, if brakes changed
+        stepper = self.engine.stepper  # replaced if brakes changed
         if program is None or stepper is None:
             self.tick()
             return 1
@@ -195,16 +198,19 @@ class Core:
         return self.apply_kernel_result(*program.run(most, stepper))
 
     def program(self) -> TickProgram | None:
-        """Load the next ticks into the kernel; None if only Python can execute them."""
+        """Load the next ticks into the kernel, and return the program.
+
+        The result is None if only Python can execute the ticks.
+        """
         if self._program is None and self.pulls.is_idle and self.arms.is_idle:
             self._set_mechanics()
             self._program = self._kernel.load(self.state)
         return self._program
 
     def apply_kernel_result(self, result: Ended, done: int) -> int:
-        """Account for ``done`` ticks that the kernel ran; return how many are done now.
+        """Process ``done`` kernel ticks, and return the total number of ticks.
 
-        After an event, Python executes one more tick.
+        After an event, Python executes one additional tick.
         """
         program, stepper = self._program, self.engine.stepper
         if program is None or stepper is None:
@@ -233,9 +239,10 @@ class Core:
         return done + 1
 
     def sync_from_kernel(self) -> None:
-        """Give controllers and drives their state back if the kernel holds it.
+        """Restore the state of controllers and drives if the kernel holds it.
 
-        Call this before anything reads or changes them between two ticks.
+        Call ``sync_from_kernel`` before controllers or drives are read or changed
+        between two ticks.
         """
         program, self._program = self._program, None
         if program is not None:
@@ -252,7 +259,10 @@ class Core:
         return self._before, self.state
 
     def check_contacts(self) -> None:
-        """Find joints that push without moving, and grips; called between two ticks."""
+        """Detect grips, and joints that push without moving.
+
+        ``check_contacts`` is called between two ticks.
+        """
         if self.own_drives is not None:
             self.grip_contacts.note(self.own_drives.gripping)
             return
@@ -263,29 +273,29 @@ class Core:
     # ---- sensors, time, safety ------------------------------------------------------
 
     def start_sensor(self, sensor: ForceTorqueSensor) -> None:
-        """Sample a sensor once now, and then in the tick."""
+        """Sample a sensor immediately, and then in each tick."""
         sensor.subtract(self.hardware.payloads)
         sensor.restart(self._before, self.state, self._forces_on)
         self._sensors = (*self._sensors, sensor)
 
     def stop_sensor(self, sensor: ForceTorqueSensor) -> None:
-        """Stop sampling a sensor; do nothing if it is not running."""
+        """Stop sampling a sensor; do nothing if the sensor is not running."""
         self._sensors = tuple(s for s in self._sensors if s is not sensor)
 
     def arm_samples(self) -> Mapping[str, ArmSample]:
-        """Return each arm's motion and the wrench on its tool, between two ticks."""
+        """Return the motion and the tool wrench of each arm between two ticks."""
         return self.arms.samples(self.time, *self.last_step, self._forces())
 
     def zero_wrench(self, arm: str | None) -> None:
-        """Tare the wrench on an arm's tool in all samples from now on."""
+        """Tare the tool wrench of an arm for all later samples."""
         self.arm_samples()
         self.arms.find(arm).zero_wrench()
 
     def reset(self, position: Mapping[str, float], keep_time: bool) -> None:
-        """Reset the robot to its initial pose with ``position``, and objects to theirs.
+        """Reset the robot and the objects to their initial poses.
 
-        ``position`` replaces the initial position of some joints.  ``keep_time`` lets
-        simulated time continue, as ROS's reset_world does.
+        ``position`` replaces the initial positions of some joints.  If ``keep_time`` is
+        True, simulated time continues, as it does after reset_world in ROS.
         """
         self._start = start = joint_positions(
             self.model, position, self.initial_position
@@ -309,7 +319,7 @@ class Core:
             sensor.restart(self._before, self.state, self._forces_on)
 
     def saved(self) -> SavedCore:
-        """Return the state of controllers, drives and clock, but not the engine's.
+        """Return the state of controllers, drives and clock, without the engine.
 
         Raises:
             ControlError: If a controller or an arm is in a state that cannot be saved.
@@ -331,7 +341,10 @@ class Core:
         )
 
     def resume(self, saved: SavedCore) -> None:
-        """Continue with a saved state of the same controllers, but not the engine's."""
+        """Continue with a saved state of the same controllers.
+
+        The state of the engine must be restored separately.
+        """
         self.sync_from_kernel()
         self.manager.resume(saved.controllers)
         self.hardware.resume(saved.drives)
@@ -342,16 +355,19 @@ class Core:
         self.grip_contacts.forget()
 
     def set_payload(self, arm: str | None, payload: Payload | None) -> None:
-        """Set the payload that drives and sensors expect at an arm's flange.
+        """Set the payload that drives and sensors assume at an arm's flange.
 
-        None is the payload of the description.
+        If ``payload`` is None, the payload of the description is used.
         """
         self.arms.find(arm).set_payload(payload)
         for sensor in self._sensors:
             sensor.subtract(self.hardware.payloads)
 
     def set_stopped(self, engaged: bool) -> None:
-        """Engage or release the brakes of every joint; controllers then hold still."""
+        """Engage or release the brakes of every joint.
+
+        After the change, the controllers hold their joints.
+        """
         if engaged == self.hardware.is_stopped:
             return
         self.hardware.set_stopped(engaged, self.state)
@@ -361,7 +377,7 @@ class Core:
             arm.note_restart(self.state, stopped)
 
     def note_commanded(self, joints: Collection[str]) -> None:
-        """Exclude ``joints`` from the drift from now on."""
+        """Exclude ``joints`` from the computation of the drift."""
         if not self._commanded.issuperset(joints):
             self._commanded.update(joints)
             self._watch_drift()
@@ -369,8 +385,8 @@ class Core:
     def drift(self, at_least: float = 0.0) -> float:
         """Return the largest drift of an uncommanded joint from its start [rad | m].
 
-        The result is ``at_least`` if that is larger, for instance because all joints
-        were commanded.
+        The result is ``at_least`` if ``at_least`` is larger than the drift, for example
+        because all joints were commanded.
         """
         position, start = self._uncommanded(self.state.position), self._their_start
         if math.dist(position, start) <= at_least:  # bounds each joint
@@ -379,25 +395,25 @@ class Core:
         return max(at_least, largest)
 
     def _watch_drift(self) -> None:
-        """Note which joints were not commanded, and where they started."""
+        """Store the uncommanded joints and their start positions."""
         names = self.hardware.interfaces.keys() - self._commanded
         indices = sorted(self.hardware.index[name] for name in names)
         self._uncommanded = joint_selector(indices)
         self._their_start = self._uncommanded(self._start)
 
     def _forces(self) -> tuple[Contact, ...]:
-        """Return the external forces on the robot: contacts, and applied wrenches."""
+        """Return the external forces on the robot: contacts and applied wrenches."""
         return self.engine.world.contacts() + self.scene.wrenches.contacts()
 
     def _forces_on(self, links: frozenset[str]) -> tuple[Contact, ...]:
-        """Return the external forces; omit contacts if nothing touches ``links``."""
+        """Return the external forces, without contacts if no body touches ``links``."""
         if self.engine.world.is_touched(links):
             return self._forces()
         return self.scene.wrenches.contacts()
 
 
 def _whole_multiple(period: float, dt: float) -> int:
-    """Return how many steps of ``dt`` make up ``period``, or raise ConfigError."""
+    """Return the number of steps ``dt`` in ``period``, or raise ConfigError."""
     if 0.0 < period < math.inf:
         n_steps = round(period / dt)
         if n_steps and math.isclose(n_steps * dt, period, rel_tol=1e-9):

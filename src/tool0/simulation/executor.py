@@ -1,7 +1,8 @@
-"""The executor of motion: every motion of the robot starts and ends here.
+"""The executor, which starts and ends every motion of the robot.
 
-Joints are moved by a running controller, or by an arm's own motion controller once a
-program has taken the arm.  Clients, handlers and programs only call the executor.
+A running controller moves joints.  If a program has taken control of an arm, the arm's
+motion controller moves the joints.  Clients, handlers and programs move the robot only
+through the executor.
 """
 
 from __future__ import annotations
@@ -43,13 +44,16 @@ if TYPE_CHECKING:
     from tool0.kinematics.chain import Array
 
 STREAM_BRAKE = 4.0
-"""Smallest deceleration of the leading joint where a stream ends [rad/s²]; a stream of
-velocities ends at least as fast as its own acceleration allows."""
+"""Smallest deceleration of the leading joint at the end of a stream [rad/s²].  A stream
+of velocities uses its own acceleration if this acceleration is larger."""
 
 
 @final
 class Executor:
-    """Moves the robot of a core.  Only the thread of the tick may use it."""
+    """Moves the robot of a core.
+
+    Only the thread that executes the tick may use ``Executor``.
+    """
 
     def __init__(self, core: Core) -> None:
         self.core = core
@@ -66,7 +70,7 @@ class Executor:
         goal: TrajectoryGoal,
         bounds: Mapping[str, DriveLimits] | None = None,
     ) -> Goal:
-        """Start a trajectory goal; ``bounds`` apply until a joint's next goal."""
+        """Start a trajectory goal; ``bounds`` apply until the next goal of a joint."""
         trajectory = self._follower(controller)
         accepted = trajectory.follow(goal, self._start([trajectory]))
         self._note_command(controller, goal.joint_names, bounds)
@@ -78,7 +82,7 @@ class Executor:
         goal: TrajectoryGoal,
         bounds: Mapping[str, DriveLimits] | None = None,
     ) -> None:
-        """Follow a trajectory without a goal, as commanded by ROS's topic.
+        """Follow a trajectory without a goal, like a command from the ROS topic.
 
         ``bounds`` have the same meaning as for ``follow``.
         """
@@ -93,10 +97,12 @@ class Executor:
         may_touch: frozenset[str],
         carried: frozenset[str],
     ) -> tuple[Goal, ...]:
-        """Start goals of several controllers at the same time, or none of them.
+        """Start goals of several controllers at the same time.
 
-        They stop at a new contact of a moved link or of an object in ``carried``,
-        unless the contact is with something in ``may_touch``.
+        If one goal is rejected, no goals are started.
+
+        The motions stop at a new contact of a moved link or of an object in
+        ``carried``, unless the contact is with a link or an object in ``may_touch``.
         """
         followers = {name: self._follower(name) for name in goals}
         accepted, start = [], self._start(list(followers.values()))
@@ -133,10 +139,13 @@ class Executor:
     def move_joints(
         self, positions: Mapping[str, float], speed: float, controller: str | None
     ) -> tuple[Goal, ...]:
-        """Start smooth motions of all controllers concerned at the same time, or none.
+        """Start smooth motions of all involved controllers at the same time.
 
-        Without a ``controller``, the joints are moved by the controllers that claim
-        them.
+        All motions are planned before the first motion starts.
+
+        If one motion is rejected, no motions are started.
+
+        If ``controller`` is None, the controllers that claim the joints move them.
         """
         moves = self._moves(positions, controller)
         planned = []
@@ -155,10 +164,11 @@ class Executor:
     def move_joints_within(
         self, positions: Mapping[str, float], duration: float, controller: str | None
     ) -> tuple[Goal, ...]:
-        """Start motions that take ``duration`` simulated seconds, all or none.
+        """Start motions that take ``duration`` [s] of simulated time.
 
-        They are cubic splines that end at rest; the controllers' other joints keep
-        their setpoints.  The controllers are chosen as in ``move_joints``.
+        The motions are cubic splines that end at rest.  The other joints of the
+        controllers keep their setpoints.  The controllers are chosen in the same way as
+        in ``move_joints``.
         """
         goals = {}
         for name, targets in self._moves(positions, controller).items():
@@ -181,14 +191,14 @@ class Executor:
     def steer(
         self, controller: str, positions: Mapping[str, float], speed: float
     ) -> None:
-        """Replace a controller's motion with a smooth one, without a goal."""
+        """Replace a controller's motion with a smooth motion, without a goal."""
         trajectory = self._follower(controller)
         path = self._planned(trajectory, positions, speed)
         trajectory.command(motion_plan(path), self.core.time)
         self._note_command(controller, positions)
 
     def _start(self, followers: Sequence[TrajectoryFollower]) -> float:
-        """Return the time at which motions that are begun now start [s]."""
+        """Return the start time [s] of motions that are commanded now."""
         now = self.core.time
         if self.core.own_drives is None:
             return now
@@ -196,10 +206,10 @@ class Executor:
         return now + self._delay_from([v for one in motions for v in one.velocities])
 
     def _delay_from(self, velocities: Sequence[float]) -> float:
-        """Return how long a motion from these velocities waits before it starts [s].
+        """Return the start delay [s] of a motion that begins with ``velocities``.
 
-        A real robot at rest should know its motion before the motion starts, so that
-        network delays do not change it.
+        A real robot at rest should receive its motion before the motion starts, so that
+        network delays do not affect the motion.
         """
         own_drives = self.core.own_drives
         if own_drives is None or any(velocities):
@@ -239,7 +249,7 @@ class Executor:
         return self._started(goal)
 
     def command_joints(self, controller: str, values: tuple[float, ...]) -> None:
-        """Set the setpoints of a forwarding controller, in its joints' order."""
+        """Set the setpoints of a forwarding controller, in the order of its joints."""
         forward = self._drivable(controller)
         if not isinstance(forward, CommandTaker):
             raise _wrong_role(controller, forward, Role.COMMAND)
@@ -247,19 +257,19 @@ class Executor:
         self._note_command(controller)
         self._manager.release_brakes(controller, self.core.state)
 
-    # ---- arms that a program has taken ----------------------------------------------
+    # ---- arms under program control -------------------------------------------------
 
     def take_arm(self, arm: str | None, by: str, *, protected: bool = False) -> None:
-        """Take an arm for a program, in place of its controllers: see ``Arm.take``."""
+        """Give a program control of an arm; see ``Arm.take``."""
         found = self.core.arms.find(arm)
         found.take(by, self.core.state, protected=protected)
         self._note_command(found.motion.spec.name)
 
     def release_arm(self, arm: str | None, by: str | None = None) -> bool:
-        """Stop an arm, and start its controllers again once it rests.
+        """Stop an arm, and restart its controllers after it has come to rest.
 
-        With ``by``, the arm is left alone if something else has taken it; returns False
-        then.
+        If ``by`` is given and a program with another name controls the arm, the
+        function has no effect and returns False.
         """
         found = self.core.arms.find(arm)
         if by is not None and found.box.state.taken_by != by:
@@ -275,9 +285,9 @@ class Executor:
         after: int | None = None,
         at: float | None = None,
     ) -> int:
-        """Start a path of an arm, now or in place of the rest of another path.
+        """Start a path of an arm, now or as a replacement of another path.
 
-        Returns the path's number: see ``ArmMotion.execute``.
+        The result is the number of the path; see ``ArmMotion.execute``.
         """
         self._mover(arm)
         found = self.core.arms.find(arm)
@@ -295,7 +305,7 @@ class Executor:
         lookahead_time: float,
         gain: float,
     ) -> None:
-        """Follow ``positions`` [rad] as a target of a stream: see ``ServoStream``."""
+        """Follow ``positions`` [rad] as a target of a stream; see ``ServoStream``."""
         now, controller = self.core.time, self._mover(arm)
         controller.require_positions(positions, now)
         controller.servo(now).aim(positions, lookahead_time=lookahead_time, gain=gain)
@@ -307,7 +317,7 @@ class Executor:
         acceleration: float,
         duration: float | None,
     ) -> None:
-        """Move with ``velocities`` [rad/s] for ``duration`` [s], or until stopped."""
+        """Move with ``velocities`` [rad/s] for ``duration`` [s], or until a stop."""
         now, controller = self.core.time, self._mover(arm)
         controller.require_velocities(velocities)
         until = now + (duration or math.inf)
@@ -321,23 +331,26 @@ class Executor:
         duration: float | None,
         lever: Array,
     ) -> None:
-        """Move the flange's point ``lever`` with a twist, like ``speed_joints``."""
+        """Move a point with a twist, like ``speed_joints``.
+
+        ``lever`` is the position of the point in the flange frame [m].
+        """
         now, controller = self.core.time, self._mover(arm)
         until = now + (duration or math.inf)
         controller.speed(now).aim(twist, acceleration, until=until, lever=lever)
 
     def drive(self, arm: str | None, command: TorqueCommand) -> None:
-        """Drive the joints of an arm with torques: see ``Arm.drive``."""
+        """Drive the joints of an arm with torques; see ``Arm.drive``."""
         self.core.arms.find(arm).drive(command, self.core.state)
 
     def end_torques(self, arm: str | None) -> None:
-        """Return an arm to position control: see ``Arm.end_torques``."""
+        """Return an arm to position control; see ``Arm.end_torques``."""
         self.core.arms.find(arm).end_torques(self.core.state)
 
     def start_compliance(
         self, arm: str | None, task: ComplianceTask, controller: str | None = None
     ) -> None:
-        """Start force mode or freedrive of an arm: see ``Arm.start_compliance``."""
+        """Start force mode or freedrive of an arm; see ``Arm.start_compliance``."""
         self.core.arms.find(arm).start_compliance(task, self.core.state, controller)
         if controller is not None:
             self._note_command(controller)
@@ -345,7 +358,7 @@ class Executor:
     def end_compliance(
         self, arm: str | None, controller: str | None = None, *, is_freedrive: bool
     ) -> None:
-        """End force mode or freedrive: see ``Arm.end_compliance``."""
+        """End force mode or freedrive; see ``Arm.end_compliance``."""
         found = self.core.arms.find(arm)
         found.end_compliance(self.core.state, controller, is_freedrive=is_freedrive)
 
@@ -379,21 +392,24 @@ class Executor:
     def stop_arm(
         self, arm: str | None, deceleration: float, *, along_path: bool
     ) -> None:
-        """Ramp a taken arm to rest: see ``ArmMotionController.stop_motion``."""
+        """Ramp an arm to rest; see ``ArmMotionController.stop_motion``."""
         found = self.core.arms.find(arm)
         controller = found.controller_to_stop()
         found.end_torques(self.core.state)
         controller.stop_motion(deceleration, self.core.time, along_path=along_path)
 
     def end_stream(self, arm: str | None) -> None:
-        """Ramp a taken arm to rest if a stream moves it."""
+        """Ramp an arm to rest if a stream of a program moves it."""
         controller = self.core.arms.find(arm).controller_to_move()
         if controller.mode in {"servo", "speed"}:
             rate = max(STREAM_BRAKE, controller.stream_deceleration())
             controller.stop_motion(rate, self.core.time, along_path=False)
 
     def supervise(self) -> None:
-        """Stop the arms whose motion fails; called between two ticks."""
+        """Stop the arms with a failed motion.
+
+        ``supervise`` is called between two ticks.
+        """
         for arm, reason, is_beyond_limits in self.supervision.failures():
             self.core.sync_from_kernel()
             stop = arm.stop_protectively if is_beyond_limits else arm.fail
@@ -413,10 +429,10 @@ class Executor:
                     self.cancel(goal)
         self._plan_watches = [one for one in self._plan_watches if not one.is_over]
 
-    # ---- what they have in common ---------------------------------------------------
+    # ---- shared functions -----------------------------------------------------------
 
     def _mover(self, arm: str | None) -> ArmMotionController:
-        """Return the controller of a taken arm, after ending its torques."""
+        """Return the motion controller of an arm, after ending its torque mode."""
         found = self.core.arms.find(arm)
         controller = found.controller_to_move()
         found.end_torques(self.core.state)
@@ -425,7 +441,11 @@ class Executor:
     def _moves(
         self, positions: Mapping[str, float], controller: str | None
     ) -> Mapping[str, Mapping[str, float]]:
-        """Return the positions by controller; by default, the joints' controllers."""
+        """Return the positions, grouped by controller.
+
+        If ``controller`` is None, each joint is assigned to the controller that claims
+        the joint.
+        """
         if controller is not None:
             return {controller: positions}
         return self._joints_by_controller(positions)
@@ -436,7 +456,7 @@ class Executor:
         """Return the positions, grouped by the joints' running trajectory controllers.
 
         Raises:
-            ControlError: If no such controller drives a joint.
+            ControlError: If no running trajectory controller drives a joint.
         """
         owners = {
             joint: status.name
@@ -459,14 +479,15 @@ class Executor:
     ) -> Path:
         """Return a smooth motion from a controller's setpoint to ``positions``.
 
-        The controller's other joints continue their motion, or stay.  ``speed`` is a
-        fraction of each joint's largest velocity.
+        The other joints of the controller continue their motion or keep their
+        positions.  ``speed`` is a fraction of each joint's largest velocity.
         """
         joints = controller.spec.joint_models
         what = f"a motion of '{controller.spec.name}'"
         check_targets(controller.spec, positions, what)
         ends = controller.setpoint().target()
-        # The present end of a joint that is left out may be beyond its limits.
+        # The current target of a joint that is not in ``positions`` may be beyond the
+        # joint's limits.
         targets = [
             positions.get(joint.name, joint.limits.clamp(end))
             for joint, end in zip(joints, ends, strict=True)
@@ -475,7 +496,7 @@ class Executor:
         return plan_joints(joints, start, targets, speed=speed)
 
     def _drivable(self, name: str) -> Controller:
-        """Return a controller by name if it may move joints now."""
+        """Return a controller by name if it may currently move joints."""
         if self.core.hardware.is_stopped:
             raise ControlError(
                 "the emergency stop is engaged; release it before moving the robot"
@@ -483,7 +504,7 @@ class Executor:
         return self._manager.running(name)
 
     def _follower(self, name: str) -> TrajectoryFollower:
-        """Return a trajectory controller by name if it may move joints now."""
+        """Return a trajectory controller by name if it may currently move joints."""
         self._drivable(name)
         return self.trajectory_controller(name)
 
@@ -493,9 +514,10 @@ class Executor:
         joints: Collection[str] | None = None,
         bounds: Mapping[str, DriveLimits | None] | None = None,
     ) -> None:
-        """Record a command; limit the drives it moves, and lift the limits of others.
+        """Record a command, and set the limits of the drives that it moves.
 
-        ``joints`` are those that the goal names; None stands for all of the controller.
+        ``joints`` are the joints that the goal lists; None stands for all joints of the
+        controller.  Drives that have no entry in ``bounds`` are not limited.
         """
         for _, claimed in self._manager.status(controller).claimed:
             self.core.note_commanded(claimed)

@@ -1,7 +1,8 @@
-"""The journal: every request that changed the simulation, with its step.
+"""The journal, which records every request that changed the simulation.
 
-Between two requests a simulation is deterministic.  A session can therefore be repeated
-bit for bit from its start (``simulation/handlers/reproduction``) and its journal.
+Each request is recorded with its step.  Between two requests, a simulation is
+deterministic.  The data of a session's start (``simulation/handlers/reproduction``) and
+its journal are therefore sufficient for an exact repetition of the session.
 """
 
 from __future__ import annotations
@@ -18,43 +19,48 @@ from tool0.simulation.core import Core
 from tool0.simulation.loop import Loop
 
 MOST_REQUESTS: Final = 200_000
-"""Number of requests that are kept: 400 s of a stream at 500 Hz."""
+"""Largest number of requests that are stored, which is 400 s of a stream at 500 Hz."""
 AT_ONCE: Final = 500
-"""Largest number of requests read at once, so that the tick does not wait long."""
+"""Largest number of requests that are returned by one read, so that the tick is not
+blocked for long."""
 MOST_ITEMS: Final = 2_000_000
-"""Number of trajectory points, path knots and similar items kept with the requests."""
+"""Largest number of trajectory points, path knots and similar items that are stored
+with the requests."""
 
 
 class Executed(Struct, frozen=True, gc=False):
-    """A request that changed the simulation, or failed to.
+    """A request that changed the simulation or failed to change it.
 
-    Neither an entry nor a request is part of a reference cycle, so the garbage
-    collector ignores them.  Otherwise, with a stream at 500 Hz, it would stop every
-    thread for 0.1 s after a minute.
+    Entries and requests are never part of a reference cycle, so they are excluded from
+    garbage collection.  If entries were not excluded, the garbage collector would stop
+    every thread for 0.1 s after one minute of a stream at 500 Hz.
     """
 
     number: int
-    """Number of the entry in the journal, from 0 on."""
+    """Number of the entry in the journal, starting at 0."""
     step: int
-    """Ticks since the start; unlike ``tick``, not set back by a reset."""
+    """Number of ticks since the start; a reset does not set this number to 0."""
     tick: int
-    """Ticks since the start or the last reset, as in a snapshot."""
+    """Number of ticks since the start or the last reset, as in a snapshot."""
     time: float
     """Simulated time [s]."""
     request: Struct
-    """Request that was carried out."""
+    """Request that was executed."""
     error: str | None
     """Error of the request; None if it succeeded."""
     n_items: int
-    """Total length of the request's sequences."""
+    """Size of the request: 1 plus the total length of the request's sequences."""
 
 
 @final
 class Journal:
-    """Keeps requests in the order in which they ended.  Any thread may read them."""
+    """Stores requests in the order in which they ended.
+
+    Any thread may read the requests.
+    """
 
     def __init__(self, core: Core, loop: Loop) -> None:
-        """Start empty; ``loop`` controls the time of ``core``."""
+        """Create an empty journal; ``loop`` controls the time of ``core``."""
         self._core, self._loop = core, loop
         self._lock = threading.Lock()
         self._entries: deque[Executed] = deque()
@@ -62,9 +68,12 @@ class Journal:
         self._count = 0
 
     def begin(self, request: Struct) -> Callable[[Exception | None], None]:
-        """Note the time of a request; call the result with the request's outcome.
+        """Record the time of a request, and return a function.
 
-        Call both in the thread of the tick.
+        Call the returned function with the error of the request, or with None if the
+        request succeeded.
+
+        ``begin`` and the returned function must be called in the thread of the tick.
         """
         step, tick, time = self._loop.steps, self._core.ticks, self._core.time
 
@@ -77,7 +86,10 @@ class Journal:
         return end
 
     def after(self, number: int = -1) -> tuple[Executed, ...]:
-        """Return the entries after ``number``, oldest first; only the first of many."""
+        """Return entries after ``number``, in order.
+
+        The result contains at most ``AT_ONCE`` entries.
+        """
         with self._lock:
             first = self._count - len(self._entries)
             start = max(number + 1 - first, 0)
@@ -96,6 +108,6 @@ class Journal:
 
 
 def _size(request: Struct) -> int:
-    """Return the total length of a request's sequences."""
+    """Return 1 plus the total length of a request's sequences."""
     values = (getattr(request, name) for name in request.__struct_fields__)
     return 1 + sum(len(value) for value in values if isinstance(value, tuple))

@@ -1,8 +1,9 @@
-"""The loop drains the mailbox, ticks and publishes, in its or the caller's thread.
+"""The loop, which executes queued operations and ticks, and publishes snapshots.
 
-The mailbox is the only input: operations from any thread, each executed between two
-ticks by the thread that owns the tick.  In real time that is the loop's own thread;
-otherwise it is the caller's thread while it advances time.
+The mailbox is the only input.  The mailbox receives operations from any thread; the
+thread of the tick executes each operation between two ticks.  In real time, the thread
+of the tick is a dedicated thread of the loop.  Without real time, the thread of the
+tick is the caller's thread while the caller advances time.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from tool0.simulation.publisher import Publisher
 logger = logging.getLogger(__name__)
 
 POLL_PERIOD = 0.05
-"""Longest time between checks whether the loop is still running [wall s]."""
+"""Longest wall time between checks of whether the loop is still running [s]."""
 
 R = TypeVar("R")
 
@@ -44,7 +45,7 @@ class _Operation(NamedTuple):
 
 @final
 class Loop:
-    """Controls the time of one core, whose robot an executor moves."""
+    """Controls the time of one core."""
 
     def __init__(
         self,
@@ -54,18 +55,20 @@ class Loop:
         paused: bool = False,
         speed: float | None = None,
     ) -> None:
-        """Publish the first snapshot; nothing runs yet.
+        """Publish the first snapshot, and start the thread of the loop in real time.
 
-        ``speed`` is in simulated seconds per wall second; with None, time passes only
-        on request, as fast as possible.
+        ``speed`` is the ratio of simulated time to wall time.  If ``speed`` is None,
+        the loop does not run in real time: time passes only on request, as fast as
+        possible.
         """
         self._executor = executor
         self._core = core = executor.core
         self._mailbox: Mailbox[_Operation | None] = Mailbox()
-        """Waiting operations; None wakes the thread of the tick for an urgent
-        operation."""
+        """Queued operations.  An item of None wakes the thread of the tick for an
+        urgent operation."""
         self._urgent: deque[_Operation] = deque()
-        """Urgent operations, which overtake those in the mailbox."""
+        """Urgent operations, which are executed before the operations in the
+        mailbox."""
         self._bus = bus
         self.is_paused = paused
         self.speed = None if speed is None else _checked_speed(speed)
@@ -78,13 +81,15 @@ class Loop:
         self.fault: Exception | None = None
         self._update_running()
         self.steps = 0
-        """Ticks since the start; unlike time, not set back by a reset."""
+        """Number of ticks since the start; a reset does not set this number to 0."""
         self.when_observed: Callable[[Snapshot], None] = lambda snapshot: None
-        """Called after snapshots at the default period, between two ticks."""
+        """Function that is called between two ticks after snapshots at the default
+        period."""
         self.when_frozen: Callable[[float], None] = lambda duration: None
-        """Called in real time before the next tick if the process was frozen, with the
-        duration of the freeze [wall s].  Not called if the engine has its own process,
-        which may be late by itself."""
+        """Function that is called in real time before the next tick if the process was
+        frozen.  The argument is the duration of the freeze in wall time [s].  The
+        function is not called for an engine in a separate process, which may be delayed
+        independently."""
         executor.when_goal_starts = lambda goal: goal.when_finished(
             lambda done: bus.announce(GoalFinished(done, core.time))
         )
@@ -112,7 +117,7 @@ class Loop:
 
     @property
     def max_drift(self) -> float:
-        """Largest deviation of an uncommanded joint from its initial pose so far."""
+        """Largest deviation of an uncommanded joint from its start [rad | m]."""
         return self._publisher.max_drift
 
     @property
@@ -130,11 +135,12 @@ class Loop:
         publishes: bool = True,
         urgent: bool = False,
     ) -> R:
-        """Carry out ``operation`` between two ticks, and return what it returns.
+        """Execute ``operation`` between two ticks, and return its result.
 
-        The operation runs in the thread of the tick, which may also call this method
-        between two ticks.  If ``publishes``, a snapshot follows.  An urgent operation
-        runs next: it waits only for the operation in progress.
+        The operation runs in the thread of the tick.  The thread of the tick may also
+        use ``call`` between two ticks.  If ``publishes`` is True, a snapshot is
+        published after the operation.  An urgent operation waits only for the operation
+        in progress.
 
         Raises:
             ControlError: If the simulation is closed.
@@ -163,10 +169,10 @@ class Loop:
     def post(
         self, operation: Callable[[], object], when_failed: Callable[[Exception], None]
     ) -> None:
-        """Carry out ``operation`` before the next tick, without waiting for it.
+        """Execute ``operation`` before the next tick, without waiting for its end.
 
-        If the operation raises an exception, ``when_failed`` is called with it, in the
-        thread of the tick.
+        If the operation raises an exception, ``when_failed`` is called with the
+        exception in the thread of the tick.
 
         Raises:
             ControlError: If the simulation is closed.
@@ -184,14 +190,15 @@ class Loop:
         self._mailbox.put(_Operation(operation, future, publishes=False))
 
     def run(self, duration: float, until: Callable[[], bool] = lambda: False) -> None:
-        """Advance ``duration`` simulated seconds, or fewer if ``until`` returns True.
+        """Advance time by ``duration`` [s], or stop early if ``until`` returns True.
 
         ``until`` is called at every snapshot and when a goal ends, but not after every
         tick.
 
         Raises:
-            EngineError: If the physics failed; it runs again after a reset.
-            ControlError: If the loop is paused or closed in the meantime.
+            EngineError: If the physics engine failed; the engine runs again after a
+                reset.
+            ControlError: If the loop is paused or closed before the end.
         """
         end = self.steps + duration / self._core.control_period - 0.5
         while self.steps < end and not until():
@@ -213,13 +220,13 @@ class Loop:
         self.check()
 
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
-        """Advance time until ``goal`` ends; return whether it has.
+        """Advance time until ``goal`` ends, and return whether it has ended.
 
-        ``timeout`` [s] is in wall time if the loop runs in real time, otherwise in
-        simulated time; None waits without limit.
+        ``timeout`` [s] is in wall time if the loop runs in real time, and in simulated
+        time otherwise.  If ``timeout`` is None, there is no timeout.
 
         Raises:
-            EngineError: If the physics failed, so that the goal would never end.
+            EngineError: If the physics engine failed, so that the goal would never end.
             ControlError: If the loop is closed, or if it is paused and does not run in
                 real time.
         """
@@ -272,10 +279,11 @@ class Loop:
         self._bus.announce(WasReset(self._core.time, self.steps))
 
     def publish_every(self, period: float) -> float:
-        """Publish snapshots at least every ``period`` [s] from now on.
+        """Publish snapshots at least every ``period`` [s]; return the actual period.
 
-        Call it in the thread of the tick.  Returns the period that applies: the longest
-        one that is a multiple of the control period and divides the default period.
+        ``publish_every`` must be called in the thread of the tick.  The actual period
+        is the longest period, up to ``period``, that is a multiple of the control
+        period and divides the default period.
         """
         control_period = self._core.control_period
         self._snapshot_ticks = ticks_between_snapshots(period, control_period)
@@ -294,13 +302,16 @@ class Loop:
             self._core.engine.close()
 
     def _update_running(self) -> None:
-        """Record whether the loop may tick on its own; the tick checks only this."""
+        """Record whether the loop may tick automatically.
+
+        The tick checks only the recorded flag.
+        """
         self._is_running = not (
             self.is_paused or self._closing or self.fault is not None
         )
 
     def check(self) -> None:
-        """Raise the reason why the simulation stands still, if there is one."""
+        """Raise the error that has stopped the simulation, if there is one."""
         if self.fault is not None:
             raise self.fault
 
@@ -321,7 +332,10 @@ class Loop:
                 pacer.tick_further(self.steps - start - 1)
 
     def _cycle(self, most: float) -> None:
-        """Drain the mailbox; tick up to ``most`` times unless that pauses the loop."""
+        """Execute queued operations, and tick up to ``most`` times.
+
+        The loop does not tick if an operation has paused it.
+        """
         if self._mailbox:
             self._drain()
             if not self._is_running:
@@ -329,12 +343,12 @@ class Loop:
         self._tick(most)
 
     def _tick(self, most: float) -> None:
-        """Tick up to ``most`` times or until the next snapshot; publish it if due."""
+        """Tick up to ``most`` times or until the next snapshot, which is published."""
         core, start = self._core, self._core.ticks
         left = self._snapshot_ticks - start % self._snapshot_ticks
         try:
             done = core.advance(math.ceil(min(most, left)))
-        except Exception as error:  # a bug in a controller must not lose the robot
+        except Exception as error:  # a controller's bug must not end the loop
             if not isinstance(error, EngineError):
                 logger.exception("the control tick failed")
             done = core.ticks - start + 1
@@ -344,9 +358,12 @@ class Loop:
             self._observe()
 
     def _observe(self) -> None:
-        """Publish a snapshot; at the default period, also check limits and contacts.
+        """Publish a snapshot.
 
-        These checks therefore do not depend on the rates of subscribers.
+        At the default period, limits and contacts are also checked.
+
+        The checks of limits and contacts therefore do not depend on the rates of
+        subscribers.
         """
         core = self._core
         if core.ticks % self._default_snapshot_ticks:
@@ -362,7 +379,7 @@ class Loop:
             self.when_observed(snapshot)
 
     def _attempt(self, action: Callable[[], None]) -> None:
-        """Call an action outside the tick that uses the engine and may fail."""
+        """Call an action, outside the tick, that uses the engine and may fail."""
         if self.fault is not None:
             return
         try:
@@ -383,14 +400,17 @@ class Loop:
             self._answer(operation)
 
     def _drain(self) -> None:
-        """Carry out the waiting operations; those that arrive later wait for a tick."""
+        """Execute the queued operations.
+
+        Operations that are queued later are executed after the next tick.
+        """
         for _ in range(len(self._mailbox)):
-            # An operation may drain the rest itself.
+            # An operation may execute the remaining queued operations.
             for operation in self._mailbox.take():
                 self._answer(operation)
 
     def _answer(self, operation: _Operation | None) -> None:
-        """Carry out urgent operations, then ``operation``."""
+        """Execute urgent operations, and then ``operation``."""
         while self._urgent:
             self._carry_out(self._urgent.popleft())
         if operation is not None:
@@ -408,13 +428,13 @@ class Loop:
             answer = run()
             if publishes:
                 self._publish()
-        except Exception as error:  # concerns only the caller
+        except Exception as error:  # affects only the caller
             future.set_exception(error)
         else:
             future.set_result(answer)
 
     def _clock(self) -> Pacer | FollowedClock:
-        """Return the clock that determines when a tick is due."""
+        """Return the clock that determines the due times of ticks."""
         if self._core.own_drives is not None:
             return FollowedClock()
         return Pacer(self._core.control_period, self.speed or 1.0)
@@ -441,9 +461,9 @@ class Loop:
         return self.call(publish, publishes=False)
 
     def refresh(self) -> None:
-        """Publish a snapshot soon, without waiting for it, even if time stands still.
+        """Publish a snapshot soon, without waiting, even while time is stopped.
 
-        The snapshot has the fields that were requested since the last one.
+        The snapshot has the fields that were requested since the last snapshot.
         """
         if not self._closing:
             self._mailbox.put(_Operation(self._publish, Future(), publishes=False))

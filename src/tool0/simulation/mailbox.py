@@ -1,8 +1,8 @@
-"""A queue from many threads to one, which may wait for a limited time.
+"""A queue from several threads to one thread, which can wait with a timeout.
 
-``queue.SimpleQueue.get`` cannot be used with a timeout: in CPython 3.10 to 3.13 it
-waits forever if the timeout expires before it begins to wait, as a short one may, or
-any one if the machine stands still.
+``queue.SimpleQueue.get`` cannot be used with a timeout: in CPython 3.10 to 3.13, it
+waits forever if the timeout expires before the wait begins.  The timeout can expire
+this early if it is short, or if the process is suspended.
 """
 
 from __future__ import annotations
@@ -17,31 +17,39 @@ T = TypeVar("T")
 
 @final
 class Mailbox(Generic[T]):
-    """Items in the order in which they were put; only one thread takes them out."""
+    """Items in the order in which they were added.
+
+    Only one thread may take items.
+    """
 
     def __init__(self) -> None:
         self._items: deque[T] = deque()
         self._arrival = threading.Lock()
-        """Released when an item arrives; a thread that waits for one acquires it."""
+        """Lock that is released when an item is added.  A thread that waits for an item
+        acquires the lock."""
         self._arrival.acquire()
 
     def __len__(self) -> int:
         return len(self._items)
 
     def put(self, item: T) -> None:
-        """Add an item; any thread may."""
+        """Add an item.
+
+        Any thread may call ``put``.
+        """
         self._items.append(item)
-        with contextlib.suppress(RuntimeError):  # it was released before
+        with contextlib.suppress(RuntimeError):  # already released
             self._arrival.release()
 
     def take(self) -> list[T]:
-        """Return the next item, if there is one, as a list of one or none."""
+        """Return a list with the next item, or an empty list if there is none."""
         return [self._items.popleft()] if self._items else []
 
     def wait(self, timeout: float) -> None:
-        """Wait until there is an item, at most ``timeout`` [wall s].
+        """Wait until there is an item, for at most ``timeout`` of wall time [s].
 
-        It may return early, without an item, after items were taken without a wait.
+        The function may return early, without an item, after items were taken without a
+        wait.
         """
         if not self._items:
             self._arrival.acquire(timeout=timeout)

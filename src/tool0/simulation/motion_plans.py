@@ -1,6 +1,7 @@
-"""Collision-free motions of a simulation: checking, planning, keeping for execution.
+"""Collision-free motions of a simulation: checks, planning, and storage of plans.
 
-Everything is computed from snapshots in the caller's thread, so the tick does not wait.
+All computations use snapshots and run in the caller's thread, so they do not block the
+tick.
 """
 
 from __future__ import annotations
@@ -60,45 +61,46 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 PRESSING: Final = 0.002
-"""Depth up to which an unplanned motion may press into something [m]; stopping it is up
-to the controller."""
+"""Penetration depth up to which an unplanned motion is accepted [m].  The controller is
+responsible for stopping the motion at the contact."""
 MOST_PLANS: Final = 100
-"""Number of plans that are kept; the oldest are forgotten."""
+"""Largest number of plans that are stored; the oldest plans are discarded."""
 MOVED: Final = 1e-3
 """Distance by which joints and objects may move between planning and execution [rad |
 m]."""
 _ROWS: Final = 200
-"""Number of poses of a plan at which its clearance is measured."""
+"""Number of poses at which the clearance of a plan is measured."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeptPlan:
-    """A plan, with its request."""
+    """A stored plan, with data of its request."""
 
     plan: Plan
     may_touch: frozenset[str]
     start: Mapping[str, float]
-    """Joint → commanded position [rad]."""
+    """Joint → commanded position at the time of planning [rad]."""
     objects: Mapping[str, ObjectState]
     carried: frozenset[str]
-    """Names of the objects that grippers held."""
+    """Names of the objects that grippers held at the time of planning."""
     arms: tuple[str, ...]
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Moving:
-    """The arms of a motion, and their positions."""
+    """The arms of a motion, and the positions of all joints."""
 
     chains: tuple[ArmChain, ...]
-    """Chains of the arms, with the limits that apply."""
+    """Kinematic chains of the arms, with the applicable limits."""
     positions: Mapping[str, float]
-    """Positions of all joints, commanded ones where available [rad | m]."""
+    """Positions of all joints [rad | m]; commanded positions are used where they are
+    available."""
 
     @property
     def joints(self) -> tuple[Joint, ...]:
-        """Joints of all arms, each from base to tip."""
+        """Joints of all arms, from the base to the tip of each arm."""
         return tuple(joint for chain in self.chains for joint in chain.joints)
 
     @property
@@ -117,7 +119,10 @@ class _Moving:
 
 @final
 class MotionPlans:
-    """Checks and plans motions of one simulation.  Any thread may use it."""
+    """Checks and plans motions of one simulation.
+
+    Any thread may use ``MotionPlans``.
+    """
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -127,7 +132,7 @@ class MotionPlans:
         self._plans: dict[int, KeptPlan] = {}
         self._count = itertools.count(1)
         self._unchecked = ""
-        """Reason why motions are not checked, as it was logged."""
+        """Logged reason why motions are not checked."""
 
     def close(self) -> None:
         self.cancel()
@@ -135,7 +140,7 @@ class MotionPlans:
     # ---- requests -------------------------------------------------------------------
 
     def plan(self, request: PlanMotion, positions: Mapping[str, float]) -> Plan:
-        """Plan a motion from the commanded ``positions`` [rad | m]; see ``PlanMotion``.
+        """Plan a motion from commanded ``positions`` [rad | m]; see ``PlanMotion``.
 
         Raises:
             CollisionError: If the start or the target is in collision.
@@ -164,15 +169,16 @@ class MotionPlans:
         positions: Mapping[str, float],
         joints: Sequence[Joint],
     ) -> Path:
-        """Return a collision-free motion of one arm, without keeping it.
+        """Return a collision-free motion of one arm, without storing a plan.
 
         Args:
             target: Target of the motion.
             positions: Commanded positions of all joints [rad | m].
-            joints: Joints of the arm from base to flange, with the limits that apply.
+            joints: Joints of the arm from the base to the flange, with the applicable
+                limits.
 
         Raises:
-            Tool0Error: See ``plan``.
+            Tool0Error: If there is an error that ``plan`` describes.
         """
         chain = self._simulation.arm(target.arm)
         moving = _Moving(chains=(chain.with_joints(joints),), positions=positions)
@@ -181,19 +187,23 @@ class MotionPlans:
             return found.path
 
     def cancel(self) -> None:
-        """End the searches in progress."""
+        """Cancel the searches that are in progress."""
         for search in tuple(self._searches):
             search.set()
 
     def arms_of(self, number: int) -> tuple[str, ...]:
-        """Return the flanges of the arms that a plan moves; ControlError if unknown."""
+        """Return the flanges of the arms that a plan moves.
+
+        Raises:
+            ControlError: If the plan is unknown.
+        """
         kept = self._plans.get(number)
         if kept is None:
             raise ControlError(f"there is no plan {number}, or it is too old")
         return kept.arms
 
     def to_execute(self, number: int, positions: Mapping[str, float]) -> KeptPlan:
-        """Return a kept plan that can be executed now, from commanded ``positions``.
+        """Return a stored plan that can be executed from commanded ``positions``.
 
         Raises:
             ControlError: If the plan is unknown, or the start or the scene has changed.
@@ -238,14 +248,18 @@ class MotionPlans:
         positions: Mapping[str, float],
         line: Path | None,
     ) -> Checked:
-        """Return whether a motion is free; ``line`` is its path if it is straight."""
+        """Return whether a motion is free of collisions.
+
+        ``line`` is the path of a motion along a straight line of the tool; None for
+        other motions.
+        """
         moving = self._moving((request.target,), positions, {})
         path = line
         if path is None:
             (chain,) = moving.chains
             model = self._simulation.description.model
             goals = goals_of(model, chain, request.target, positions)
-            # the posture that ``MoveTo`` takes
+            # the posture that ``MoveTo`` chooses
             ways = np.linalg.norm((goals - moving.start) / moving.fastest, axis=1)
             path = _straight(moving, goals[ways.argmin()])
         rules = Rules(
@@ -256,10 +270,10 @@ class MotionPlans:
     def require_free(
         self, targets: Mapping[str, float], positions: Mapping[str, float]
     ) -> None:
-        """Raise CollisionError if arms would collide on a straight path in joint space.
+        """Raise CollisionError for collisions on a straight path in joint space.
 
         Args:
-            targets: Joint → position [rad | m]; joints that belong to no arm are
+            targets: Joint → position [rad | m]; joints that are not part of an arm are
                 ignored.
             positions: Commanded positions of all joints.
         """
@@ -271,15 +285,15 @@ class MotionPlans:
             for joint, q in zip(moving.joints, end, strict=True)
             if joint.type is not JointType.CONTINUOUS
         ):
-            return  # the controller refuses it, and says more
+            return  # the controller rejects it with more details
         if chains and np.abs(end - moving.start).max() > 0.0:
             self.require_free_path(_straight(moving, end), positions)
 
     def require_free_path(self, path: Path, positions: Mapping[str, float]) -> None:
         """Raise CollisionError if arms would collide on a path of their joints.
 
-        Nothing is checked if MuJoCo cannot read the robot's shapes, or without a
-        compiled kernel; a warning then says so once.
+        The path is not checked if MuJoCo cannot read the robot's shapes, or if there is
+        no compiled kernel.  If the path is not checked, a warning is logged once.
         """
         try:
             found = self.check_path(path, positions)
@@ -306,13 +320,13 @@ class MotionPlans:
         moving = _Moving(chains=chains, positions=positions)
         return self._checked(moving, path, Rules(clearance=-PRESSING), ())
 
-    # ---- parts ----------------------------------------------------------------------
+    # ---- helper functions -----------------------------------------------------------
 
     @contextmanager
     def _found(
         self, request: PlanMotion, moving: _Moving, snapshot: Snapshot
     ) -> Iterator[tuple[FreeMotion, PlanningGroup]]:
-        """Plan a motion; its collision checker is valid within the context."""
+        """Plan a motion; the yielded checker is valid within the context."""
         model = self._simulation.description.model
         goals = combined(
             [
@@ -368,7 +382,7 @@ class MotionPlans:
         )
 
     def _arms_with(self, joints: Iterable[str]) -> tuple[ArmChain, ...]:
-        """Return the arms that contain any of the joints."""
+        """Return the arms that contain any of ``joints``."""
         names = set(joints)
         return tuple(
             chain
@@ -421,7 +435,10 @@ class MotionPlans:
         rules: Rules,
         keep_out: Sequence[KeepOut],
     ) -> PlanningGroup:
-        """Return the checker of motions; the caller must hold the lock."""
+        """Return the collision checker of motions.
+
+        The caller must hold the lock.
+        """
         simulation = self._simulation
         model = simulation.description.model
         if self._world is None:
@@ -454,7 +471,10 @@ class MotionPlans:
 
     @contextmanager
     def _searching(self) -> Iterator[Cancelled]:
-        """Hold the lock for a search that can be cancelled, even while it waits."""
+        """Hold the lock for a search.
+
+        The search can be canceled, even while it waits for the lock.
+        """
         cancelled = Cancelled()
         self._searches.add(cancelled)
         try:
@@ -489,7 +509,7 @@ def _bounds(
 
 
 def _straight(moving: _Moving, end: Array) -> Path:
-    """Return a straight motion in joint space, at half the speed."""
+    """Return a straight motion in joint space, at half of the largest speed."""
     way = SmoothWay(np.array([moving.start, end]), [])
     return time_way(moving.joints, way, speed=0.5)
 

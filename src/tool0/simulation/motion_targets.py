@@ -1,4 +1,4 @@
-"""Targets of planned motions, as positions of the arms' joints."""
+"""Targets of planned motions, as joint positions of the arms."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from tool0.protocol.planning import PlanTarget
 from tool0.simulation.tool_poses import pose_in_base, tool_in_flange
 
 ROUNDING: Final = 1e-3
-"""Distance by which a target may lie beyond a joint's limit [rad]."""
+"""Distance by which a target may be beyond a joint's limit [rad]."""
 _FREE_TURNS: Final = 24
-"""Number of angles about a free axis that are tried."""
+"""Number of rotation angles about a free axis that are tried."""
 
 
 def goals_of(
@@ -31,17 +31,19 @@ def goals_of(
     target: PlanTarget,
     positions: Mapping[str, float],
 ) -> Array:
-    """Return all positions of an arm's joints that reach a target, shape (n, 6).
+    """Return all joint positions of an arm that reach a target, shape (n, 6).
 
     Args:
         model: The robot.
-        chain: The arm, with the limits that apply.
+        chain: The arm, with the applicable limits.
         target: Joint positions or a pose.
-        positions: Positions of all joints, where they are commanded [rad | m].
+        positions: Positions of all joints [rad | m]; commanded positions are used where
+            they are available.
 
     Raises:
-        UnreachableError: If the target cannot be reached; the message has the reason.
-        ControlError: If the target is not one of this arm.
+        UnreachableError: If the target cannot be reached; the message contains the
+            reason.
+        ControlError: If the target is invalid, or is not a target of the arm.
     """
     if (target.pose is None) == (not target.positions):
         raise ControlError("a target needs either joint positions or a pose")
@@ -60,7 +62,7 @@ def goals_of(
         ]
     goals = np.concatenate([np.empty((0, len(start))), *found])
     if not len(goals):
-        # raises with the reason
+        # raises an error with the reason
         kinematics.solutions(T_base_tool @ T_tool_tip, start)
         raise UnreachableError("no posture of the target is within the limits")
     return goals
@@ -86,7 +88,7 @@ def _joint_goal(
 
 
 def combined(goals: Sequence[Array], start: Array) -> Array:
-    """Return joint goals of several arms: combinations of each arm's nearest ones."""
+    """Return joint goals of several arms, combined from each arm's nearest goals."""
     if len(goals) == 1:
         return goals[0]
     most = max(2, int(512 ** (1.0 / len(goals))))
@@ -113,7 +115,7 @@ def within(joint: Joint, wanted: tuple[float, float] | None) -> Joint:
 
 
 def _turns(axis: str | None) -> list[Array]:
-    """Return the rotations about a tool axis that are tried, each of shape (4, 4)."""
+    """Return the rotations about a tool axis to try, each of shape (4, 4)."""
     if axis is None:
         return [np.eye(4)]
     turns = []

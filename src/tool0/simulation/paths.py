@@ -1,4 +1,4 @@
-"""Conversions of a planned path into the forms that a trajectory controller follows."""
+"""Conversions of a planned path to the inputs of a trajectory controller."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from tool0.protocol.trajectories import TrajectoryPoint
 
 
 def motion_plan(path: Path) -> MotionPlan:
-    """Return a path as a plan that starts with a controller's setpoint."""
+    """Return a path as a plan that starts at a controller's setpoint."""
     times, columns = path.times[1:].tolist(), [path.positions, path.velocities]
     if path.accelerations is not None:
         columns.append(path.accelerations)
@@ -19,7 +19,7 @@ def motion_plan(path: Path) -> MotionPlan:
 
 
 def trajectory_points(path: Path) -> list[TrajectoryPoint]:
-    """Return a path as the points of a goal that starts with the setpoint."""
+    """Return a path as the points of a goal that starts at the setpoint."""
     n_points, qdd = len(path.times) - 1, path.accelerations
     accelerations = [None] * n_points if qdd is None else qdd[1:].tolist()
     columns = (path.positions[1:], path.velocities[1:], path.times[1:])

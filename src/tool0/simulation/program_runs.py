@@ -1,4 +1,4 @@
-"""The running programs; each continues after a snapshot, between two ticks."""
+"""The running programs, which advance after each snapshot, between two ticks."""
 
 from __future__ import annotations
 
@@ -12,10 +12,14 @@ from tool0.protocol.state import Snapshot
 
 
 class Execution(Protocol):
-    """Executes one program.  Any thread may use it, except for ``look``."""
+    """Executes one program.
+
+    Any thread may use an ``Execution``, but only the thread of the tick may call
+    ``look``.
+    """
 
     goal: Goal
-    """Goal that ends with the program."""
+    """Goal that ends when the program ends."""
 
     @property
     def status(self) -> ProgramRun:
@@ -23,16 +27,22 @@ class Execution(Protocol):
 
     @property
     def is_stopping(self) -> bool:
-        """Whether the program was stopped; it ends once its arm has been released."""
+        """Whether the program was stopped.
+
+        A stopped program ends after its arm has been released.
+        """
 
     def stop(self, reason: str) -> None:
         """End the program at the next snapshot."""
 
     def set_stepping(self, stepping: bool) -> None:
-        """Choose whether the program pauses before its next step."""
+        """Set whether the program pauses before its next step."""
 
     def look(self, snapshot: Snapshot) -> None:
-        """Continue; called between two ticks, in the thread of the tick."""
+        """Advance the program.
+
+        ``look`` is called between two ticks, in the thread of the tick.
+        """
 
 
 E = TypeVar("E", bound=Execution)
@@ -52,14 +62,14 @@ class ProgramRuns:
 
     @property
     def states(self) -> tuple[ProgramRun, ...]:
-        """Last program of each arm that has run one."""
+        """State of the last program of each arm that has run a program."""
         return tuple(run.status for run in tuple(self._last.values()))
 
     def start(self, arm: str, make: Callable[[int], E]) -> E:
-        """Start the program that ``make`` returns for the number of the program.
+        """Start the program that ``make`` creates for a program number.
 
         Raises:
-            ControlError: If a program of this arm still runs.
+            ControlError: If a program of ``arm`` is still running.
         """
         last = self._last.get(arm)
         if last is not None and last.status.state not in ENDED:
@@ -75,15 +85,18 @@ class ProgramRuns:
         return made
 
     def is_ending(self, arm: str) -> bool:
-        """Return whether an arm's program was stopped but has not ended yet."""
+        """Return whether the program of an arm was stopped but has not yet ended."""
         last = self._last.get(arm)
         return last is not None and last.status.state not in ENDED and last.is_stopping
 
     def find(self, arm: str | None) -> Execution:
-        """Return the program that runs on an arm, or the only one if no arm is given.
+        """Return the running program of an arm.
+
+        If no arm is given, the only running program is returned.
 
         Raises:
-            ControlError: If no program runs, or if several run and no arm is given.
+            ControlError: If no program is running, or if several programs are running
+                and no arm is given.
         """
         running = {run.status.arm: run for run in self._active}
         if arm is None and len(running) == 1:
@@ -97,7 +110,7 @@ class ProgramRuns:
         return running[arm]
 
     def cancel(self, goal: Goal) -> bool:
-        """Stop the program of a goal; return whether the goal belongs to a program."""
+        """Stop the program of a goal, and return whether the goal has a program."""
         run = next((run for run in self._last.values() if run.goal is goal), None)
         if run is not None:
             run.stop("it was stopped")

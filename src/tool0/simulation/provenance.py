@@ -1,4 +1,4 @@
-"""The software versions and the machine on which simulation results depend."""
+"""The software versions and the computer that affect simulation results."""
 
 from __future__ import annotations
 
@@ -24,20 +24,23 @@ def batch_versions() -> dict[str, str]:
 
 
 def kernel_digest() -> str:
-    """Return a digest of the kernel's sources and its compiler flags."""
+    """Return a digest of the kernel's sources and compiler flags."""
     return source_digest()[:16]
 
 
 def current_platform() -> str:
-    """Return the operating system and the processor of this machine."""
+    """Return the operating system and the processor of the computer."""
     return f"{platform.system()} {platform.machine()}"
 
 
 def is_kernel_compiled() -> bool:
-    """Return whether compiled code executes the ticks; results do not depend on it."""
+    """Return whether compiled code executes the ticks.
+
+    Simulation results do not depend on compiled code.
+    """
     return kernel_status().library is not None
 
 
 def is_deterministic(engine: str) -> bool:
-    """Return whether equal input gives bit-identical results on an engine."""
+    """Return whether identical input produces bit-identical results on an engine."""
     return engine_definition(engine).is_deterministic

@@ -1,4 +1,4 @@
-"""Publishes the state of a core: a snapshot, with the fields that subscribers need."""
+"""Publication of snapshots of a core, with the fields that subscribers need."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ logger = logging.getLogger(__name__)
 
 
 class Pace(Protocol):
-    """The loop's view of time, which the publisher reads."""
+    """The state of the loop that the publisher reads."""
 
     is_paused: bool
     speed: float | None
-    """Requested simulated seconds per wall second; None if time passes only on
+    """Requested ratio of simulated time to wall time; None if time passes only on
     request."""
     fault: Exception | None
-    """Error that has stopped time; None without one."""
+    """Error that has stopped the simulation; None if there is no error."""
     steps: int
-    """Ticks since the start."""
+    """Number of ticks since the start."""
 
     @property
     def is_realtime(self) -> bool:
-        """Whether the simulation keeps pace with the wall clock."""
+        """Whether simulated time is synchronized with the wall clock."""
 
     @property
     def overruns(self) -> int:
@@ -36,21 +36,28 @@ class Pace(Protocol):
 
 @final
 class Publisher:
-    """Builds snapshots.  Only the thread of the tick may use it."""
+    """Creates snapshots.
+
+    Only the thread that executes the tick may use ``Publisher``.
+    """
 
     def __init__(self, core: Core, bus: Bus) -> None:
         self._core, self._bus = core, bus
         self._meter = SpeedMeter()
         self._lag = Lag()
         self.max_drift = 0.0
-        """Largest deviation of an uncommanded joint from its initial pose so far."""
+        """Largest deviation of an uncommanded joint from its initial position [rad |
+        m]."""
 
     def restart_meter(self, overruns: int) -> None:
         """Restart the speed measurement; ``overruns`` is the number of late ticks."""
         self._meter.restart(self._core.time, overruns)
 
     def publish(self, pace: Pace, *, with_arms: bool = False) -> None:
-        """Publish a snapshot; ``with_arms`` includes the arms in any case."""
+        """Publish a snapshot, which contains the arms if ``with_arms`` is True.
+
+        The arms are also included if subscribers need them.
+        """
         core, bus, meter = self._core, self._bus, self._meter
         self.max_drift = core.drift(self.max_drift)
         time, fault = core.time, pace.fault
@@ -61,7 +68,7 @@ class Publisher:
         has_forces = bus.are_forces_due(time)
         has_arms = with_arms or (bus.wants_arms and has_forces)
         bus.publish(
-            Snapshot(  # by position: keywords take ten times as long
+            Snapshot(  # positional, since keywords are ten times slower
                 time,
                 core.ticks,
                 hardware.joint_names,
@@ -77,7 +84,7 @@ class Publisher:
                 None if fault is None else str(fault),
                 pace.speed,
                 manager.setpoints(),
-                {},  # received setpoints: none, since this process computes them
+                {},  # no received setpoints, since this process computes them
                 core.scene.objects,
                 world.object_states(),
                 core.stall_monitor.stalls,
@@ -91,7 +98,7 @@ class Publisher:
         )
 
     def _announce_lag(self, pace: Pace) -> None:
-        """Announce that the simulation falls behind real time, or keeps up again."""
+        """Announce that the simulation falls behind real time or has caught up."""
         if not pace.is_realtime or pace.is_paused:
             return
         factor, late_ticks = self._meter.factor, self._meter.late_ticks

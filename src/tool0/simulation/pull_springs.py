@@ -1,7 +1,7 @@
-"""Springs that pull links towards target points, for guiding an arm by hand.
+"""Springs that pull links toward target points, for manual guidance of an arm.
 
-The force is updated in the thread of the tick.  A client that computed it from
-snapshots would lag, and a light wrist would then oscillate.
+The force is updated in the thread of the tick.  If a client computed the force from
+snapshots, the force would be delayed, and a light wrist would oscillate.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from tool0.simulation.applied_wrenches import AppliedWrench, AppliedWrenches
 PERIOD: Final = 0.004
 """Simulated time between two force updates of a spring [s]."""
 _ROUNDING: Final = 1e-9
-"""Tolerance by which a time may differ from a multiple of the tick [s]."""
+"""Tolerance for differences between a time and a multiple of the tick [s]."""
 
 
 @final
@@ -56,7 +56,10 @@ class _Pull(NamedTuple):
 
 @final
 class PullSprings:
-    """Springs, at most one for each link.  Only the thread of the tick may use them."""
+    """Springs, with at most one spring per link.
+
+    Only the thread that executes the tick may use ``PullSprings``.
+    """
 
     def __init__(
         self, model: RobotModel, joint_names: Sequence[str], wrenches: AppliedWrenches
@@ -67,11 +70,13 @@ class PullSprings:
 
     @property
     def is_idle(self) -> bool:
-        """Whether ``tick`` has nothing to do."""
+        """Whether a call of ``tick`` has no effect."""
         return not self._pulls
 
     def pull(self, spring: PullSpring, now: JointState) -> None:
-        """Pull a link from the next tick on, in place of another spring on it.
+        """Pull a link, starting with the next tick.
+
+        The spring replaces an existing spring on the link.
 
         Raises:
             ModelError: If there is no such link.
@@ -96,7 +101,7 @@ class PullSprings:
         }
 
     def tick(self, state: JointState) -> None:
-        """Apply the forces that are due; end the springs whose time is over."""
+        """Apply the forces that are due, and end expired springs."""
         now = state.time + _ROUNDING
         for link, pull in list(self._pulls.items()):
             if pull.until <= now:

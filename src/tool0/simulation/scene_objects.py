@@ -1,4 +1,4 @@
-"""The objects around the robot: spawned, deleted and placed at run time."""
+"""The objects around the robot, which can be added, removed and placed at run time."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from tool0.simulation.applied_wrenches import AppliedWrenches
 
 @final
 class SceneObjects:
-    """Objects in the engine, and the wrenches on them.
+    """Objects in the engine, and wrenches on these objects.
 
-    Only the thread that owns the tick may use them.
+    Only the thread that executes the tick may use ``SceneObjects``.
     """
 
     def __init__(self, model: RobotModel, engine: Engine, scene: Scene) -> None:
-        """Start with the objects that the engine was built with."""
+        """Start with the objects of the scene for which the engine was created."""
         self._model = model
         self._world = engine.world
         self.wrenches = AppliedWrenches(engine.world)
         self.objects: tuple[SceneObject, ...] = scene.objects
-        """Objects of the scene, in the order of the engine's states."""
+        """Objects of the scene, in the order of the states of the engine."""
 
     def check_names(self, item: SceneObject) -> None:
         """Raise ConfigError if an object has the same name as a link."""
@@ -38,8 +38,9 @@ class SceneObjects:
 
         Raises:
             ConfigError: If the object has the same name as a link.
-            ModelError: If the engine does not support such an object.
-            EngineError: If the name is taken, or the engine refuses.
+            ModelError: If the engine does not support the object.
+            EngineError: If the name is already used, or the engine cannot add the
+                object.
         """
         self.check_names(item)
         self._world.spawn(item)
@@ -52,7 +53,7 @@ class SceneObjects:
         self.objects = tuple(item for item in self.objects if item.name != name)
 
     def changed(self, item: SceneObject) -> None:
-        """Note that the engine changed an object's size, mass or friction."""
+        """Record that the engine has changed an object's size, mass or friction."""
         self.objects = tuple(
             item if other.name == item.name else other for other in self.objects
         )
@@ -61,8 +62,10 @@ class SceneObjects:
         """Place an object.
 
         Raises:
-            ControlError: If the state is not finite, or its quaternion has no length.
-            EngineError: If the object does not exist or cannot have this velocity.
+            ControlError: If the state is not finite, or the length of its quaternion is
+                0.
+            EngineError: If the object does not exist, or cannot have the velocity in
+                ``state``.
         """
         length = math.hypot(*state.quat_wxyz)
         values = (*state.position, *state.linear, *state.angular)

@@ -1,4 +1,4 @@
-"""Setup of a simulation: makes the cores of a bring-up or a batch."""
+"""Setup of a simulation, which creates the cores of a bring-up or a batch."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from tool0.simulation.core import Core
 @final
 @dataclass(frozen=True, kw_only=True)
 class Setup:
-    """Description and options, with the resulting choices."""
+    """Description and options of a simulation, and the resulting choices."""
 
     description: RobotDescription
     control: ControlConfig
     options: SimulationConfig
     scene: Scene
-    """Objects at the start."""
+    """Objects at the start of the simulation."""
     choice: ControllerChoice
     """Chosen controllers."""
     poses: PoseStore
@@ -49,7 +49,7 @@ class Setup:
         """Choose the scene, the controllers and the initial pose.
 
         Raises:
-            Tool0Error: If an option or a file is wrong.
+            Tool0Error: If an option or a file is invalid.
         """
         scene = chosen_scene(description, options.scene)
         is_real = options.engine == HARDWARE
@@ -70,7 +70,7 @@ class Setup:
         """Return an engine with the robot and the objects.
 
         Raises:
-            Tool0Error: If an option is wrong.
+            Tool0Error: If an option is invalid.
         """
         options = self.options
         return make_engine(
@@ -83,7 +83,7 @@ class Setup:
         )
 
     def make_core(self, engine: Engine) -> Core:
-        """Return a core at the initial pose, with its controllers running."""
+        """Return a core at the initial pose, with running controllers."""
         config, started, stopped, _ = self.choice
         hardware, manager = _hardware(self.description.model, engine, config)
         is_real = isinstance(engine, OwnDrives)
@@ -103,15 +103,16 @@ class Setup:
         if isinstance(engine, OwnDrives):
             for arm in core.arms:
                 arm.stop(core.state)
-            # Time may stand still before the first tick; the state is needed.
+            # Simulated time may be paused before the first tick, but the state is
+            # needed.
             core.arms.follow(engine.report, core.state)
         return core
 
     def _control_period(self, dt: float) -> float | None:
-        """Return the time between updates, from the options or else the YAML [s].
+        """Return the control period from the options or from the YAML [s].
 
         Raises:
-            ConfigError: If the YAML's time is not a multiple of ``dt`` [s].
+            ConfigError: If the period in the YAML is not a multiple of ``dt`` [s].
         """
         period = self.control.control_period or self.choice.config.control_period
         if period is None or period == self.control.control_period:
@@ -127,9 +128,10 @@ class Setup:
 
 
 def chosen_scene(description: RobotDescription, scene: Scene | File | None) -> Scene:
-    """Return the given scene, or else the cell's; ConfigError if it is wrong.
+    """Return the given scene, or the scene of the cell if no scene is given.
 
-    The scene is checked together with the robot.
+    ConfigError is raised if the scene is invalid.  The scene is checked together with
+    the robot.
     """
     cell = description.cell
     found = scene or (cell and cell.scene) or Scene()
@@ -142,7 +144,7 @@ def chosen_scene(description: RobotDescription, scene: Scene | File | None) -> S
 def _initial_position(
     model: RobotModel, poses: PoseStore, pose: str | Mapping[str, float] | None
 ) -> list[float]:
-    """Return the position of every movable joint, in the order of the model."""
+    """Return the initial positions of all movable joints, in the order of the model."""
     try:
         given = poses.find(pose).positions if isinstance(pose, str) else pose or {}
     except ControlError as error:
@@ -154,7 +156,7 @@ def _initial_position(
 def _hardware(
     model: RobotModel, engine: Engine, config: ControllerConfig
 ) -> tuple[RobotHardware, ControllerManager]:
-    """Return the robot's hardware and controllers, with the limits from the YAML."""
+    """Return the robot's hardware and controllers, with limits from the YAML."""
     overrides = {
         name: replace(model.joint(name).limits, **limits)
         for name, limits in config.joint_limits().items()

@@ -1,4 +1,4 @@
-"""A simulated robot with all its parts, on which the request handlers operate."""
+"""A simulated robot with all of its parts, on which the request handlers operate."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 class Service(Protocol):
-    """Something that belongs to a simulation and is closed with it."""
+    """An object that a simulation owns, and that is closed with the simulation."""
 
     def close(self) -> None: ...
 
@@ -67,26 +67,28 @@ class Simulation:
     ) -> None:
         description, config = setup.description, setup.choice.config
         self.setup = setup
-        """Setup at the start; replaying the journal from there gives the present
-        state."""
+        """Setup at the start.  A replay of the journal from this setup reproduces the
+        current state."""
         self.description = description
         self.executor = executor
         self.core = core = executor.core
-        """``executor`` and ``core`` are only for the thread of the tick."""
+        """Core of the simulation.  Only the thread of the tick may use ``executor`` and
+        ``core``."""
         self.engine = core.engine
         self.loop = loop
         self.bus = bus
         self.poses = setup.poses
         self.defined_controllers = config.types
-        """Type of each controller in the YAML, loaded or not, in the YAML's order."""
+        """Type of each controller in the YAML, in the order of the YAML."""
         self.parameters = config.parameters()
-        """Whole YAML as plain values."""
+        """Content of the YAML as plain values."""
         self.joint_limits: Mapping[str, JointLimits] = core.hardware.limits
-        """Limits of each driven joint, from the YAML or else the URDF."""
+        """Limits of each driven joint from the YAML; limits that the YAML does not
+        define are from the URDF."""
         self.spawn_z = setup.options.spawn_z
         """Height of the robot's root above the world's origin [m]."""
         self.ground = ground
-        """Height of the ground [m], in the robot's root frame; None if there is no
+        """Height of the ground in the robot's root frame [m]; None if there is no
         ground."""
         self.warnings = tuple(warnings)
         """Findings about the YAML of the controllers."""
@@ -108,19 +110,20 @@ class Simulation:
         self.goals = GoalRegistry()
         self.programs = ProgramStore(description.model.name)
         self.program_runs = ProgramRuns()
-        """Program runs; only for the thread of the tick."""
+        """Program runs.  Only the thread of the tick may start or advance program
+        runs."""
         loop.when_observed = self.program_runs.look
         self.journal = Journal(core, loop)
-        """Journal of the requests that changed the simulation since its start."""
+        """Journal of the requests that have changed the simulation since its start."""
         self._services: dict[object, Service] = {}
         self._lock = threading.Lock()
         self._wall_start = time.perf_counter()
 
     @property
     def snapshot(self) -> Snapshot:
-        """Newest snapshot; its age is at most one snapshot period."""
+        """Latest snapshot, which is at most one snapshot period old."""
         snapshot = self.bus.latest
-        if snapshot is None:  # the loop publishes one before a Simulation can exist
+        if snapshot is None:  # the loop publishes a snapshot first
             raise ControlError("no snapshot was published yet")
         return snapshot
 
@@ -137,21 +140,27 @@ class Simulation:
         latest_only: bool = False,
         when_published: Callable[[], None] | None = None,
     ) -> Subscription:
-        """Return a reader of snapshots and events; ControlError for a bad rate [Hz].
+        """Return a reader of snapshots and events, or raise ControlError.
+
+        ControlError is raised if the rate is out of range.
 
         Args:
-            rate: Snapshots per simulated second [Hz]; the default rate if left out.
-            keep_all: Keep every snapshot until it is read, however late.
-            most_kept: Number of waiting snapshots above which ``keep_all`` drops the
-                oldest.
-            with_commands: Whether the snapshots have the commands of the joints.
-            with_arms: Whether the snapshots have each arm's motion, and the wrench on
-                its tool.
-            with_contacts: Whether the snapshots have the contacts and their forces.
+            rate: Snapshots per second of simulated time [Hz]; None for the default
+                rate.
+            keep_all: Whether every snapshot is stored until it is read.
+            most_kept: Number of unread snapshots above which the oldest snapshots are
+                dropped if ``keep_all`` is True.
+            with_commands: Whether the snapshots contain the commands of the joints.
+            with_arms: Whether the snapshots contain the motion and the tool wrench of
+                each arm.
+            with_contacts: Whether the snapshots contain the contacts and the contact
+                forces.
             forces_period: Simulated time between two snapshots with contacts and forces
-                [s], which cost the tick 0.2 ms.
-            latest_only: Deliver all events, but only the newest snapshot.
-            when_published: Called for every snapshot, in the thread of the tick.
+                [s].  Each snapshot with contacts and forces takes 0.2 ms of the tick.
+            latest_only: Whether only the latest snapshot is delivered; all events are
+                always delivered.
+            when_published: Function that is called for every snapshot, in the thread of
+                the tick.
         """
         if rate is not None and not MIN_SNAPSHOT_RATE <= rate <= MAX_SNAPSHOT_RATE:
             raise ControlError(
@@ -180,7 +189,7 @@ class Simulation:
         return self.loop.time
 
     def refresh(self) -> None:
-        """Publish a snapshot soon, even if time stands still."""
+        """Publish a snapshot soon, even while time is stopped."""
         self.loop.refresh()
 
     def snapshot_with_arms(self) -> Snapshot:
@@ -188,7 +197,7 @@ class Simulation:
         return self.loop.snapshot_with_arms()
 
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
-        """Advance time until ``is_over()`` is true: see ``protocol.backend.States``."""
+        """Advance time until ``is_over()`` is true; see ``protocol.backend.States``."""
         loop, bus = self.loop, self.bus
         limit = math.inf if timeout is None else timeout
         start, wall_start = loop.steps, time.monotonic()
@@ -205,7 +214,8 @@ class Simulation:
             if loop.is_realtime:
                 bus.newer_than(bus.latest, min(POLL_PERIOD, left))
             else:
-                # Less than half a tick would round to none, and the wait would not end.
+                # A duration of less than half a tick would be rounded to 0 ticks, and
+                # the wait would never end.
                 loop.run(max(loop.control_period, min(SNAPSHOT_PERIOD, left)))
         return True
 
@@ -219,7 +229,7 @@ class Simulation:
         return self.bus.process
 
     def _update_snapshot_period(self) -> None:
-        """Publish at the rate of the fastest subscriber."""
+        """Publish snapshots at the rate of the fastest subscriber."""
         bus, loop = self.bus, self.loop
         if not loop.is_closed:
             loop.call(lambda: loop.publish_every(bus.shortest_period), publishes=False)
@@ -230,7 +240,11 @@ class Simulation:
         return self.core.grasp_assist is not None
 
     def gripper(self, name: str | None) -> ParallelGripper:
-        """Return a gripper by name, or the only gripper; ControlError otherwise."""
+        """Return a gripper by name, or the only gripper if no name is given.
+
+        ControlError is raised if the gripper does not exist, or if several grippers
+        exist and no name is given.
+        """
         grippers = find_grippers(self.description.model)
         if name is None:
             return only_part(grippers, "gripper", self.description.model)
@@ -241,16 +255,22 @@ class Simulation:
 
     @cached_property
     def arms(self) -> Mapping[str, ArmChain]:
-        """Arms by name; an arm has six revolute joints and ends at a link ``…tool0``.
+        """Arms, by name.
 
-        The joints have the limits that apply.
+        An arm has six revolute joints and ends at a link ``…tool0``.
+
+        The joints have the applicable limits.
         """
-        from tool0.kinematics.chain import find_chains  # numpy, only when needed
+        from tool0.kinematics.chain import find_chains  # loads numpy on demand
 
         return find_chains(self.description.model, self.joint_limits)
 
     def arm(self, name: str | None) -> ArmChain:
-        """Return an arm by name, or the only arm; ControlError otherwise."""
+        """Return an arm by name, or the only arm if no name is given.
+
+        ControlError is raised if the arm does not exist, or if several arms exist and
+        no name is given.
+        """
         arms = self.arms
         if name is not None:
             if name not in arms:
@@ -259,7 +279,7 @@ class Simulation:
         return only_part(arms, "arm", self.description.model)
 
     def summary(self) -> dict[str, object]:
-        """Return a summary of the run as plain values, for JSON."""
+        """Return a summary of the run, as plain values for JSON."""
         snapshot, loop = self.snapshot, self.loop
         wall_time = time.perf_counter() - self._wall_start
         sim_time = loop.steps * loop.control_period
@@ -303,7 +323,10 @@ class Simulation:
         }
 
     def service(self, kind: Callable[[Simulation], ServiceType]) -> ServiceType:
-        """Return the simulation's single service of a class, created on first use."""
+        """Return the simulation's only service of a class.
+
+        The service is created on first use.
+        """
         with self._lock:
             found = self._services.get(kind)
             if found is None:

@@ -1,4 +1,4 @@
-"""Tool poses of requests, in the frames of an arm."""
+"""Tool poses in requests, transformed to the frames of an arm."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class OfTool(Protocol):
-    """Fields about the tool that every such request and target has."""
+    """Fields that specify the tool in requests and targets."""
 
     @property
     def tip(self) -> str | None: ...
@@ -24,14 +24,14 @@ class OfTool(Protocol):
 
 
 class ToPose(OfTool, Protocol):
-    """A request or target that has a pose of the tool."""
+    """A request or target that contains a pose of the tool."""
 
     @property
     def pose(self) -> Any: ...
 
 
 def tool_in_flange(model: RobotModel, chain: ArmChain, wanted: OfTool) -> Array:
-    """Return the tool's pose in the flange frame, shape (4, 4)."""
+    """Return the pose of the tool in the flange frame, shape (4, 4)."""
     import numpy as np
 
     from tool0.description.transform import as_matrix

@@ -1,4 +1,4 @@
-"""Commanded motions, for drives that follow motions on their own."""
+"""Commanded motions for drives with their own motion control."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ from tool0.simulation.arms.arms import Arms
 
 @final
 class WantedMotions:
-    """Reads the motions that controllers follow.  Only the tick's thread may use it."""
+    """Reads the motions that controllers follow.
+
+    Only the thread that executes the tick may use ``WantedMotions``.
+    """
 
     def __init__(
         self,
@@ -62,13 +65,13 @@ class WantedMotions:
                 order = [names.index(joint) for joint in joints]
                 splines = tuple(setpoint.splines[k] for k in order)
                 target = tuple(spline.target for spline in splines)
-                key = (*splines, *target)  # the splines, as an id may be reused
+                key = (*splines, *target)  # the splines, since an id may be reused
                 return WantedMotion(_along(setpoint, joints), target=target, key=key)
         return None
 
 
 def _along(setpoint: Setpoint, joints: Sequence[str]) -> Callable[[float], ArmSetpoint]:
-    """Return a function that returns the joints' desired motion at a time."""
+    """Return a function that returns the desired joint motion at a given time."""
 
     def at(time: float) -> ArmSetpoint:
         motion = setpoint.desired_motion(joints, time)
@@ -79,7 +82,7 @@ def _along(setpoint: Setpoint, joints: Sequence[str]) -> Callable[[float], ArmSe
 
 
 def _target(setpoints: Mapping[str, Setpoint], joint: str) -> float | None:
-    """Return the final position that a controller wants for a joint, if one does."""
+    """Return the final position that a controller commands for a joint, or None."""
     for setpoint in setpoints.values():
         found = setpoint.desired_and_target(joint)
         if found is not None:

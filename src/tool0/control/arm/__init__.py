@@ -1,1 +1,1 @@
-"""Motion of an arm for programs that plan externally: paths, streams and forces."""
+"""Arm motion for external motion planners: paths, streams and forces."""

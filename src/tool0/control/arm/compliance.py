@@ -1,16 +1,17 @@
 """Force mode and freedrive: joint efforts that make an arm compliant along some axes.
 
-The efforts balance gravity.  Along the compliant axes of a frame, the tool pushes with
-a commanded force, against a damping.  Along the other axes, stiff virtual springs and
-dampers, scaled by the inertia, keep the tool on its nominal motion.
+The efforts balance gravity.  Along the compliant axes of a frame, the tool exerts a
+commanded force, and its motion is damped.  Along the stiff axes, virtual springs and
+dampers, scaled by the inertia, make the tool follow its nominal motion.
 
-Springs, push and damping form one wrench on the tool.  At rest, therefore, only the
-push acts along the compliant axes: the force on the environment is the commanded one,
-whatever the friction along the other axes and the stiffness of the environment, and no
-force has to be measured.  If accelerations were turned into efforts by the whole mass
-matrix, its off-diagonal terms would push along the compliant axes, too.  Instead, the
-wrench that accelerates only some axes is computed from their block of J M⁻¹ Jᵀ, the
-inverse of the task-space inertia (Khatib 1987,
+The springs, the commanded force and the damping are combined into one wrench on the
+tool.  At rest, therefore, only the commanded force acts along the compliant axes.  The
+force on the environment equals the commanded force, regardless of the friction along
+the stiff axes and the stiffness of the environment, and no force measurement is needed.
+If the full mass matrix converted accelerations to efforts, its off-diagonal terms would
+also cause forces along the compliant axes.  The wrench that accelerates the tool along
+some axes only is therefore computed from the block of J M⁻¹ Jᵀ for these axes.  The
+matrix J M⁻¹ Jᵀ is the inverse of the task-space inertia (Khatib 1987,
 https://doi.org/10.1109/JRA.1987.1087068).
 """
 
@@ -35,41 +36,44 @@ if TYPE_CHECKING:
     Mask = NDArray[np.bool_]
 
 BANDWIDTH: Final = 60.0
-"""Natural frequency of the springs [rad/s]; lower if the physics step is too long for
-it."""
+"""Natural frequency of the virtual springs [rad/s].  The frequency is reduced if the
+physics step is too long."""
 LARGEST_STEP: Final = 0.2
-"""Largest product of a rate and the physics step at which the springs stay stable."""
+"""Largest product of a rate and the physics step at which the springs remain stable."""
 DAMPING_RANGE: Final = (10.0, 200.0)
-"""Rates at which undriven motion decays, for damping parameters of 0 and 1 [1/s]."""
+"""Decay rates of undriven motion for damping parameters of 0 and 1 [1/s]."""
 FREEDRIVE_DAMPING: Final = 8.0
 """Damping in freedrive [1/s]."""
 JOINT_DAMPING: Final = 1.0
-"""Damping of the joints' deviation from the nominal motion [1/s], for singular
-postures."""
+"""Damping rate of the joints' deviation from the nominal motion, which is needed in
+singular postures [1/s]."""
 RIDGE: Final = SINGULAR**2
 """Fraction by which the mobility along each axis is increased in a singular posture, so
-that the forces of the springs stay finite."""
+that the spring forces remain finite."""
 EASE: Final = 0.3
-"""Width of the range below a speed limit in which the force fades, as a fraction of the
-limit."""
+"""Width of the range below a speed limit in which the force is faded out, as a fraction
+of the limit."""
 SLOWEST: Final = 1e-9
-"""Lower bound on speed limits for the fading of the force [m/s | rad/s]."""
+"""Lower bound of the speed limits in the computation of the fade-out [m/s, rad/s]."""
 UNLIMITED: Final = 100.0
-"""Stand-in for an infinite limit on speeds and deviations [m/s, rad/s, m, rad]."""
+"""Finite value that replaces infinite limits of speeds and deviations [m/s, rad/s, m,
+rad]."""
 SLOW: Final = 1e-3
-"""Speed of the TCP below which its direction of motion is undefined [m/s]."""
+"""Speed of the TCP below which its direction of motion is considered undefined
+[m/s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ComplianceTask:
-    """The compliant axes and their wrench: the arguments of ``force_mode``."""
+    """Compliant axes and the wrench along them: the arguments of ``force_mode``."""
 
     frame: Array
-    """Pose of the task frame in the base, shape (4, 4)."""
+    """Pose of the task frame in the base frame, a homogeneous matrix of shape (4,
+    4)."""
     free: Mask
-    """Whether each axis is compliant: along x, y, z and about them, shape (6,) of
-    bool."""
+    """Whether each axis is compliant, as booleans of shape (6,): translation along x, y
+    and z, and rotation about x, y and z."""
     wrench: Array
     """Wrench on the environment along the compliant axes [N, N·m], shape (6,)."""
     kind: int = 2
@@ -77,23 +81,25 @@ class ComplianceTask:
     2: the frame is fixed.  3: the x axis is the TCP's velocity, projected onto the
     frame's xy plane."""
     limits: Array
-    """Largest speeds along compliant axes [m/s, rad/s], and deviations along the other
-    axes beyond which the force no longer grows [m, rad], shape (6,)."""
+    """Limits of shape (6,): the largest speeds along the compliant axes [m/s, rad/s],
+    and the deviations along the stiff axes beyond which the spring force no longer
+    increases [m, rad]."""
     lever: Array
-    """Position of the TCP in the flange's frame [m], shape (3,)."""
+    """Position of the TCP in the flange frame [m], shape (3,)."""
     damping: float
-    """Rate at which undriven motion decays [1/s]."""
+    """Decay rate of undriven motion [1/s]."""
     is_freedrive: bool = False
 
     def stiffened(self) -> ComplianceTask:
-        """Return the same task without compliant axes."""
+        """Return a copy of the task without compliant axes."""
         none, most = np.zeros(6, dtype=bool), np.full(6, UNLIMITED)
         return replace(self, free=none, limits=most, is_freedrive=False)
 
     def axes(self, position: Array, velocity: Array) -> Array:
-        """Return the axes in which the wrench is given, as columns, shape (3, 3).
+        """Return the axes in which the wrench is expressed, as columns, shape (3, 3).
 
-        ``position`` and ``velocity`` are those of the TCP in the base.
+        ``position`` and ``velocity`` are the TCP's position and velocity in the base
+        frame.
         """
         R = self.frame[:3, :3]
         z = R[:, 2]
@@ -120,42 +126,45 @@ def _unit(vector: Array, least: float = 1e-6) -> Array | None:
 
 
 class _Inertias(NamedTuple):
-    """Matrices from motion along a task's axes to wrenches, shape (6, 6) each."""
+    """Matrices that map motion along a task's axes to wrenches, of shape (6, 6)."""
 
     held: Array
-    """Wrench per acceleration of the stiff axes, with forces along these axes only."""
+    """Wrench per acceleration along the stiff axes.  The wrench has components along
+    the stiff axes only."""
     free: Array
-    """Wrench per acceleration of the compliant axes.  Within a single step the other
-    axes count as free, since only springs hold them."""
+    """Wrench per acceleration along the compliant axes.  Within a single step, the
+    stiff axes are treated as free, since only springs hold them."""
     drag: Array
-    """Wrench per velocity of the compliant axes, with their inertia while the other
-    axes are held.  This inertia can be much larger, which limits the decay rate."""
+    """Wrench per velocity along the compliant axes, computed from the inertia along
+    these axes while the stiff axes are held.  The inertia with held stiff axes can be
+    much larger than the inertia with free stiff axes, which limits the decay rate."""
 
 
 @final
 class Compliance:
-    """Turns a nominal motion into joint efforts for a compliance task."""
+    """Converts a nominal motion to joint efforts for a compliance task."""
 
     def __init__(
         self, model: ArmModel, task: ComplianceTask, select: JointSelector
     ) -> None:
-        """Take the task; ``select`` extracts the arm's joints from a state."""
+        """Store the task; ``select`` extracts the arm's values from a state."""
         self.task = task
         self._model = model
         self._select = select
         self._nominal: tuple[float, ArmSetpoint] | None = None
-        """Time of the last nominal motion [s], and that motion."""
+        """Time of the last nominal motion [s], and the motion itself."""
         self._known: tuple[Sequence[float], Placement] | None = None
-        """The last nominal joint positions, and the pose of the TCP there."""
+        """The last nominal joint positions, and the corresponding pose of the TCP."""
         self._weighed: tuple[Array, Array, _Inertias] | None = None
-        """The masses and axes of the last computation, and the resulting inertias."""
+        """The mass matrix and axes of the last computation, and the resulting
+        inertias."""
 
     def follow(self, nominal: ArmSetpoint, time: float) -> None:
-        """Follow a nominal motion from ``time`` [s] on, with constant accelerations."""
+        """Follow a nominal motion with constant accelerations from ``time`` [s]."""
         self._nominal = time, nominal
 
     def efforts(self, state: JointState, dt: float) -> list[float]:
-        """Return the joint efforts for the coming step of ``dt`` seconds [N·m]."""
+        """Return the joint efforts for the next step of ``dt`` seconds [N·m]."""
         task = self.task
         position = np.asarray(self._select(state.position))
         speed = np.asarray(self._select(state.velocity))
@@ -195,7 +204,8 @@ class Compliance:
     def _share(self, velocity: Array) -> Array:
         """Return the fraction of the wrench that acts along each axis, shape (6,).
 
-        The wrench fades as its axis approaches the speed limit in its direction.
+        The wrench along an axis is faded out as the speed in the direction of the
+        wrench approaches its limit.
         """
         task = self.task
         left = task.limits - velocity * np.sign(task.wrench)
@@ -204,9 +214,9 @@ class Compliance:
     def _inertias(self, masses: Array, along: Array, R: Array, dt: float) -> _Inertias:
         """Return the inertias for the masses and the axes ``R``.
 
-        ``along`` is the tool's Jacobian in those axes.  The inertias are reused as long
-        as the masses are the same, except near singular postures, where they change
-        fast.
+        ``along`` is the tool's Jacobian in the axes ``R``.  The inertias are reused as
+        long as the mass matrix and the axes are unchanged.  Near singular postures,
+        where the inertias change quickly, they are always recomputed.
         """
         known = self._weighed
         if known is not None and known[0] is masses and np.array_equal(known[1], R):
@@ -239,7 +249,10 @@ class Compliance:
         )
 
     def _placed(self, nominal: ArmSetpoint) -> Placement:
-        """Return the nominal pose of the TCP; cached, since it mostly rests."""
+        """Return the nominal pose of the TCP.
+
+        The pose is cached, since the nominal joint positions rarely change.
+        """
         known = self._known
         if known is None or known[0] != nominal.positions:
             place = self._model.place(np.asarray(nominal.positions), self.task.lever)
@@ -248,9 +261,10 @@ class Compliance:
 
 
 def _inertia(mobility: Array, along: Mask) -> Array:
-    """Return the inertia, wrench per acceleration, along some axes, shape (6, 6).
+    """Return the inertia (wrench per acceleration) along some axes, shape (6, 6).
 
-    ``mobility`` is its inverse, acceleration per wrench, along all axes, shape (6, 6).
+    ``mobility`` is the inverse of the inertia (acceleration per wrench) along all axes,
+    shape (6, 6).
     """
     found = np.zeros((6, 6))
     found[np.ix_(along, along)] = np.linalg.inv(mobility[along][:, along])
@@ -258,16 +272,17 @@ def _inertia(mobility: Array, along: Mask) -> Array:
 
 
 def _singularity(J: Array) -> float:
-    """Return 1 in a singular posture, and 0 far from any."""
+    """Return the degree of singularity, from 0 (regular posture) to 1 (singular)."""
     smallest = float(np.linalg.svd(J, compute_uv=False)[-1])
     return 1.0 - min(1.0, smallest / SINGULAR) ** 2
 
 
 def _pose_error(here: Placement, goal: Placement) -> Array:
-    """Return the pose error from here to the goal in base axes [m, rad], shape (6,).
+    """Return the pose error from ``here`` to ``goal`` [m, rad], shape (6,).
 
-    The rotational part is the axis times the sine of the angle, which is close to the
-    angle if it is small.
+    The error is expressed in base axes.  The rotational part is the rotation axis times
+    the sine of the rotation angle.  For small angles, the sine of the angle is close to
+    the angle.
     """
     R = goal.rotation @ here.rotation.T
     turn = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])

@@ -1,7 +1,7 @@
-"""Controllers that represent freedrive and force mode of an arm.
+"""Controllers that represent an arm's freedrive and force mode.
 
-Such a controller commands nothing itself.  Requests start and end its mode, during
-which the arm's compliance law drives the joints
+The controllers send no commands to the joints.  Requests start and end the mode of a
+controller.  While the mode is active, the arm's compliance law drives the joints
 (``simulation/arms/controller_mode.py``).
 """
 
@@ -25,10 +25,11 @@ class ArmModeSpec:
     name: str
     type: str
     joints: tuple[str, ...]
-    """The joints of the arm, which other controllers cannot claim meanwhile."""
+    """The joints of the arm, which other controllers cannot claim while the controller
+    for the mode is running."""
     companions: frozenset[str]
-    """Types of the controllers that may share the joints: they command the motion from
-    which the compliant arm deviates."""
+    """Types of the controllers that may share the joints.  The companions command the
+    nominal motion from which the compliant arm deviates."""
     is_freedrive: bool
     further_interfaces: tuple[str, ...]
     state_interfaces: tuple[str, ...] = ()
@@ -39,10 +40,10 @@ class ArmModeSpec:
 
     @property
     def mode(self) -> str:
-        """The mode that it claims: ``freedrive_mode`` or ``force_mode``."""
+        """The mode that the controller claims: ``freedrive_mode`` or ``force_mode``."""
         return "freedrive_mode" if self.is_freedrive else "force_mode"
 
     def start(self, indices: Sequence[int], state: JointState) -> PassiveController:
-        """Return a controller; indices and state are not used."""
+        """Return a controller; ``indices`` and ``state`` are not used."""
         del indices, state
         return PassiveController()

@@ -1,6 +1,6 @@
 """Kinematics and dynamics of an arm for an ArmMotionController.
 
-Joints are indexed from base to flange.
+The joints are indexed from the base to the flange.
 """
 
 from __future__ import annotations
@@ -25,24 +25,28 @@ class Placement(NamedTuple):
     rotation: Array
     """Rotation of the flange, shape (3, 3)."""
     jacobian: Array
-    """Jacobian at the point, linear rows above angular ones, shape (6, 6)."""
+    """Jacobian at the point, with the linear rows above the angular rows, shape (6,
+    6)."""
 
 
 class ArmDynamics(NamedTuple):
-    """Dynamics of an arm's joints, from base to flange."""
+    """Dynamics of an arm's joints, from the base to the flange."""
 
     masses: Array
     """Mass matrix [kg·m²], shape (6, 6)."""
     weight: Array
-    """Efforts that balance gravity, unless the drives do so themselves [N·m], shape
-    (6,)."""
+    """Efforts that balance gravity [N·m], shape (6,).  The efforts are 0 for drives
+    that compensate gravity."""
 
 
 class ArmModel(Protocol):
     """Kinematics and dynamics of an arm."""
 
     def place(self, q: Array, lever: Array) -> Placement:
-        """Return the placement of the flange's point ``lever`` at ``q`` [rad]."""
+        """Return the placement of a point at the joint positions ``q`` [rad].
+
+        ``lever`` is the position of the point in the flange frame [m].
+        """
 
     def dynamics(self, state: JointState) -> ArmDynamics:
         """Return the dynamics for a state of all joints."""

@@ -1,8 +1,8 @@
-"""ArmMotionController: moves an arm for programs that plan externally.
+"""ArmMotionController: moves an arm for external motion planners.
 
-A single setpoint with position, velocity and acceleration stays continuous across the
-modes: a path, a stream of targets (servo), velocities, a ramp to rest, or holding
-still.
+A single setpoint with position, velocity and acceleration remains continuous across the
+modes: a path, a stream of targets (servo), a stream of velocities, a ramp to rest, or
+holding a position.
 """
 
 from __future__ import annotations
@@ -31,17 +31,19 @@ Mode = Literal["hold", "path", "servo", "speed", "stop", "freedrive", "torque"]
 
 
 MOST_SAG: Final = 0.05
-"""Largest distance of an arm at rest from its setpoint [rad]."""
+"""Largest deviation of a joint at rest from its setpoint [rad]."""
 ARRIVED: Final = 0.01
-"""Distance from the end of a path within which every joint counts as arrived [rad].
-Measured with a UR3e, UR5e and UR30: 1.6 mrad when a path ends, and up to 0.1 rad if the
-declared payload is wrong (0 instead of the rated payload, or vice versa)."""
+"""Distance from the end of a path within which a joint is considered to have arrived
+[rad].  Measurements with a UR3e, a UR5e and a UR30 showed 1.6 mrad at the end of a
+path, and up to 0.1 rad if the declared payload was wrong (0 instead of the rated
+payload, or vice versa)."""
 STEEPEST: Final = 1000.0
-"""Largest deceleration of the leading joint to keep a joint within its range [rad/s²];
-requests accept no larger one."""
+"""Largest deceleration of the leading joint that is used to keep a joint within its
+range [rad/s²].  Requests accept no larger deceleration."""
 SETTLING: Final = 1.0
-"""Time that the joints may take to arrive [s].  In the same measurements, the error
-after half of this time was 17 mrad; the servos' integrals decay as exp(-4 t)."""
+"""Time that the joints may take to arrive at the end of a path after the setpoint has
+reached the end [s].  In the measurements for ``ARRIVED``, the error after half of the
+settling time was 17 mrad; the integral terms of the servos decay as exp(-4 t)."""
 
 
 @final
@@ -51,7 +53,7 @@ class ArmMotionSpec:
 
     name: str
     joint_models: tuple[Joint, ...]
-    """Joints of the arm, from base to flange."""
+    """Joints of the arm, from the base to the flange."""
     speed_scaling: Callable[[], float]
     """Function that returns the control box's speed factor, 0 … 1."""
     model: ArmModel
@@ -75,9 +77,9 @@ class ArmMotionSpec:
 class ArmMotionController:
     """Commands the positions of an arm's joints at the end of each tick.
 
-    Requests are handled between ticks; their ``now`` is the simulated time of the next
-    tick [s].  Holding, paths and ramps to rest have a law, so the kernel can execute
-    them; streams are executed in Python.
+    Requests are handled between ticks; the argument ``now`` of a request is the
+    simulated time of the next tick [s].  Holding, paths and ramps to rest have a law,
+    so the kernel can execute them.  Streams have no law and are executed in Python.
     """
 
     pid: ClassVar[None] = None
@@ -92,29 +94,35 @@ class ArmMotionController:
         self._period = 0.0
         self._splines = SplineMotion.holding(self._select(state.position), state.time)
         self._stream: StreamedMotion | None = None
-        """Stream that moves the arm instead of the splines, if any."""
+        """Stream that moves the arm instead of the splines; None if the splines move
+        it."""
         self._stream_mode: Mode = "servo"
         self._compliance: Compliance | None = None
-        """Law that turns the motion into efforts in each physics step, if the arm is
-        compliant."""
+        """Law that converts the motion to efforts in each physics step; None if the arm
+        is not compliant."""
         self.torques: TorqueMode | None = None
-        """Law of a program's torques, which overrides stream, splines and
-        compliance."""
+        """Law for the torques of a program, which overrides the stream, the splines and
+        the compliance; None outside of torque mode."""
         self._no_efforts = (0.0,) * len(indices)
         self._last: tuple[int, float] = (0, 0.0)
-        """Number of the last path, and the time along it when it was left [s]."""
+        """Number of the last path, and the time along this path when the arm left it
+        [s]."""
         self._has_arrived = False
-        """Whether the joints have been observed at the end of the path."""
+        """Whether the joints were observed to have arrived at the end of the path."""
         self._ended: float | None = None
-        """Time of the first tick that commands the end of the path [s]."""
+        """Time of the first check after the end of the path was commanded [s]."""
 
     def rest_at(self, positions: Sequence[float], now: float) -> None:
-        """Rest at ``positions`` [rad], if the arm is near them."""
+        """Hold ``positions`` [rad] if the arm is near these positions."""
         if self._is_near(positions):
             self._splines = SplineMotion.holding(positions, now)
 
     def at_rest(self, state: JointState) -> JointState:
-        """Return a state with the joints at the commanded positions, if near them."""
+        """Return a state with the joints at their commanded positions.
+
+        If the joints are not near the commanded positions, the state is returned
+        unchanged.
+        """
         positions = self.motion(state.time).positions
         if not self._is_near(positions):
             return state
@@ -127,7 +135,7 @@ class ArmMotionController:
         return self._distance(positions) < MOST_SAG
 
     def _distance(self, positions: Sequence[float]) -> float:
-        """Return the largest distance of a joint from these positions [rad]."""
+        """Return the largest deviation of a joint from ``positions`` [rad]."""
         measured = self._select(self._state.position)
         return max(abs(q - p) for q, p in zip(positions, measured, strict=True))
 
@@ -208,11 +216,15 @@ class ArmMotionController:
 
     @property
     def is_compliant(self) -> bool:
-        """Whether forces move the joints, instead of the setpoint."""
+        """Whether forces or torques move the joints, instead of the setpoint."""
         return self._compliance is not None or self.torques is not None
 
     def motion(self, now: float) -> ArmSetpoint:
-        """Return the setpoint at ``now`` [s]; in force mode, the one without forces."""
+        """Return the setpoint at ``now`` [s].
+
+        In force mode, the result is the nominal setpoint, without the effect of forces.
+        In freedrive and in torque mode, the result is the measured motion.
+        """
         has_none = self.is_guided or self.torques is not None
         return self._measured() if has_none else self._nominal(now)
 
@@ -227,18 +239,21 @@ class ArmMotionController:
         return ArmSetpoint(position, tuple(self._select(state.velocity)), zeros)
 
     def unknown_setpoint(self, now: float) -> ArmSetpoint | None:
-        """Return the setpoint at ``now`` [s]; None if ``setpoint()`` covers it."""
+        """Return the setpoint at ``now`` [s], or None if ``setpoint()`` provides it."""
         if self._stream is None and not self.is_compliant:
             return None
         return self.motion(now)
 
     def is_done(self, now: float) -> bool:
-        """Return whether a path has arrived at its end or a ramp to rest has ended."""
+        """Return whether the arm has reached the end of a path or of a ramp to rest."""
         is_moved = self.mode in {"servo", "speed", "freedrive", "torque"}
         return not is_moved and self._splines.is_done(now) and self._is_there(now)
 
     def _is_there(self, now: float) -> bool:
-        """Return whether the joints have reached the end of the path, if on one."""
+        """Return whether the joints have reached the end of the path.
+
+        The result is also true if the arm does not have to reach the end of a path.
+        """
         if self._has_arrived or not self._must_arrive:
             return True
         wanted = self._splines.setpoint(now).positions
@@ -250,10 +265,10 @@ class ArmMotionController:
         return is_on_path and self._stream is None and not self.is_compliant
 
     def is_overdue(self, distance: float, now: float) -> bool:
-        """Return whether a path has ended, but the joints have not arrived in time.
+        """Return whether the joints have not reached the end of a path in time.
 
-        The supervisor of the motion calls this at regular intervals, with the largest
-        ``distance`` of a joint from its setpoint [rad].
+        The supervisor of the motion calls ``is_overdue`` at regular intervals, with the
+        largest ``distance`` of a joint from its setpoint [rad].
         """
         if self._has_arrived or self._splines.mode != "path":
             return False
@@ -267,7 +282,7 @@ class ArmMotionController:
         return not now - self._ended < SETTLING
 
     def progress(self, now: float) -> tuple[int, float]:
-        """Return the number of the last path, and the time along it [s]."""
+        """Return the number of the last path, and the time along the path [s]."""
         progress = None if self._stream is not None else self._splines.progress(now)
         return self._last if progress is None else progress
 
@@ -284,10 +299,10 @@ class ArmMotionController:
     def replace(
         self, path: ArmPath, number: int, *, after: int, at: float, now: float
     ) -> None:
-        """Replace path number ``after`` from its time ``at`` [s] on.
+        """Replace path number ``after``, starting at the time ``at`` along it [s].
 
         Raises:
-            ControlError: If the path cannot be replaced; nothing has changed then.
+            ControlError: If the path cannot be replaced; in this case, nothing changes.
         """
         if self._stream is not None:
             raise ControlError(
@@ -298,13 +313,13 @@ class ArmMotionController:
         self._has_arrived, self._ended = False, None
 
     def stop_motion(self, deceleration: float, now: float, *, along_path: bool) -> None:
-        """Ramp down to rest, from any mode.
+        """Ramp down to rest from any mode.
 
         Args:
             deceleration: Deceleration of the leading joint [rad/s²], or of the path's
-                clock [1/s] if the arm is to stay on the path.
+                clock [1/s] if the arm stays on the path.
             now: Current time [s].
-            along_path: Whether the arm stays on its path, if it is on one.
+            along_path: Whether the arm stays on its path if it follows a path.
         """
         splines = self._splines
         if along_path and self._stream is None and splines.mode == "path":
@@ -316,21 +331,25 @@ class ArmMotionController:
         self._stop_from(self.motion(now), now, deceleration)
 
     def _stop_from(self, start: ArmSetpoint, now: float, deceleration: float) -> None:
-        """Ramp down to rest, more steeply if a joint would leave its range."""
+        """Ramp down to rest.
+
+        The deceleration is increased if a joint would leave its range.
+        """
         leading = max(map(abs, start.velocities))
         joints = self.spec.joint_models
         for joint, q, v in zip(joints, start.positions, start.velocities, strict=True):
             left = joint.limits.upper - q if v > 0.0 else q - joint.limits.lower
-            way = 0.5 * leading * abs(v)  # with a deceleration of 1
+            way = 0.5 * leading * abs(v)  # for a deceleration of 1
             if way > left * deceleration:
                 needed = way / left if left > way / STEEPEST else STEEPEST
                 deceleration = max(deceleration, needed)
         self._use(SplineMotion.stopping(start, now, deceleration), now)
 
     def stream_deceleration(self) -> float:
-        """Return the deceleration with which a stream of velocities ends [rad/s²].
+        """Return the deceleration at the end of a stream of velocities [rad/s²].
 
-        It is the deceleration of the leading joint; 0 without such a stream.
+        The result is the deceleration of the leading joint, or 0 if there is no stream
+        of velocities.
         """
         stream = self._stream
         return stream.deceleration() if isinstance(stream, SpeedStream) else 0.0
@@ -342,7 +361,7 @@ class ArmMotionController:
     def require_positions(self, positions: Sequence[float], now: float) -> None:
         """Raise ControlError if a position is beyond its joint's limits [rad].
 
-        ``now`` is the time at which the motion to these positions starts [s].
+        ``now`` is the time at which the motion to ``positions`` starts [s].
         """
         starts = self.motion(now).positions
         measured = self._select(self._state.position)
@@ -368,7 +387,10 @@ class ArmMotionController:
                 )
 
     def servo(self, now: float) -> ServoStream:
-        """Return the stream that follows targets, started at ``now`` [s] if needed."""
+        """Return the stream that follows targets.
+
+        The stream is started at ``now`` [s] if needed.
+        """
         current = self._stream
         if isinstance(current, ServoStream):
             return current
@@ -377,7 +399,10 @@ class ArmMotionController:
         return made
 
     def speed(self, now: float) -> SpeedStream:
-        """Return the stream of velocities, started at ``now`` [s] if needed."""
+        """Return the stream of velocities.
+
+        The stream is started at ``now`` [s] if needed.
+        """
         current = self._stream
         if isinstance(current, SpeedStream):
             return current
@@ -387,9 +412,9 @@ class ArmMotionController:
         return made
 
     def start_compliance(self, task: ComplianceTask, state: JointState) -> EffortLaw:
-        """Start compliance for a task, in ``state``, and return the joints' law.
+        """Start compliance for a task in ``state``, and return the joints' effort law.
 
-        The controller's commands are ignored from then on.
+        After the start, the controller's position commands are ignored.
         """
         self._state = state
         if task.is_freedrive:
@@ -402,12 +427,12 @@ class ArmMotionController:
         return compliance.efforts
 
     def start_torques(self, command: TorqueCommand, state: JointState) -> EffortLaw:
-        """Start torque control of the arm, in ``state``, and return the joints' law.
+        """Start torque control in ``state``, and return the joints' effort law.
 
-        The controller's commands are ignored from then on.
+        After the start, the controller's position commands are ignored.
 
         Raises:
-            ControlError: If a drive cannot provide its torque.
+            ControlError: If a drive cannot provide the commanded torque.
         """
         torques = TorqueMode(self.spec.joint_models, self.spec.model, self._select)
         torques.aim(command)
@@ -418,7 +443,7 @@ class ArmMotionController:
         return torques.efforts
 
     def end_compliance(self, state: JointState, deceleration: float) -> None:
-        """Ramp to rest from the measured motion, and command positions again."""
+        """Ramp to rest from the measured motion, and resume position commands."""
         self._state = state
         start, now = self._measured(), state.time
         self._compliance = self.torques = None
@@ -438,7 +463,7 @@ class ArmMotionController:
 
 
 def _tangents(setpoint: ArmSetpoint, time: float) -> tuple[JointSpline, ...]:
-    """Return splines that have this motion at ``time`` [s]."""
+    """Return splines that have the motion of ``setpoint`` at ``time`` [s]."""
     return tuple(
         along(
             Segment.of(time, math.nextafter(time, math.inf), (q, v, 0.5 * a, 0, 0, 0))

@@ -41,19 +41,22 @@ Row = Sequence[float]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArmPath:
-    """Joint motions at times after a path's start, shape (n_knots, n_joints).
+    """Joint motions at the knots of a path; the arrays have shape (n_knots, n_joints).
 
-    Knots are connected by cubics or, if they have accelerations, by quintics.
+    The knots are connected by cubic polynomials or, if accelerations are given, by
+    quintic polynomials.
     """
 
     times: Sequence[float]
-    """Times of the knots [s], increasing; the first may be 0."""
+    """Times of the knots after the start of the path [s], in increasing order; the
+    first time may be 0."""
     positions: Sequence[Row]
     """Joint positions at the knots [rad]."""
     velocities: Sequence[Row]
     """Joint velocities at the knots [rad/s]."""
     accelerations: Sequence[Row] = ()
-    """Joint accelerations at the knots [rad/s²]; empty if there are none."""
+    """Joint accelerations at the knots [rad/s²]; empty if no accelerations are
+    given."""
 
     @property
     def duration(self) -> float:
@@ -61,7 +64,7 @@ class ArmPath:
         return self.times[-1]
 
     def motion(self, joint: int, number: int) -> Motion:
-        """Return the motion of a joint at a knot, both given by index."""
+        """Return the motion of a joint at a knot; both are given by their indices."""
         rows = self.accelerations
         acceleration = rows[number][joint] if rows else None
         return Motion(
@@ -76,11 +79,11 @@ class ArmPath:
         velocities: ArrayLike,
         accelerations: ArrayLike = (),
     ) -> ArmPath:
-        """Return a path that these joints can follow, or raise ControlError.
+        """Return a path that the joints can follow, or raise ControlError.
 
         Positions, velocities and the mean velocities between knots are checked against
-        the joints' limits.  A path may start slightly beyond a limit, to come back from
-        there (``JointLimits.range_from``).
+        the joints' limits.  A path may start slightly beyond a limit and lead back into
+        the allowed range (``JointLimits.range_from``).
         """
         import numpy as np
 
@@ -158,21 +161,21 @@ def _limits_text(joint: Joint, what: str) -> str:
 
 
 class _Course(NamedTuple):
-    """A path and its start time."""
+    """A path's number, start time and duration."""
 
     number: int
     start: float
-    """Start of the path, in the clock's time [s]."""
+    """Start time of the path, in the clock's time [s]."""
     duration: float
     """Duration of the path [s]."""
 
 
 @final
 class SplineMotion:
-    """Motion of joints along splines, which the kernel can execute, too.
+    """Motion of joints along splines, which the kernel can also execute.
 
-    Splines use the time of a clock, which runs more slowly than simulated time while
-    the speed is scaled.
+    The splines use the time of a clock that runs more slowly than simulated time while
+    the speed is scaled down.
     """
 
     def __init__(
@@ -194,7 +197,8 @@ class SplineMotion:
         """Rate of the clock relative to simulated time."""
         self._courses = courses
         self._braking = 0.0
-        """Rate at which the clock slows down [1/s]; 0 unless it is stopping."""
+        """Rate at which the clock slows down [1/s]; 0 if the clock is not being
+        stopped."""
         self._brake_factor = 1.0
         self._follow(self._splines)
 
@@ -205,7 +209,7 @@ class SplineMotion:
 
     @staticmethod
     def stopping(start: ArmSetpoint, now: float, deceleration: float) -> SplineMotion:
-        """Return a ramp at constant rates that brings all joints to rest together.
+        """Return a ramp of constant decelerations that stops all joints simultaneously.
 
         ``deceleration`` applies to the leading joint [rad/s²].
         """
@@ -223,9 +227,9 @@ class SplineMotion:
     def along(
         path: ArmPath, number: int, start: ArmSetpoint, now: float, factor: float
     ) -> SplineMotion:
-        """Return the motion along a path from the setpoint ``start`` on.
+        """Return the motion along a path that begins at the setpoint ``start``.
 
-        ``factor`` scales the speed from ``now`` [s] on.
+        ``factor`` scales the speed, starting at ``now`` [s].
 
         Raises:
             ControlError: If the path does not begin at ``start``.
@@ -251,11 +255,12 @@ class SplineMotion:
     def replaced(
         self, path: ArmPath, number: int, *, after: int, at: float, now: float
     ) -> None:
-        """Replace path number ``after`` by a path, from its time ``at`` [s] on.
+        """Replace path number ``after``, starting at the time ``at`` along it [s].
 
         Raises:
-            ControlError: If that time has passed, the old path is not being executed,
-                or the new path does not begin with the old path's motion at that time.
+            ControlError: If the time ``at`` has passed, the old path is not being
+                executed, or the new path does not begin with the old path's motion at
+                the time ``at``.
         """
         time = self._clock.at(now)
         k = next((k for k, c in enumerate(self._courses) if c.number == after), None)
@@ -291,12 +296,15 @@ class SplineMotion:
         self._follow(self._splines)
 
     def brake(self, rate: float) -> None:
-        """Slow the clock down to a standstill at ``rate`` [1/s], on the path."""
+        """Slow the clock down to a stop at ``rate`` [1/s].
+
+        The arm stays on the path.
+        """
         self._braking = rate
 
     @property
     def has_braked(self) -> bool:
-        """Whether the clock has been stopped for good."""
+        """Whether the clock has been stopped permanently."""
         return self._brake_factor == 0.0
 
     # ---- the tick -------------------------------------------------------------------
@@ -304,8 +312,8 @@ class SplineMotion:
     def update(self, time: float, period: float, factor: float) -> Sequence[float]:
         """Return the positions at the end of the tick that starts at ``time`` [s].
 
-        ``factor`` is the control box's speed factor, which does not scale ramps to
-        rest.
+        ``factor`` is the speed factor of the control box.  The factor does not scale
+        ramps to rest.
         """
         if self._braking:
             self._brake_factor = max(0.0, self._brake_factor - self._braking * period)
@@ -321,7 +329,7 @@ class SplineMotion:
         return sampler.desired(ahead)[0]
 
     def law(self, period: float, factor: float) -> TrajectoryLaw | None:
-        """Return the law equivalent to ``update``; None while the speed changes."""
+        """Return the law equivalent to ``update``, or None while the speed changes."""
         if self._braking or (self.mode == "path" and factor != self.speed_scaling):
             return None
         lead = period * self.speed_scaling
@@ -340,7 +348,7 @@ class SplineMotion:
         return self._splines
 
     def lag(self, now: float) -> float:
-        """Return how far the clock is behind simulated time at ``now`` [s]."""
+        """Return the delay of the clock relative to simulated time at ``now`` [s]."""
         return self._clock.lag_at(now)
 
     def setpoint(self, now: float) -> ArmSetpoint:
@@ -354,16 +362,16 @@ class SplineMotion:
         )
 
     def is_done(self, now: float) -> bool:
-        """Return whether the end has been commanded by simulated time ``now`` [s]."""
+        """Return whether the end of the motion has been commanded by ``now`` [s]."""
         return self.has_braked or self._clock.at(now) >= self._end - _ROUNDING
 
     def progress(self, now: float) -> tuple[int, float] | None:
-        """Return the path's number, and the time along it [s]; None without a path."""
+        """Return the active path's number and the time along it [s], or None."""
         if not self._courses:
             return None
         time = self._clock.at(now)
         course = self._courses[self._active(time)]
-        passed = max(time - course.start, 0.0)  # it may start later
+        passed = max(time - course.start, 0.0)  # the path may start later
         return course.number, min(passed, course.duration)
 
     def _active(self, time: float) -> int:
@@ -375,8 +383,8 @@ class SplineMotion:
 def _section(path: ArmPath, joint: int, origin: Motion, start: float) -> SplineSection:
     """Return a joint's motion along a path that starts at ``start`` [s].
 
-    ``origin`` is the motion at the start; a knot at time 0 replaces it if both agree
-    within ``CONTINUITY``.
+    ``origin`` is the motion at the start.  A knot at time 0 replaces ``origin``; both
+    must agree within ``CONTINUITY``.
     """
     first = 0
     if path.times[0] == 0.0:

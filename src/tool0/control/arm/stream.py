@@ -1,7 +1,7 @@
-"""Streamed motions of an arm: targets that it follows (servo), and velocities.
+"""Streamed motions of an arm: position targets (servo) and velocities.
 
-Each joint's acceleration is constant within a tick, so that position and velocity are
-continuous and a ramp is exact at any control rate.
+Each joint's acceleration is constant within a tick.  With constant accelerations,
+position and velocity are continuous, and a ramp is exact at any control rate.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ SLOWING: Final = 4.0
 """Smallest acceleration with which velocities follow a reduced speed scaling [rad/s²],
 so that even a stream with a small acceleration comes to rest when it is paused."""
 MAX_ACCELERATION: Final = 40.0
-"""Largest acceleration of a joint that follows a stream [rad/s²]; from ur_rtde
-(JOINT_ACCELERATION_MAX, https://sdurobotics.gitlab.io/ur_rtde/)."""
+"""Largest acceleration of a joint that follows a stream [rad/s²].  The value is from
+ur_rtde (JOINT_ACCELERATION_MAX, https://sdurobotics.gitlab.io/ur_rtde/)."""
 SINGULAR: Final = 0.02
-"""Smallest singular value of the Jacobian below which joint velocities are damped.  A
-UR5e falls below it 2 cm from its full reach, or with its fifth joint within 2 degrees
-of 0."""
+"""Threshold of the Jacobian's smallest singular value below which joint velocities are
+damped.  A UR5e falls below the threshold 2 cm before its full reach, or when its fifth
+joint is within 2 degrees of 0."""
 _ROUNDING = 1e-9
 """Tolerance for rounding errors of times [s]."""
 
 
 class StreamedMotion(Protocol):
-    """A motion that Python executes tick by tick, since it has no law."""
+    """A motion that is executed in Python in each tick, since it has no law."""
 
     @property
     def setpoint(self) -> ArmSetpoint:
@@ -50,7 +50,7 @@ class StreamedMotion(Protocol):
 
 @final
 class JointBounds:
-    """Limits that an arm's joints keep to in a tick."""
+    """Limits of an arm's joints that apply in a tick."""
 
     def __init__(self, joints: Sequence[Joint]) -> None:
         self._joints = [
@@ -68,8 +68,9 @@ class JointBounds:
     ) -> list[tuple[float, float]]:
         """Return the smallest and largest velocity of each joint after a tick.
 
-        Within this range, the joint can still brake before its position limit, with the
-        acceleration of planned motions.  ``scale`` scales the largest velocity.
+        With a velocity in the returned range, a joint can still stop before its
+        position limit, with the acceleration limit of planned motions.  ``scale``
+        scales the largest velocity.
         """
         found = []
         for (lower, upper, fastest, a), x, v in zip(self._joints, q, qd, strict=True):
@@ -81,11 +82,11 @@ class JointBounds:
 
 
 def _fastest_before(distance: float, a: float, period: float) -> float:
-    """Return the largest velocity after a tick that can stop within ``distance``.
+    """Return the largest velocity after a tick that allows a stop within ``distance``.
 
-    From velocity v, ticks with the deceleration ``a`` come to rest within v² / 2a + a
-    period² / 8.  With the distance during the tick itself, v period / 2, this must
-    equal ``distance``.
+    From velocity v, a joint that decelerates with ``a`` in each tick comes to rest
+    within v² / 2a + a period² / 8.  The sum of the stopping distance and of the
+    distance during the tick, v period / 2, must equal ``distance``.
     """
     if not distance > 0.0:
         return 0.0
@@ -108,11 +109,11 @@ def _moved(now: ArmSetpoint, velocities: Sequence[float], period: float) -> ArmS
 
 @final
 class ServoStream:
-    """Follows the newest target: URScript's ``servoj``.
+    """Follows the latest target, like ``servoj`` in URScript.
 
-    The current position is projected forward by ``lookahead_time`` with the current
-    velocity.  The acceleration is the distance from there to the target times ``gain``:
-    qdd = gain (q_target - (q + lookahead_time qd)).
+    The current position is extrapolated by ``lookahead_time`` with the current
+    velocity.  The acceleration is ``gain`` times the distance from the extrapolated
+    position to the target: qdd = gain (q_target - (q + lookahead_time qd)).
     """
 
     def __init__(self, start: ArmSetpoint, joints: Sequence[Joint]) -> None:
@@ -124,7 +125,7 @@ class ServoStream:
     def aim(
         self, target: Sequence[float], *, lookahead_time: float, gain: float
     ) -> None:
-        """Move to ``target`` [rad] from now on, and stay there."""
+        """Move to ``target`` [rad], starting now, and stay there."""
         self._target = tuple(target)
         self._lookahead_time, self._gain = lookahead_time, gain
 
@@ -144,11 +145,12 @@ class ServoStream:
 
 @final
 class SpeedStream:
-    """Moves with joint velocities, or with a twist of the tool: ``speedj``, ``speedl``.
+    """Moves with joint velocities (``speedj``) or with a tool twist (``speedl``).
 
-    The velocity vector changes along a straight line; ``acceleration`` is that of the
-    component that changes most.  Speed scaling slows down the clock of this motion: at
-    0.5, velocities are halved and accelerations quartered.
+    The velocity vector changes along a straight line; ``acceleration`` is the
+    acceleration of the component that changes most.  Speed scaling slows down the clock
+    of the stream: a scaling of 0.5 halves the velocities and quarters the
+    accelerations.
     """
 
     def __init__(
@@ -158,14 +160,14 @@ class SpeedStream:
         self._bounds = JointBounds(joints)
         self._model = model
         self._lever: Array | None = None
-        """Position of the TCP in the flange's frame; None if joint velocities are
+        """Position of the TCP in the flange frame [m]; None if joint velocities are
         given."""
         self._twist: Array | None = None
-        """Twist of the TCP at the end of the last tick; None if unknown."""
+        """Twist of the TCP at the end of the last tick; None if it is unknown."""
         self._target: Sequence[float] = (0.0,) * len(joints)
         self._acceleration = 1.0
         self._ramp = math.inf
-        """Duration of a ramp to rest from the last target other than 0 [s]."""
+        """Duration of a ramp to rest from the last nonzero target [s]."""
         self._end = math.inf
         self._scale = 0.0
         """Speed scaling in the last tick."""
@@ -184,10 +186,11 @@ class SpeedStream:
         """Ramp to joint velocities [rad/s], or to a twist of the point at ``lever``.
 
         Args:
-            target: The velocities, or the twist in the base's axes [m/s, rad/s].
+            target: The joint velocities [rad/s], or the twist in base axes [m/s,
+                rad/s].
             acceleration: Acceleration [rad/s²], or [m/s², rad/s²].
             until: Time at which to ramp to rest [s].
-            lever: The point in the flange's frame [m], shape (3,).
+            lever: Position of the point in the flange frame [m], shape (3,).
         """
         self._target, self._acceleration = tuple(target), acceleration
         largest = max(map(abs, target))
@@ -200,8 +203,8 @@ class SpeedStream:
     def deceleration(self) -> float:
         """Return the equivalent deceleration of the leading joint [rad/s²].
 
-        With this deceleration, at most ``MAX_ACCELERATION``, the fastest joint stops in
-        the duration of the ramp.
+        With the equivalent deceleration, the fastest joint stops within the duration of
+        the ramp.  The deceleration is limited to ``MAX_ACCELERATION``.
         """
         leading = max(map(abs, self.setpoint.velocities))
         if not leading < MAX_ACCELERATION * self._ramp:
@@ -222,7 +225,10 @@ class SpeedStream:
         self.setpoint = _moved(self.setpoint, velocities, period)
 
     def _scaled_acceleration(self, speed_scaling: float, *, is_over: bool) -> float:
-        """Return the acceleration in a tick; ramps to rest are not scaled."""
+        """Return the acceleration in a tick.
+
+        The acceleration of ramps to rest is not scaled.
+        """
         self._is_slowing |= speed_scaling < self._scale
         self._scale = speed_scaling
         if is_over:
@@ -234,7 +240,7 @@ class SpeedStream:
     def _of_tool(
         self, target: Sequence[float], lever: Array, period: float, most: float
     ) -> list[float]:
-        """Return the joint velocities that ramp the tool's twist."""
+        """Return the joint velocities that ramp the tool's twist in a tick."""
         import numpy as np
 
         q, qd = (
@@ -250,7 +256,7 @@ class SpeedStream:
             change *= most / size
         else:
             self._is_slowing = False
-        # The tick's velocity is reached at its end.
+        # The velocity of a tick is reached at the end of the tick.
         J = self._model.place(q + period * qd, lever).jacobian
         wanted: list[float] = damped_inverse(J, twist + change).tolist()
         velocities = self._within(wanted, period)
@@ -258,7 +264,7 @@ class SpeedStream:
         return velocities
 
     def _within(self, wanted: Sequence[float], period: float) -> list[float]:
-        """Return velocities that are scaled down together to the joints' limits."""
+        """Return the velocities, scaled down jointly to meet the joint limits."""
         q, qd, _ = self.setpoint
         share = 1.0
         windows = self._bounds.windows(q, qd, period, 1.0)
@@ -274,7 +280,7 @@ class SpeedStream:
 
 
 def damped_inverse(J: Array, twist: Array) -> Array:
-    """Return joint velocities for a twist: exact, but damped near singularities.
+    """Return the joint velocities for a twist, which are damped near singularities.
 
     The method is damped least squares.  The damping factor grows as the smallest
     singular value falls below ``SINGULAR`` (Maciejewski and Klein 1988,
@@ -291,7 +297,7 @@ def damped_inverse(J: Array, twist: Array) -> Array:
 
 
 def _ramped(now: Sequence[float], target: Sequence[float], most: float) -> list[float]:
-    """Return velocities after a tick in which none changes by more than ``most``."""
+    """Return velocities after a tick; no velocity changes by more than ``most``."""
     changes = [w - v for v, w in zip(now, target, strict=True)]
     largest = max(map(abs, changes))
     if not largest > most:

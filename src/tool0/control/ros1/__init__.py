@@ -1,1 +1,1 @@
-"""ROS 1: the controllers of ros_control, their YAML and its linter."""
+"""ROS 1: the controllers of ros_control, their YAML and the YAML linter."""

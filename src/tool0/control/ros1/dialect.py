@@ -1,4 +1,4 @@
-"""ros_control's controllers, and its YAML."""
+"""The controllers and the YAML of ros_control."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The parameters of ROS 1's ``Joint…Controller`` and ``JointGroup…Controller``."""
+"""The parameters of ``Joint…Controller`` and ``JointGroup…Controller`` in ROS 1."""
 
 from __future__ import annotations
 

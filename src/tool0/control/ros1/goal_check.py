@@ -1,11 +1,11 @@
 """Checks of a trajectory goal, and the splines that execute it.
 
-Messages and codes are those of ROS's joint_trajectory_controller, where it has any.
-Unlike ROS, these checks also reject numbers that are not finite, duplicate joints,
-wrong counts of positions, positions beyond the joint's limits, and tolerances for
-joints that the controller does not have.  As in ROS, velocities and accelerations
-beyond the joint's limits are accepted: planners round them, and the tolerances show
-whether the joint can follow.
+If joint_trajectory_controller of ROS has a message and a code for an error, the checks
+use the same message and code.  Unlike ROS, the checks also reject numbers that are not
+finite, duplicate joints, wrong numbers of positions, positions beyond a joint's limits,
+and tolerances for joints that the controller does not have.  As in ROS, the checks
+accept velocities and accelerations beyond a joint's limits: planners round velocities
+and accelerations, and the tolerances detect whether the joint can follow.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ from tool0.protocol.trajectories import TrajectoryPoint
 logger = logging.getLogger(__name__)
 
 INSTANT = 1e-6
-"""Time until a point below which the point counts as reached [s].  It is shorter than
-any tick, but longer than the rounding errors of sums of times."""
+"""Time until a point below which the point is considered reached [s].  The time is
+shorter than any tick, but longer than the rounding errors of sums of times."""
 
 
 def check_names(
     goal: TrajectoryGoal, joints: tuple[str, ...], *, allow_partial: bool
 ) -> tuple[str, ...]:
-    """Return the joints that the points' values belong to, or reject the goal."""
+    """Return the joints to which the points' values apply, or reject the goal."""
     names = joints if goal.joint_names is None else tuple(goal.joint_names)
     for name in names:
         if name not in joints:
@@ -71,7 +71,7 @@ def check_names(
 
 
 def check_points(goal: TrajectoryGoal, names: tuple[str, ...]) -> None:
-    """Reject points with wrong times, counts or numbers."""
+    """Reject points with invalid times, counts or numbers."""
     for number in goal.suspects:
         time = goal.times[number]
         last = goal.times[number - 1] if number else -math.inf
@@ -107,10 +107,11 @@ def _check_counts(number: int, point: TrajectoryPoint, names: tuple[str, ...]) -
 
 
 def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
-    """Return the index of the first point still to be reached, or reject the goal.
+    """Return the index of the first point that lies ahead, or reject the goal.
 
-    Earlier points are dropped.  So is a point at the start, or no more than an INSTANT
-    after it: there is no time to move there, and ROS would jump.
+    Earlier points are dropped.  A point at the start, or up to ``INSTANT`` after the
+    start, is also dropped: there is no time to move to the point, and ROS would command
+    a jump.
     """
     earliest = max(start, now)
     n_points = len(goal.points)
@@ -135,11 +136,11 @@ def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
 
 
 def goal_time_with(default: float, override: float | None) -> float:
-    """Return the time to arrive for a goal with its own ``goal_time_tolerance`` [s].
+    """Return the time to arrive for a goal with a ``goal_time_tolerance`` [s].
 
-    As with tolerances, a value > 0 replaces the default, and 0 keeps it.  A value < 0
-    means no limit: the goal waits until it arrives (in ROS, it would get no extra
-    time).
+    A value > 0 replaces the default, and 0 keeps the default, as for tolerances.  A
+    value < 0 means no limit: the goal stays active until the joints arrive.  In ROS, a
+    value < 0 gives the joints no extra time.
     """
     if override is None or override == 0.0:
         return default
@@ -162,11 +163,11 @@ def _invalid_joints(
 
 @final
 class TrajectoryReplacement:
-    """Builds the splines of one controller.
+    """Creates the splines of one controller.
 
-    In its methods, ``running`` contains the splines that are currently executed,
-    ``now`` is the simulated time of the next update [s], and ``handle`` is the goal
-    whose tolerances apply from now on, or None.
+    In the methods, ``running`` contains the splines that are currently executed,
+    ``now`` is the simulated time of the next update [s], and ``handle`` is the new
+    goal, with the tolerances that apply, or None.
     """
 
     def __init__(
@@ -175,7 +176,7 @@ class TrajectoryReplacement:
         tolerances: TrajectoryTolerances,
         stop_duration: float,
     ) -> None:
-        """Take the controller's parameters; a stop takes ``stop_duration`` [s]."""
+        """Store the controller's parameters; a stop takes ``stop_duration`` [s]."""
         self._joints = {joint.name: joint for joint in joints}
         self._tolerances = tolerances
         self._stop_duration = stop_duration
@@ -190,8 +191,8 @@ class TrajectoryReplacement:
     ) -> list[JointSpline]:
         """Return the splines for a goal with at least one point, or reject the goal.
 
-        ``names`` lists the joints that the points' values belong to.  As in ROS, other
-        joints keep their splines, which belong to the goal from now on.
+        ``names`` lists the joints to which the points' values apply.  Other joints keep
+        their splines, which become part of the goal, as they do in ROS.
         """
         check_points(goal, names)
         start = start_time(goal, now)
@@ -244,12 +245,13 @@ class TrajectoryReplacement:
         now: float,
         handle: Goal | None,
     ) -> list[JointSpline]:
-        """Return splines that bring the joints to rest, at once or by a ramp.
+        """Return splines that stop the joints, immediately or with a ramp.
 
-        While the joints follow a trajectory, the ramp starts from the desired motion,
-        as in ROS.  Otherwise it starts from the measured motion, within the joint's
-        velocity limit, and is shortened in proportion to the speed, so that a sagging
-        joint does not travel on for the whole duration.
+        If the joints follow a trajectory, the ramp starts from the desired motion, as
+        it does in ROS.  If the joints do not follow a trajectory, the ramp starts from
+        the measured motion, within the joint's velocity limit.  The duration of a ramp
+        from the measured motion is proportional to the speed, so that a sagging joint
+        does not continue to move for the full duration.
         """
         whole = self._stop_duration
         joints = self._joints.values()
@@ -271,14 +273,17 @@ class TrajectoryReplacement:
 
 
 FOLLOWED = 0.1
-"""Largest velocity error at which joints count as following, as a fraction of the
-largest desired velocity."""
+"""Largest velocity error at which joints are considered to follow the trajectory, as a
+fraction of the largest desired velocity."""
 
 
 def _are_followed(
     joints: Collection[Joint], desired: Sequence[Sample], velocities: Sequence[float]
 ) -> bool:
-    """Return whether the joints follow, i.e. are neither blocked nor overloaded."""
+    """Return whether the joints follow the desired motion.
+
+    Joints that are blocked or overloaded do not follow the desired motion.
+    """
     fastest = max(abs(wanted.velocity) for wanted in desired)
     return fastest > 0.0 and all(
         abs(wanted.velocity) <= joint.max_velocity

@@ -1,4 +1,4 @@
-"""The parameters of ROS 1's GripperActionController."""
+"""The parameters of GripperActionController in ROS 1."""
 
 from __future__ import annotations
 

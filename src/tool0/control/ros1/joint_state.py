@@ -1,4 +1,4 @@
-"""JointStateController: which joints it publishes, and how often."""
+"""JointStateController: the joints that it publishes, and its publication rate."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tool0.protocol.controllers import Gains
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExtraJoint:
-    """A joint that exists only in the messages."""
+    """A joint that exists only in the published messages."""
 
     name: str
     position: float = 0.0
@@ -30,7 +30,7 @@ class ExtraJoint:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PublishedJointState:
-    """The content of a sensor_msgs/JointState."""
+    """The content of a sensor_msgs/JointState message."""
 
     names: tuple[str, ...]
     position: tuple[float, ...]
@@ -41,14 +41,14 @@ class PublishedJointState:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointStateSpec:
-    """The parameters of a JointStateController, which claims no joint."""
+    """The parameters of a JointStateController, which claims no joints."""
 
     name: str
     type: str
     joints: tuple[str, ...]
     """The published joints of the robot, in the order of the messages."""
     publish_rate: float
-    """Rate of the published state [Hz]; 0 or less means never."""
+    """Publication rate of the state [Hz]; a rate of 0 or less disables publication."""
     extra_joints: tuple[ExtraJoint, ...] = ()
 
     interface: ClassVar[Interface | None] = None
@@ -58,7 +58,7 @@ class JointStateSpec:
     waits_for_command: ClassVar[bool] = False
 
     def start(self, indices: Sequence[int], state: JointState) -> PassiveController:
-        """Return a controller; indices and state are not used."""
+        """Return a controller; ``indices`` and ``state`` are not used."""
         del indices, state
         return PassiveController()
 
@@ -69,7 +69,9 @@ class JointStateSpec:
         velocity: Sequence[float],
         effort: Sequence[float],
     ) -> PublishedJointState:
-        """Return the message to publish; extra joints have their values from YAML.
+        """Return the message to publish.
+
+        The values of extra joints are the values in the YAML.
 
         All arguments have shape (n_joints,), in the order of ``joint_names``.
         """
@@ -88,9 +90,10 @@ def parse(
 ) -> JointStateSpec:
     """Return the checked parameters of a JointStateController.
 
-    Without ``joints``, it publishes the joints with a transmission, sorted by name; ROS
-    does the same, since it keeps them in a map.  ``joints`` can list any movable
-    joints, which are published in the given order.
+    Without the parameter ``joints``, the controller publishes the joints with a
+    transmission, sorted by name.  ROS has the same order, since it stores the joints in
+    a map.  ``joints`` can list any movable joints, which are published in the given
+    order.
     """
     joints = tuple(sorted(robot.interfaces))
     if parameters.find("joints") is not None:
@@ -116,9 +119,10 @@ def parse(
 def _extra_joints(
     parameters: Namespace, joints: tuple[str, ...]
 ) -> tuple[ExtraJoint, ...]:
-    """Read the extra joints; like ROS, skip joints that are published anyway.
+    """Read the extra joints; joints that are already published are skipped.
 
-    Unlike ROS, accept ``position: 0`` as well as ``0.0``.
+    Already published joints are also skipped in ROS.  Unlike ROS, ``_extra_joints``
+    accepts ``position: 0`` as well as ``position: 0.0``.
     """
     entry = parameters.find("extra_joints")
     if entry is None:

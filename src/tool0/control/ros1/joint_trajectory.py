@@ -1,4 +1,4 @@
-"""JointTrajectoryController: follows trajectories, and holds still without one."""
+"""JointTrajectoryController: follows trajectories, or holds a position."""
 
 from __future__ import annotations
 
@@ -35,8 +35,9 @@ from tool0.protocol.goals import Goal, GoalResult, GoalStatus
 from tool0.protocol.trajectories import JointsMotion
 
 RELIEF = 0.005
-"""Distance by which a stop backs off a joint that pushes at its effort limit [rad | m],
-since its contact is compressed, by 2 mrad on Gazebo."""
+"""Distance by which a stop backs off a joint that pushes at its effort limit [rad | m].
+The joint backs off because the contact is compressed; on Gazebo, the compression is 2
+mrad."""
 
 PREEMPTED = GoalResult(status=GoalStatus.PREEMPTED)
 
@@ -57,12 +58,13 @@ class JointTrajectorySpec:
     the position interface."""
     tolerances: TrajectoryTolerances
     stop_trajectory_duration: float = 0.0
-    """Duration of the ramp to rest [s]; if 0, the measured position is held at once."""
+    """Duration of the ramp to rest [s]; if it is 0, the measured position is held
+    immediately."""
     allow_partial_joints_goal: bool = False
     state_publish_rate: float = 50.0
-    """Rate of the published state in ROS [Hz]; 0 means never."""
+    """Publication rate of the state in ROS [Hz]; a rate of 0 disables publication."""
     action_monitor_rate: float = 20.0
-    """Rate of the action's feedback in ROS [Hz]."""
+    """Rate of the feedback of the ROS action [Hz]."""
 
     further_interfaces: ClassVar[tuple[str, ...]] = ()
     state_interfaces: ClassVar[tuple[str, ...]] = ()
@@ -80,26 +82,33 @@ class JointTrajectorySpec:
 
 @final
 class JointTrajectoryController:
-    """Track a joint trajectory; effort and velocity joints by PID and feed-forward.
+    """Follows a joint trajectory.
+
+    Effort and velocity joints are controlled with a PID and feed-forward.
 
     Time is the absolute simulated time of the states.  Goals are handled between ticks;
-    their ``now`` is the time of the next tick, at which a goal without a stamp starts.
+    the argument ``now`` is the time of the next tick.  A goal without a stamp starts at
+    ``now``.
 
-    It behaves like ROS 1's controller of that name, with these improvements:
+    The controller behaves like the ROS 1 controller of the same name, with these
+    improvements:
 
-    * a goal that violates a tolerance is aborted, and the joints stop by the same ramp
-      as after a cancellation, instead of continuing the trajectory;
-    * if the joints do not follow, that ramp starts from the measured motion;
-    * in a stop, a joint that pushes at its effort limit has its integral reset and
-      backs off by RELIEF, so that it does not keep pushing;
-    * position errors are wrapped for continuous joints only, not for joints whose
-      limits span more than a turn, nor for prismatic ones;
-    * without ``constraints/goal_time``, a goal has DEFAULT_GOAL_TIME to come to rest;
+    * a goal that violates a tolerance is aborted, and the joints stop with the same
+      ramp as after a cancellation, instead of continuing the trajectory;
+    * if the joints do not follow the trajectory, the stop ramp starts from the measured
+      motion;
+    * in a stop, the integral of a joint that pushes at its effort limit is reset, and
+      the joint backs off by RELIEF, so that it does not continue to push;
+    * position errors are wrapped for continuous joints only, not for prismatic joints
+      or for joints with limits that span more than one turn;
+    * without ``constraints/goal_time``, the joints may take DEFAULT_GOAL_TIME to come
+      to rest;
     * without a goal tolerance, a joint must come within DEFAULT_GOAL_TOLERANCE;
-    * goals are also rejected for the reasons in ``goal_check``;
+    * goals are also rejected for the reasons that ``goal_check`` describes;
     * the stop ramp does not end beyond a joint's limits.
 
-    As in ROS, a joint counts as arrived once it has been within its goal tolerances.
+    As in ROS, a joint is considered to have arrived after it has been within its goal
+    tolerances once.
     """
 
     def __init__(
@@ -118,7 +127,7 @@ class JointTrajectoryController:
     # ---- the tick -----------------------------------------------------------------
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return the commands: desired positions, or efforts or speeds towards them."""
+        """Return the commands: desired positions, or efforts or speeds toward them."""
         tracking, monitor, time = self._tracking, self._monitor, state.time
         tracking.state = state
         sampler = tracking.sampler
@@ -157,12 +166,15 @@ class JointTrajectoryController:
         is_first: bool,
         has_points: bool,
     ) -> None:
-        """Continue with the motions of joints, by index, that the kernel started."""
+        """Continue with joint motions, by joint index, that the kernel started."""
         self._end_goal(PREEMPTED)
         self._tracking.follow(self._tracking.merged(splines), now)
 
     def _end_goal(self, result: GoalResult) -> None:
-        """End the active goal, if there is one, and stop if it is aborted."""
+        """End the active goal, if there is one.
+
+        If the goal is aborted, the joints stop.
+        """
         monitor, self._monitor = self._monitor, None
         if result.status is GoalStatus.ABORTED:
             now = self._tracking.state.time
@@ -173,27 +185,27 @@ class JointTrajectoryController:
     # ---- requests, between ticks --------------------------------------------------
 
     def follow(self, goal: TrajectoryGoal | MotionPlan, now: float) -> Goal:
-        """Replace the motion by ``goal`` and return its handle, or reject it.
+        """Replace the motion with ``goal`` and return its handle, or reject the goal.
 
         A plan starts with the desired motion at ``now``.
 
         Raises:
-            GoalRejectedError: If the goal is rejected, with ROS's code; the previous
-                motion then continues.
+            GoalRejectedError: If the goal is rejected, with the error code of ROS; the
+                previous motion continues.
         """
         handle = Goal(self.spec.name)
         self._accept(goal, now, handle)
         return handle
 
     def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
-        """Replace the motion by ``goal``, without tolerances, or reject it.
+        """Replace the motion with ``goal``, without tolerances, or reject the goal.
 
-        This corresponds to ROS's topic ``~/command``, which reports no result.
+        ``command`` corresponds to the ROS topic ``~/command``, which reports no result.
         """
         self._accept(goal, now, None)
 
     def cancel(self, goal: Goal, now: float) -> None:
-        """Stop if ``goal`` is the active one, which then ends PREEMPTED."""
+        """Stop if ``goal`` is the active goal, and end it with the status PREEMPTED."""
         if self._monitor is not None and goal is self._monitor.goal:
             self._tracking.follow(self._stop_splines(now, None), now)
             self._end_goal(PREEMPTED)
@@ -232,7 +244,10 @@ class JointTrajectoryController:
             self._monitor.watch(tracking.sampler)
 
     def _stop_splines(self, now: float, handle: Goal | None) -> list[JointSpline]:
-        """Return splines to rest; joints at their effort limit back off."""
+        """Return splines that stop the joints.
+
+        Joints at their effort limit back off.
+        """
         state, select = self._tracking.state, self._tracking.select
         positions = list(select(state.position))
         for k, effort in enumerate(select(state.effort)):
@@ -252,10 +267,10 @@ class JointTrajectoryController:
     # ---- desired and measured motion ----------------------------------------------
 
     def query_state(self, time: float) -> JointsMotion:
-        """Return the desired motion at ``time``.
+        """Return the desired motion at ``time`` [s].
 
         Raises:
-            ControlError: If the trajectory at that time is no longer known.
+            ControlError: If the trajectory at ``time`` is no longer known.
         """
         return joints_motion(self._tracking.sampler.samples(time))
 

@@ -1,4 +1,4 @@
-"""Linting of ros_control's YAML: unused parameters, which ROS silently ignores."""
+"""Linting of YAML for ros_control: unused parameters, which ROS silently ignores."""
 
 from __future__ import annotations
 
@@ -17,21 +17,20 @@ from tool0.description.yaml_tree import Tree, YamlEntry
 from tool0.errors import nearest_name
 
 OF_TOOL0 = ("gazebo-only", "not-enforced")
-"""Rules about differences between tool0 and Gazebo, which are not errors of the
-file."""
+"""Rules for differences between tool0 and Gazebo, which are not errors in the file."""
 _GAZEBO_GAINS = "gazebo_ros_control/pid_gains"
 
 
 def gain_parameters() -> frozenset[str]:
-    """Return the parameters that are read from a joint's gains."""
+    """Return the parameter names that are read from the gains of a joint."""
     read = ROS1.parameters_of("effort_controllers/JointTrajectoryController")
     return frozenset(p.rpartition("/")[2] for p in read if p.startswith("gains/"))
 
 
 def lint(tree: Tree, joints: Collection[str] | None = None) -> tuple[Finding, ...]:
-    """Return unused, ineffective and suspicious parameters.
+    """Return findings about unused, ineffective and suspicious parameters.
 
-    ``joints`` are the robot's movable joints, if they are known.
+    ``joints`` are the robot's movable joints; None if they are unknown.
     """
     findings = list(tree.findings)
     declared = ROS1.declared(tree.root)
@@ -39,7 +38,7 @@ def lint(tree: Tree, joints: Collection[str] | None = None) -> tuple[Finding, ..
         kind = declared[name].type.scalar if name in declared else None
         if name not in declared:
             findings += _lint_other(name, entry, joints)
-        elif str(kind) in ROS1.types:  # loading another type fails with a reason
+        elif str(kind) in ROS1.types:  # loading of other types fails with a reason
             controller = ControllerLint(ROS1, entry, str(kind), joints)
             findings += controller.findings()
             if any(p.endswith("/p") for p in ROS1.parameters_of(str(kind))):
@@ -92,7 +91,7 @@ def _gazebo_gains(name: str, gains: YamlEntry) -> Finding:
 
 
 def _idle_integrals(entry: YamlEntry) -> Iterator[Finding]:
-    """Yield integral gains whose contribution is clamped to zero."""
+    """Yield findings about integral gains that contribute nothing due to the clamp."""
     for gains in entry.children.values():
         yield from _idle_integrals(gains)
         keys = gains.children

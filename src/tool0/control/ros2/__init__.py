@@ -1,1 +1,1 @@
-"""ROS 2: the controllers of ros2_control, and their YAML."""
+"""ROS 2: the controllers of ros2_control and their YAML."""

@@ -1,8 +1,8 @@
-"""Universal Robots' FreedriveModeController and ForceModeController.
+"""FreedriveModeController and ForceModeController of Universal Robots.
 
-Freedrive cannot run together with any controller of the arm's joints.  Force mode can
-only run together with the passthrough controller; the arm then deviates from the
-trajectory that this controller executes.
+Freedrive cannot be active together with any controller of the arm's joints.  Force mode
+can be active together with the passthrough controller only.  In force mode, the arm
+deviates from the trajectory that the passthrough controller executes.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ PASSTHROUGH: Final = "ur_controllers/PassthroughTrajectoryController"
 def parse(
     name: str, type_name: str, parameters: Namespace, robot: RobotJoints
 ) -> ArmModeSpec:
-    """Return the checked parameters of one of these controllers."""
+    """Return the checked parameters of a controller for freedrive or force mode."""
     prefix = parameters.text("tf_prefix", "")
     parameters.integer("check_io_successful_retries", 10)
     is_freedrive = type_name == FREEDRIVE
@@ -53,7 +53,7 @@ def parse(
 
 
 def _check_timeout(parameters: Namespace) -> None:
-    """Reject a timeout of less than 1 s; the ROS node uses the value."""
+    """Reject a timeout of less than 1 s; the ROS node uses the timeout."""
     if parameters.integer("inactive_timeout", 1) < 1:
         entry = parameters.find("inactive_timeout") or parameters.entry
         raise ConfigError(
@@ -62,13 +62,13 @@ def _check_timeout(parameters: Namespace) -> None:
 
 
 def _freedrive_interfaces() -> Iterator[str]:
-    """Yield the command interfaces that UR's driver has for freedrive."""
+    """Yield the command interfaces of UR's driver for freedrive."""
     yield from (f"freedrive_mode/{item}" for item in ("async_success", "enable"))
     yield "freedrive_mode/abort"
 
 
 def _force_interfaces() -> Iterator[str]:
-    """Yield the command interfaces that UR's driver has for force mode."""
+    """Yield the command interfaces of UR's driver for force mode."""
     axes = ("x", "y", "z", "rx", "ry", "rz")
     for item in ("task_frame", "selection_vector", "wrench"):
         yield from (f"force_mode/{item}_{axis}" for axis in axes)

@@ -1,4 +1,4 @@
-"""State interfaces that broadcasters of wrenches, poses and speed scaling read."""
+"""State interfaces for the broadcasters of wrenches, poses and speed scaling."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def parse(
 
 
 def _force_torque(parameters: Namespace, robot: RobotJoints) -> Sequence[str]:
-    """Read the parameters of ros2_controllers' broadcaster."""
+    """Read the parameters of the broadcaster in ros2_controllers."""
     _filled(parameters, "frame_id")
     sensor = parameters.text("sensor_name", "")
     named = []
@@ -43,7 +43,8 @@ def _force_torque(parameters: Namespace, robot: RobotJoints) -> Sequence[str]:
         for change, default in (("offset", 0.0), ("multiplier", 1.0)):
             parameters.number(f"{change}/{path}", default)
             parameters.mark_adjustable(f"{change}/{path}")
-    # Universal Robots' YAML has the last two, which only their own broadcaster reads.
+    # The YAML of Universal Robots contains the last two parameters, which only the
+    # broadcaster of Universal Robots reads.
     parameters.accept("sensor_filter_chain", "topic_name", "state_interface_names")
     states = [state for state in named if state]
     if bool(sensor) is bool(states):
@@ -58,7 +59,7 @@ def _force_torque(parameters: Namespace, robot: RobotJoints) -> Sequence[str]:
 
 
 def _force_torque_of_ur(parameters: Namespace, robot: RobotJoints) -> Sequence[str]:
-    """Read the parameters of Universal Robots' broadcaster."""
+    """Read the parameters of the broadcaster of Universal Robots."""
     parameters.text("frame_id")
     parameters.text("topic_name")
     sensor = parameters.text("sensor_name")
@@ -69,7 +70,7 @@ def _force_torque_of_ur(parameters: Namespace, robot: RobotJoints) -> Sequence[s
 def _of_sensor(
     parameters: Namespace, robot: RobotJoints, sensor: str, kinds: Sequence[str]
 ) -> list[str]:
-    """Return the state interfaces of a sensor, which the hardware must have."""
+    """Return the state interfaces of a sensor; the hardware must provide them."""
     wanted = [f"{sensor}/{kind}" for kind in kinds]
     known = [state for item in robot.hardware for state in item.state_interfaces]
     missing = [state for state in wanted if state not in known]

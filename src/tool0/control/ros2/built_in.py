@@ -1,8 +1,9 @@
-"""The built-in controllers of a robot whose drives come from ``<ros2_control>`` tags.
+"""The built-in controllers of a robot with drives from ``<ros2_control>`` tags.
 
-As for ROS 1, ``tool0_description/config`` contains a file that all arms share and one
-that all grippers share; the folder of an arm or a gripper may contain its own.  Each
-controller names its type; the manager's section is assembled from these types.
+As for ROS 1, ``tool0_description/config`` contains a file that all arms share and a
+file that all grippers share.  The folder of an arm or a gripper may contain a separate
+file for this arm or gripper.  Each controller specifies its type; the section of the
+manager is assembled from these types.
 """
 
 from __future__ import annotations
@@ -40,14 +41,15 @@ from tool0.errors import ConfigError, SourceLocation
 _FILE: Final = "controllers_ros2.yaml"
 _STARTED_FILE: Final = "started_controllers_ros2.yaml"
 _ACTIVATION: Final = "robotiq_activation_controller:"
-"""The last controller in a gripper's file.  Several of them would claim the same
-interface."""
+"""The last controller in the file of a gripper.  Several activation controllers would
+claim the same interface."""
 _RATE: Final = 500
-"""Update rate for arms whose folder does not specify one [Hz]."""
+"""Update rate for arms with no update rate in their folder [Hz]."""
 _ROTARY: Final = {"$tolerance": "0.02"}
 """Settings of a gripper with a revolute driven joint [rad]."""
 _LINEAR: Final = {"$tolerance": "0.0005"}
-"""Settings of a gripper with a prismatic driven joint [m]: 1 mm of opening."""
+"""Settings of a gripper with a prismatic driven joint [m].  The tolerance corresponds
+to 1 mm of opening."""
 
 
 class StartedControllers(NamedTuple):
@@ -55,14 +57,15 @@ class StartedControllers(NamedTuple):
 
     always: tuple[str, ...]
     built_in: tuple[str, ...]
-    """Further controllers that are started if the built-in ones are used."""
+    """Additional controllers that are started if the built-in controllers are used."""
     loaded: tuple[str, ...]
-    """Built-in controllers that are only loaded, as the launch file of UR's driver
-    does: their actions respond, and ``ros2 control`` can switch to them."""
+    """Built-in controllers that are loaded but not started.  The launch file of UR's
+    driver also loads controllers without starting them.  The actions of loaded
+    controllers respond, and ``ros2 control`` can switch to loaded controllers."""
 
 
 def started() -> StartedControllers:
-    """Return the controllers that a bring-up starts unless options name others."""
+    """Return the controllers that a bring-up starts unless options specify others."""
     file = Namespace(read_verbatim(_config(_STARTED_FILE)).root)
     keys = ("started", "started_built_in", "loaded_built_in")
     return StartedControllers(*map(file.texts, keys))
@@ -88,9 +91,9 @@ class _Piece:
 
 
 def built_in_yaml(description: RobotDescription, period: float) -> str:
-    """Return the built-in controllers as YAML; empty if none fit the user's robot.
+    """Return the built-in controllers as YAML, or an empty text if none fit the robot.
 
-    ``period`` is the physics step [s]; the update period is a multiple of it.
+    ``period`` is the physics step [s]; the update period is a multiple of this step.
     """
     pieces = _pieces(description, period)
     if not pieces:
@@ -101,7 +104,7 @@ def built_in_yaml(description: RobotDescription, period: float) -> str:
 
 
 def built_in_tree(description: RobotDescription, period: float) -> Tree:
-    """Return the built-in controllers with locations in their files."""
+    """Return the built-in controllers, with their locations in the files."""
     tree = Tree()
     pieces = _pieces(description, period)
     if pieces:
@@ -112,7 +115,7 @@ def built_in_tree(description: RobotDescription, period: float) -> Tree:
 
 
 def _manager(description: RobotDescription, pieces: Sequence[_Piece]) -> str:
-    """Return the manager's parameters: update rate, types and joint limits."""
+    """Return the parameters of the manager: update rate, types and joint limits."""
     rates = [rating(robot.arm, "update_rate") for robot in description.robots]
     rate = max((round(rate) for rate in rates if rate), default=_RATE)
     types = {
@@ -132,7 +135,7 @@ def _manager(description: RobotDescription, pieces: Sequence[_Piece]) -> str:
 
 
 def _pieces(description: RobotDescription, period: float) -> list[_Piece]:
-    """Return the parts of all robots; empty if none fit the user's own file."""
+    """Return the parts of all robots; empty if no parts fit a file of the user."""
     parts = [
         piece
         for robot in description.robots
@@ -159,7 +162,7 @@ def _pieces(description: RobotDescription, period: float) -> list[_Piece]:
 def _joint_states(
     description: RobotDescription, robot: CatalogueRobot, text: str
 ) -> str:
-    """Return the YAML of a joint state broadcaster for one robot's joints."""
+    """Return the YAML of a joint state broadcaster for the joints of one robot."""
     states = {
         joint.name
         for component in description.model.hardware
@@ -176,11 +179,12 @@ def _joint_states(
 @final
 @dataclass(frozen=True, slots=True)
 class _Composer:
-    """Builds the parts of one robot."""
+    """Creates the parts of one robot."""
 
     description: RobotDescription
     robot: CatalogueRobot | None
-    """None for the user's own file, whose names have no prefix."""
+    """The catalogue robot; None for a robot file of the user, in which names have no
+    prefix."""
     period: float
 
     def pieces(self) -> Iterator[_Piece]:
@@ -199,9 +203,9 @@ class _Composer:
             yield self._gripper(hand[0])
 
     def own_pieces(self, arm: OwnArm) -> Iterator[_Piece]:
-        """Yield the parts of an arm in the user's own file, and of its gripper.
+        """Yield the parts of an arm in a file of the user, and of the arm's gripper.
 
-        There are none unless the arm's joints have position interfaces.
+        The result is empty unless the arm's joints have position interfaces.
         """
         model, wanted = self.description.model, (Interface.POSITION,)
         if common_interface(model, arm.joints, wanted) is None:
@@ -217,7 +221,7 @@ class _Composer:
             yield replace(piece, text=arm.written(text))
 
     def own_gripper(self, joints: Sequence[str]) -> Iterator[_Piece]:
-        """Yield the part of a gripper in the user's file, if one joint drives it."""
+        """Yield the part of a gripper in a file of the user, if one joint drives it."""
         wanted = (Interface.POSITION,)
         if len(joints) == 1 and common_interface(
             self.description.model, joints, wanted
@@ -235,7 +239,7 @@ class _Composer:
                 )
 
     def _written(self, text: str) -> str:
-        """Return a part's text with this robot's names."""
+        """Return the text of a part, with the names of this robot."""
         prefix = self.robot.prefix if self.robot else ""
         text = renamed(self.description, self.robot, text)
         return text.replace("$prefix", prefix)
@@ -252,7 +256,7 @@ class _Composer:
         ]
 
     def _gripper(self, joint: str) -> _Piece:
-        """Return the part of a gripper with this driven joint."""
+        """Return the part of a gripper that ``joint`` drives."""
         part = self.robot.gripper if self.robot else None
         path = part_file("gripper", part, _FILE)
         slides = self.description.model.joint(joint).type is JointType.PRISMATIC
@@ -267,7 +271,7 @@ class _Composer:
 
 
 def _without_unknown(text: str, joint: str, model: RobotModel) -> str:
-    """Return YAML with blank lines in place of interfaces that ``joint`` lacks."""
+    """Return YAML, in which blank lines replace interfaces that ``joint`` lacks."""
     known = {name for item in model.hardware for name in item.command_interfaces}
     lines = text.splitlines(keepends=True)
     for number, line in enumerate(lines):
@@ -278,7 +282,7 @@ def _without_unknown(text: str, joint: str, model: RobotModel) -> str:
 
 
 def _joints_in(text: str, path: Path) -> list[str]:
-    """Return the joints of the first controller that names joints."""
+    """Return the joints of the first controller that lists joints."""
     tree = Tree()
     tree.load(text, SourceLocation(path, 1))
     for controller in declared(tree.root).values():

@@ -1,4 +1,4 @@
-"""Controllers for inputs and outputs of devices; the ROS node offers their services."""
+"""Controllers for device inputs and outputs; the ROS node provides their services."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ACTIVATION = ("reactivate_gripper_cmd", "reactivate_gripper_response")
 def parse(
     name: str, type_name: str, parameters: Namespace, robot: RobotJoints
 ) -> PassiveSpec:
-    """Return the checked parameters of one of these controllers."""
+    """Return the checked parameters of a controller for inputs and outputs."""
     if type_name.endswith("/GPIOController"):
         prefix = parameters.text("tf_prefix", "")
         parameters.integer("check_io_successfull_retries", 10)
@@ -32,9 +32,9 @@ def parse(
 
 
 def _prefix_of_gripper(name: str, robot: RobotJoints) -> str:
-    """Return the prefix of a gripper that the controller's name starts with.
+    """Return the gripper prefix with which the controller's name starts.
 
-    The controller itself has no parameter for the prefix.
+    The controller has no parameter for the prefix.
     """
     prefixes = (
         interface.removesuffix(f"reactivate_gripper/{_ACTIVATION[0]}")
@@ -47,7 +47,7 @@ def _prefix_of_gripper(name: str, robot: RobotJoints) -> str:
 
 
 def _box_commands() -> Iterator[str]:
-    """Yield the command interfaces of Universal Robots' driver."""
+    """Yield the command interfaces of the driver of Universal Robots."""
     for k in range(18):
         yield f"gpio/standard_digital_output_cmd_{k}"
     for k in range(2):
@@ -66,7 +66,7 @@ def _box_commands() -> Iterator[str]:
 
 
 def _box_states() -> Iterator[str]:
-    """Yield the state interfaces of Universal Robots' driver."""
+    """Yield the state interfaces of the driver of Universal Robots."""
     counts = {
         **{"digital_output": 18, "digital_input": 18},
         **{"standard_analog_output": 2, "standard_analog_input": 2},

@@ -1,4 +1,4 @@
-"""ros2_control's controllers, and its YAML."""
+"""The controllers and the YAML of ros2_control."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The parameters of ROS 2's forward_command_controller."""
+"""The parameters of forward_command_controller in ROS 2."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def parse(
         joints = controlled_joints(robot, parameters, interface)
     else:
         interface = INTERFACE_OF_PACKAGE[package]
-        parameters.text("interface_name", interface.name.lower())  # it is fixed
+        parameters.text("interface_name", interface.name.lower())  # the value is fixed
         joints = controlled_joints(robot, parameters, interface)
     return ForwardCommandSpec(
         name=name,
@@ -56,7 +56,7 @@ def parse(
 
 
 def _interface(parameters: Namespace, path: str, names: Sequence[str]) -> Interface:
-    """Return the only command interface that the parameters name."""
+    """Return the single command interface that the parameters specify."""
     entry = parameters.find(path) or parameters.entry
     for name in names:
         if name not in INTERFACE_OF_NAME:

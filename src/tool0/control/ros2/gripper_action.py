@@ -1,8 +1,9 @@
-"""The parameters of ROS 2's three gripper controllers.
+"""The parameters of the three gripper controllers of ROS 2.
 
-The two called ``GripperActionController`` work like those of ROS 1, by position or by
-effort.  The parallel gripper's controller commands positions, and sets the drive's
-speed and effort through separate command interfaces.
+The ``GripperActionController`` in ``position_controllers`` and in
+``effort_controllers`` works as it does in ROS 1.  The controller in
+``parallel_gripper_action_controller`` commands positions, and sets the drive's speed
+and effort through separate command interfaces.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ _GAINS = ("p", "i", "d", "i_clamp")
 def parse(
     name: str, type_name: str, parameters: Namespace, robot: RobotJoints
 ) -> GripperActionSpec:
-    """Return the checked parameters of a gripper's controller."""
+    """Return the checked parameters of a gripper controller."""
     package = type_name.partition("/")[0]
     interface = INTERFACE_OF_PACKAGE.get(package, Interface.POSITION)
     joint = single_joint(robot, parameters, interface)
@@ -76,7 +77,10 @@ def _settings(parameters: Namespace, robot: RobotJoints, joint: Joint) -> DriveS
 
 
 def _interface(parameters: Namespace, robot: RobotJoints, path: str) -> str:
-    """Return the named command interface, if any; the hardware must have it."""
+    """Return the command interface at ``path``, or an empty text.
+
+    The hardware must have the command interface.
+    """
     name = parameters.text(path, "")
     known = [item for each in robot.hardware for item in each.command_interfaces]
     if name and known and name not in known:

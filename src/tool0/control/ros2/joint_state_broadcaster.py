@@ -1,4 +1,4 @@
-"""The parameters of joint_state_broadcaster: what it publishes of which joints."""
+"""The parameters of joint_state_broadcaster: joints and interfaces to publish."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ def parse(
 ) -> PassiveSpec:
     """Return the checked parameters of a JointStateBroadcaster.
 
-    It publishes the given ``interfaces`` of the given ``joints``.  If either list is
-    empty, it publishes all interfaces that the robot has.
+    The broadcaster publishes the given ``interfaces`` of the given ``joints``.  If
+    either list is empty, the broadcaster publishes all interfaces of the robot.
     """
     joints = parameters.texts("joints", ())
     interfaces = parameters.texts("interfaces", ())

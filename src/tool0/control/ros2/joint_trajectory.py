@@ -1,4 +1,4 @@
-"""JointTrajectoryController of ROS 2: all joints follow one trajectory."""
+"""JointTrajectoryController of ROS 2, in which all joints follow one trajectory."""
 
 from __future__ import annotations
 
@@ -71,20 +71,21 @@ class JointTrajectorySpec:
     judges_velocity: bool = False
     """Whether velocity tolerances are checked."""
     reads_velocity: bool = True
-    """Whether trajectories start with the measured velocity, not with 0."""
+    """Whether trajectories start with the measured velocity instead of 0."""
     acceptance: Acceptance
     tolerances: TrajectoryTolerances
     deceleration: tuple[float, ...] = ()
-    """Deceleration of each joint in a stop [rad/s² | m/s²]; if empty, the joints hold
-    their measured positions at once."""
+    """Deceleration of each joint in a stop [rad/s² | m/s²].  If the tuple is empty, the
+    joints hold their measured positions immediately."""
     command_timeout: float = math.inf
     """Time after the end of a trajectory at which the measured position is held [s]."""
     replacement: Replacement
     speed: SpeedSource
     state_publish_rate: float = 50.0
-    """Rate of the published state [Hz]; only Humble has this parameter."""
+    """Publication rate of the state [Hz]; only ROS 2 Humble has the parameter for this
+    rate."""
     action_monitor_rate: float = 20.0
-    """Rate of the action's feedback in ROS [Hz]."""
+    """Rate of the feedback of the ROS action [Hz]."""
 
     waits_for_command: ClassVar[bool] = False
 
@@ -103,30 +104,36 @@ class JointTrajectorySpec:
 
 
 class _PendingTrajectory(NamedTuple):
-    """A trajectory that waits for the next tick, and then replaces all motion."""
+    """A trajectory that replaces all motion in the next tick."""
 
     course: Course
     held: Mapping[str, float]
-    """Positions at which joints that the trajectory does not name stay [rad | m]."""
+    """Positions of the joints that the trajectory does not contain; these joints stay
+    at their positions [rad | m]."""
 
 
 class JointTrajectoryController:
-    """Track a joint trajectory; velocity and effort joints by PID and feed-forward.
+    """Follows a joint trajectory.
+
+    Velocity and effort joints are controlled with a PID and feed-forward.
 
     The command is the desired motion one period ahead, whereas errors refer to the
-    current desired motion.  A trajectory that arrives between ticks starts in the next
-    tick, from the motion that is measured then.
+    current desired motion.  A trajectory that is received between ticks starts in the
+    next tick, from the motion that is measured in that tick.
 
-    It behaves like ROS 2's controller of that name, with these improvements:
+    The controller behaves like the ROS 2 controller of the same name, with these
+    improvements:
 
-    * a goal whose command timed out is aborted; ROS reports it as reached;
+    * a goal with a command that timed out is aborted, whereas ROS reports such a goal
+      as reached;
     * without a goal tolerance, a joint must come within DEFAULT_GOAL_TOLERANCE;
-    * if a trajectory ends with a velocity, the joints are to rest afterwards;
-    * continuous joints go to the nearest turn of a point, instead of jumping to the
-      point's own turn;
-    * goals are also rejected for the reasons in ``trajectory_check``.
+    * if a trajectory ends with a nonzero velocity, the joints must come to rest
+      afterwards;
+    * continuous joints move to the nearest equivalent angle of a point, instead of
+      jumping to the angle that the point specifies;
+    * goals are also rejected for the reasons that ``trajectory_check`` describes.
 
-    Plans for the simulator's own motions start from the desired motion.
+    Plans for motions of the simulator start from the desired motion.
     """
 
     def __init__(
@@ -139,25 +146,26 @@ class JointTrajectoryController:
         self.pid = self._tracking.pid
         self._take_tolerances(spec.tolerances)
         self._monitor: TrajectoryMonitor | None = None
-        """Monitor of the trajectory; None while the joints hold still."""
+        """Monitor of the trajectory; None while the joints hold a position."""
         self._factor = spec.speed.initial
-        """Speed factor that the topic set last."""
+        """Speed factor that was last set through the topic."""
         self._factor_used = 1.0
         self._clock = TrajectoryClock()
         self._period = 0.0
         self._pending: _PendingTrajectory | None = None
-        """Trajectory that starts in the next tick, from the measured motion; None
-        without one."""
+        """Trajectory that starts in the next tick, from the measured motion; None if
+        there is no such trajectory."""
         self._is_first = True
-        """Whether the next tick is the first one of a trajectory."""
+        """Whether the next tick is the first tick of a trajectory."""
         self._has_points = False
-        """Whether the motion has several points, so that another one can follow it."""
+        """Whether the motion has several points, so that another motion can continue
+        it."""
         self._execute(self._tracking.sampler.splines)
 
     # ---- the tick -----------------------------------------------------------------
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return the commands: desired positions, or efforts or speeds towards them."""
+        """Return the commands: desired positions, or efforts or speeds toward them."""
         tracking, self._period = self._tracking, period
         tracking.state = state
         factor = self.speed_scaling
@@ -195,7 +203,8 @@ class JointTrajectoryController:
         self._is_first = False
         pending, self._pending = self._pending, None
         if pending is not None:
-            # Apart from rounding, it is as plausible as when it was accepted.
+            # Apart from rounding errors, the trajectory is as plausible as it was when
+            # it was accepted.
             joints, origins = self.spec.joint_models, self._measured()
             with contextlib.suppress(GoalRejectedError):
                 splines = splines_at_once(joints, pending[0], time, origins, pending[1])
@@ -217,13 +226,16 @@ class JointTrajectoryController:
         self._tracking.state = state
 
     def adjust(self, spec: JointTrajectorySpec) -> None:
-        """Continue with changed parameters; tolerances apply from the next goal on."""
+        """Continue with changed parameters.
+
+        Changed tolerances apply to the next goal and later goals.
+        """
         self.spec = spec
         self._tracking.set_feed_forward(spec.velocity_ff)
         self._take_tolerances(self._tolerances)
 
     def _take_tolerances(self, tolerances: TrajectoryTolerances) -> None:
-        """Use these tolerances from the next trajectory on."""
+        """Use ``tolerances`` for the next trajectory and later trajectories."""
         spec, self._tolerances = self.spec, tolerances
         path, at_goal = active_tolerances(
             tolerances, spec.joints, by_velocity=spec.judges_velocity
@@ -252,14 +264,18 @@ class JointTrajectoryController:
         self._is_first, self._has_points = is_first, has_points
 
     def _execute(self, splines: Sequence[JointSpline]) -> None:
-        """Follow other splines; the samplers first use them in the next tick."""
+        """Follow other splines, which the samplers first use in the next tick."""
         self._tracking.follow(splines, -math.inf)
         self._ahead = TrajectorySampler(splines, -math.inf)
 
     def _end(
         self, result: GoalResult, time: float, errors: Sequence[float] = ()
     ) -> None:
-        """End the trajectory and its goal: stay at its end if reached, or stop."""
+        """End the trajectory and its goal.
+
+        If the trajectory's end was reached, the joints stay at the end; otherwise, the
+        joints stop.
+        """
         goal = None if self._monitor is None else self._monitor.goal
         if result.is_violation and errors:
             result = self._with_joint(result, errors)
@@ -275,7 +291,10 @@ class JointTrajectoryController:
             self._monitor.goal.finish(result)
 
     def _with_joint(self, result: GoalResult, errors: Sequence[float]) -> GoalResult:
-        """Add the joint with the largest error to a violation; ROS only logs it."""
+        """Add the joint with the largest error to the result of a violation.
+
+        ROS only logs the joint with the largest error.
+        """
         error, joint = max(zip(map(abs, errors), self.spec.joints, strict=True))
         text = f"{result.error_string}; {joint} is off by {error:.6f}"
         return replace(result, error_string=text)
@@ -291,7 +310,7 @@ class JointTrajectoryController:
         logger.warning("%s: %s; position errors: %s", self.spec.name, what, where)
 
     def _stop_motion(self, time: float) -> None:
-        """Hold the measured position from now on, or slow down."""
+        """Hold the measured position immediately, or decelerate to rest."""
         state, select = self._tracking.state, self._tracking.select
         position, velocity = select(state.position), select(state.velocity)
         if self.spec.deceleration:
@@ -305,12 +324,12 @@ class JointTrajectoryController:
     # ---- requests, between ticks --------------------------------------------------
 
     def follow(self, goal: TrajectoryGoal | MotionPlan, now: float) -> Goal:
-        """Replace the motion by ``goal`` and return its handle, or reject it.
+        """Replace the motion with ``goal`` and return its handle, or reject the goal.
 
         A plan starts with the desired motion at ``now``.
 
         Raises:
-            GoalRejectedError: The previous motion then continues.
+            GoalRejectedError: If the goal is rejected; the previous motion continues.
         """
         handle = Goal(self.spec.name)
         splines = self._accept(goal, now)
@@ -324,13 +343,13 @@ class JointTrajectoryController:
         return handle
 
     def _tolerances_of(self, goal: TrajectoryGoal) -> TrajectoryTolerances:
-        """Return the tolerances that apply during a goal."""
+        """Return the tolerances that apply to a goal."""
         return override_tolerances(goal, self.spec.tolerances, self.spec.name)
 
     def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
-        """Replace the motion like the topic ``~/joint_trajectory``, or reject it.
+        """Follow a goal from the topic ``~/joint_trajectory``, or reject the goal.
 
-        An active goal stays active, and is judged by the new motion.
+        An active goal stays active, and its result depends on the new motion.
         """
         replacement = self.spec.replacement
         if replacement.upsamples and isinstance(goal, TrajectoryGoal):
@@ -339,7 +358,7 @@ class JointTrajectoryController:
         self._start(splines, None if self._monitor is None else self._monitor.goal)
 
     def cancel(self, goal: Goal, now: float) -> None:
-        """Stop if ``goal`` is the active one, which then ends PREEMPTED."""
+        """Stop if ``goal`` is the active goal, and end it with the status PREEMPTED."""
         if self._monitor is not None and goal is self._monitor.goal:
             self._end(CANCELED, self._clock.at(now))
 
@@ -356,7 +375,7 @@ class JointTrajectoryController:
         """Scale the speed of trajectories, like the topic ``~/speed_scaling_input``.
 
         Raises:
-            ControlError: If the factor is negative, or the topic cannot set it.
+            ControlError: If the factor is negative, or the topic cannot set the speed.
         """
         self.spec.speed.check(factor, self.spec.name)
         self._factor = factor
@@ -364,7 +383,7 @@ class JointTrajectoryController:
     def _accept(
         self, goal: TrajectoryGoal | MotionPlan, now: float
     ) -> Sequence[JointSpline]:
-        """Return the splines of a goal, or reject it."""
+        """Return the splines of a goal, or reject the goal."""
         spec, running = self.spec, self._tracking.sampler.splines
         lag = self._clock.lag_at(now)
         time = now - lag
@@ -397,7 +416,7 @@ class JointTrajectoryController:
         return splines
 
     def _can_follow(self, course: Course) -> bool:
-        """Return whether a trajectory can continue the one that is being executed."""
+        """Return whether a trajectory can continue the current trajectory."""
         is_whole = len(course.names) == len(self.spec.joints)
         return (
             self.spec.replacement.is_spliced
@@ -434,7 +453,7 @@ class JointTrajectoryController:
         return {joint: Motion(q, qd, 0.0) for joint, q, qd in motion}
 
     def _start(self, splines: Sequence[JointSpline], handle: Goal | None) -> None:
-        """Execute accepted splines from the next tick on."""
+        """Execute accepted splines, starting with the next tick."""
         coming = self._coming
         self._execute(splines)
         self._is_first = True
@@ -450,10 +469,10 @@ class JointTrajectoryController:
     # ---- desired and measured motion ----------------------------------------------
 
     def query_state(self, time: float) -> JointsMotion:
-        """Return the desired motion at ``time``.
+        """Return the desired motion at ``time`` [s].
 
         Raises:
-            ControlError: If the trajectory at that time is no longer known.
+            ControlError: If the trajectory at ``time`` is no longer known.
         """
         at, sampler = self._clock.at(time), self._tracking.sampler
         if time < self._tracking.state.time:

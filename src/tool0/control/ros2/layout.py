@@ -1,8 +1,9 @@
-"""The layout of YAML for ROS 2: parameters below the ``ros__parameters`` of nodes.
+"""The layout of YAML for ROS 2: parameters under ``ros__parameters`` of nodes.
 
-A node's name may contain a namespace, written as levels or with slashes, and wildcards:
-``*`` stands for one level, ``**`` for any number of levels.  Later entries override
-earlier ones.  A dot in a parameter's name separates levels.
+A node's name may contain a namespace, which is written as YAML levels or with slashes.
+The name may also contain wildcards: ``*`` stands for one level, and ``**`` stands for
+any number of levels.  Later entries override earlier entries.  A dot in a parameter's
+name separates levels.
 """
 
 from __future__ import annotations
@@ -21,27 +22,27 @@ _WILDCARDS: Final = ("*", "**")
 
 
 class Node(NamedTuple):
-    """The section of a YAML for nodes whose name matches a pattern."""
+    """The section of a YAML tree for nodes with names that match a pattern."""
 
     path: tuple[str, ...]
-    """Namespace and name; each part may be a wildcard."""
+    """Namespace and name of the node; each part may be a wildcard."""
     entry: YamlEntry
     """The entry with the node's name."""
     parameters: YamlEntry
 
     @property
     def is_single(self) -> bool:
-        """Whether the section is for a single node."""
+        """Whether the section applies to a single node."""
         return not any(part in _WILDCARDS for part in self.path)
 
 
 def is_ros2(root: YamlEntry) -> bool:
-    """Return whether a YAML contains parameters of nodes."""
+    """Return whether a YAML tree contains parameters of nodes."""
     return any(nodes(root))
 
 
 def nodes(root: YamlEntry) -> Iterator[Node]:
-    """Yield every section with parameters, in the order of the text."""
+    """Yield every section with parameters, in text order."""
     return _nodes(root, ())
 
 
@@ -55,20 +56,21 @@ def _nodes(entry: YamlEntry, path: tuple[str, ...]) -> Iterator[Node]:
 
 
 Place = tuple[str, ...] | None
-"""A namespace of nodes; None if the YAML does not specify it."""
+"""A namespace of nodes; None if the YAML does not specify a namespace."""
 
 
 def places(root: YamlEntry) -> tuple[Place, ...]:
-    """Return the namespaces that have a manager; (None,) if none has one."""
+    """Return the namespaces that contain a manager; (None,) if there is no manager."""
     found = [n.path[:-1] for n in nodes(root) if n.path[-1] == MANAGER and n.is_single]
     return tuple(dict.fromkeys(found)) or (None,)
 
 
 def declared(root: YamlEntry) -> Mapping[str, Declared]:
-    """Return the controllers with a ``type``, in the manager's or their own parameters.
+    """Return the controllers that have a ``type``.
 
-    As with the spawner, the manager's type takes precedence.  tool0 uses only the first
-    manager.
+    The manager's parameters or the controller's parameters contain the type.  The type
+    in the manager's parameters takes precedence, as it does for the spawner. tool0 uses
+    only the first manager.
     """
     return declared_in(root, places(root)[0])
 
@@ -96,14 +98,14 @@ def declared_in(root: YamlEntry, place: Place) -> Mapping[str, Declared]:
 
 
 def parameters(root: YamlEntry, name: str) -> YamlEntry | None:
-    """Return the parameters of a node in the manager's namespace, if there are any."""
+    """Return the parameters of a node in the manager's namespace, or None."""
     return parameters_in(root, places(root)[0], name)
 
 
 def parameters_in(root: YamlEntry, place: Place, name: str) -> YamlEntry | None:
-    """Return a node's parameters in a namespace, with levels instead of dots.
+    """Return the parameters of a node in a namespace, with levels instead of dots.
 
-    Parameters under the name without a namespace apply to the node, too.
+    Parameters under the node's name without a namespace also apply to the node.
     """
     result: YamlEntry | None = None
     for node in nodes(root):
@@ -123,7 +125,10 @@ def joint_limits(root: YamlEntry) -> Namespace | None:
 
 
 def control_period(root: YamlEntry) -> float | None:
-    """Return 1 / the manager's ``update_rate`` [s]; None without a rate."""
+    """Return the control period [s], which is 1 / ``update_rate`` of the manager.
+
+    The result is None if the manager has no rate.
+    """
     manager = parameters(root, MANAGER)
     entry = None if manager is None else manager.children.get("update_rate")
     if manager is None or entry is None:
@@ -137,9 +142,9 @@ def control_period(root: YamlEntry) -> float | None:
 
 
 def _is_for(node: Node, place: Place, name: str) -> bool:
-    """Return whether a section is for the node ``name`` in the namespace ``place``."""
+    """Return whether a section applies to node ``name`` in the namespace ``place``."""
     if place is None:
-        # A spawner's file may be for any namespace.
+        # A file for the spawner may apply to any namespace.
         return node.path[-1] == name or (
             node.path[-1] in _WILDCARDS and not node.is_single
         )
@@ -156,7 +161,7 @@ def _matches(pattern: Sequence[str], path: Sequence[str]) -> bool:
 
 
 def _overlay(target: YamlEntry, source: YamlEntry) -> None:
-    """Copy the parameters of ``source``; values replace mappings, and vice versa."""
+    """Copy the parameters of ``source``; values replace mappings and vice versa."""
     for name, child in source.children.items():
         *outer, last = name.split(".")
         here = target

@@ -1,8 +1,8 @@
-"""Linting of ros2_control's YAML: keys that no node reads, and wrong types.
+"""Linting of YAML for ros2_control: keys that no node reads, and wrong types.
 
-ROS 2 ignores an unknown parameter silently.  A parameter of the wrong type, such as
-``1`` where a double is declared, keeps the controller from loading; tool0 accepts and
-reports it.
+ROS 2 silently ignores an unknown parameter.  A parameter of the wrong type, such as
+``1`` where a double is declared, prevents the controller from being loaded. tool0
+accepts a parameter of the wrong type and reports it.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ _OF_MANAGER: Final = (
     *("defaults", "diagnostics", "overruns", "qos_overrides", "services"),
     *("start_type_description_service", "joint_limits"),
 )
-"""Parameters of the manager itself; the last one is specific to tool0."""
+"""Parameters of the manager itself; the last parameter is specific to tool0."""
 
 
 def lint(tree: Tree, joints: Collection[str] | None = None) -> tuple[Finding, ...]:
-    """Return unused, ineffective and suspicious parameters.
+    """Return findings about unused, ineffective and suspicious parameters.
 
-    ``joints`` are the robot's movable joints, if they are known.
+    ``joints`` are the robot's movable joints; None if they are unknown.
     """
     findings = list(tree.findings)
     for place in places(tree.root):
@@ -54,7 +54,7 @@ def lint(tree: Tree, joints: Collection[str] | None = None) -> tuple[Finding, ..
             findings += _lint_manager(manager, joints)
         for item in controllers.values():
             kind = str(item.type.scalar)
-            if kind in ROS2.types:  # loading another type fails with a reason
+            if kind in ROS2.types:  # loading of other types fails with a reason
                 findings += _lint_controller(item.parameters, kind, joints)
     findings += _misnamed(tree.root)
     unique = dict.fromkeys(findings)
@@ -99,7 +99,7 @@ def _lint_controller(
 
 
 def _misnamed(root: YamlEntry) -> Iterator[Finding]:
-    """Yield parameters under wrong names, if a declared controller lacks parameters."""
+    """Yield findings about misnamed parameters of controllers without parameters."""
     everything = [(place, declared_in(root, place)) for place in places(root)]
     known = {name for _, controllers in everything for name in controllers}
     for place, controllers in everything:
@@ -109,7 +109,7 @@ def _misnamed(root: YamlEntry) -> Iterator[Finding]:
 
 
 def _is_bare(root: YamlEntry, place: tuple[str, ...] | None, name: str) -> bool:
-    """Return whether a YAML has no parameters under a controller's exact name."""
+    """Return whether a YAML tree has no parameters under a controller's exact name."""
     return not any(
         node.path in ((name,), (*(place or ()), name)) for node in nodes(root)
     )

@@ -1,9 +1,10 @@
-"""Universal Robots' PassthroughTrajectoryController: the arm executes the points.
+"""PassthroughTrajectoryController of Universal Robots: the arm executes the points.
 
-Like the trajectory controller, it commands positions and follows splines: quintics
-between points with accelerations, and cubics between points with velocities.  If points
-only have positions, the arm comes to rest at each of them.  The controller accepts one
-goal at a time, and only checks where the arm is at the end.
+Like JointTrajectoryController, PassthroughTrajectoryController commands positions and
+follows splines.  The splines are quintic between points with accelerations, and cubic
+between points with velocities.  If the points have only positions, the arm comes to
+rest at each point.  The controller accepts one goal at a time, and checks the position
+of the arm only at the end.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ from tool0.protocol.goals import Goal, GoalResult, GoalStatus
 STOP_DECELERATION: Final = 4.0
 """Deceleration of each joint after a cancellation [rad/s²]."""
 MOST_JUMP: Final = 0.05
-"""Largest distance between the arm and a first point at time 0 [rad]."""
+"""Largest deviation of a joint from a first point at time 0 [rad]."""
 _NUMBERS: Final = ("positions", "velocities", "accelerations")
 _DEACTIVATED: Final = GoalResult(
     status=GoalStatus.ABORTED,
@@ -99,13 +100,16 @@ class PassthroughTrajectorySpec(JointTrajectorySpec):
 
 @final
 class PassthroughTrajectoryController(JointTrajectoryController):
-    """Follow one trajectory at a time; its goal sets the tolerances at the end."""
+    """Follows one trajectory at a time.
+
+    The goal of the trajectory sets the tolerances at the end.
+    """
 
     _duration = 0.0
     """Duration of the goal's trajectory [s]."""
 
     def follow(self, goal: TrajectoryGoal | MotionPlan, now: float) -> Goal:
-        """Execute ``goal`` and return its handle, or reject it.
+        """Execute ``goal`` and return its handle, or reject the goal.
 
         Raises:
             GoalRejectedError: If the goal is invalid, or another goal is being
@@ -123,7 +127,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
         return handle
 
     def stop_where_it_is(self, state: JointState, reason: str) -> None:
-        """Slow the joints down from their measured motion, and abort the goal."""
+        """Decelerate the joints from their measured motion, and abort the goal."""
         self.observe(state)
         self._finish(
             GoalResult(
@@ -140,7 +144,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
         super().stop()
 
     def _checked(self, goal: TrajectoryGoal, now: float) -> TrajectoryGoal:
-        """Return a goal in the form that the arm executes, or reject it."""
+        """Return a goal in the form that the arm executes, or reject the goal."""
         joints = self.spec.joints
         if goal.points:
             _check_sizes(goal, len(joints))
@@ -154,7 +158,10 @@ class PassthroughTrajectoryController(JointTrajectoryController):
         return replace(goal, points=points, stamp=None)
 
     def _check_first(self, goal: TrajectoryGoal, now: float) -> None:
-        """Reject a goal that starts elsewhere, since the arm cannot jump."""
+        """Reject a goal that does not start at the arm's position.
+
+        The arm cannot jump to the start.
+        """
         names = goal.joint_names or self.spec.joints
         place = dict(
             zip(self.spec.joints, self.query_state(now).positions, strict=True)
@@ -167,7 +174,10 @@ class PassthroughTrajectoryController(JointTrajectoryController):
                 )
 
     def _tolerances_of(self, goal: TrajectoryGoal) -> TrajectoryTolerances:
-        """Return the goal's own tolerances at its end; the controller has no others."""
+        """Return the tolerances of the goal at its end.
+
+        The controller has no default tolerances.
+        """
         return TrajectoryTolerances(
             joints={
                 name: JointTolerances(goal=as_tolerance(given))
@@ -182,7 +192,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
         super()._end(self._worded(result), time, errors)
 
     def _worded(self, result: GoalResult) -> GoalResult:
-        """Return a result with this controller's wording."""
+        """Return a result with the wording of PassthroughTrajectoryController."""
         text = result.error_string
         if result.status is GoalStatus.SUCCEEDED:
             text = (
@@ -195,7 +205,10 @@ class PassthroughTrajectoryController(JointTrajectoryController):
 
 
 def _check_sizes(goal: TrajectoryGoal, n_joints: int) -> None:
-    """Reject points with missing values, or with other kinds than the first point."""
+    """Reject points that lack values or do not match the first point.
+
+    All points must have the same kinds of values as the first point.
+    """
     first = goal.points[0]
     for number, point in enumerate(goal.points, 1):
         for kind in _NUMBERS:

@@ -1,8 +1,8 @@
-"""Substitutions of ROS 2's launch files in YAML: ``$(var NAME)`` and others.
+"""Substitutions of ROS 2 launch files in YAML, such as ``$(var NAME)``.
 
-ROS 2 replaces them in files that a launch file passes with ``allow_substs``, before the
-text is parsed as YAML.  A bring-up has no launch file, so it replaces them in every
-file for ROS 2; the variables are the robot's arguments.
+ROS 2 replaces substitutions in files that a launch file passes with ``allow_substs``,
+before the text is parsed as YAML.  A bring-up has no launch file, so it replaces
+substitutions in every file for ROS 2.  The variables are the arguments of the robot.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ _COMMENT: Final = re.compile(r"(?:^|\s)#.*")
 
 
 def substituted(text: str, variables: Mapping[str, str], start: SourceLocation) -> str:
-    """Return a YAML text for ROS 2 with values instead of ``$(var NAME [DEFAULT])``.
+    """Return a YAML text for ROS 2 in which ``$(var NAME [DEFAULT])`` is replaced.
 
-    ``$(env NAME [DEFAULT])`` and ``$(find-pkg-share PACKAGE)`` are replaced, too.
-    Comments and texts for ROS 1 stay as they are.
+    ``$(env NAME [DEFAULT])`` and ``$(find-pkg-share PACKAGE)`` are also replaced.
+    Comments and texts for ROS 1 are not changed.  ``start`` is the location of the
+    first line.
 
     Raises:
-        ConfigError: If a substitution has neither a value nor a default.  ``start`` is
-            the location of the first line.
+        ConfigError: If a substitution has neither a value nor a default.
     """
     if PARAMETERS not in text:
         return text

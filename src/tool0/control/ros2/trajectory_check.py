@@ -1,8 +1,8 @@
-"""Checks of a trajectory for a ROS 2 controller, and its tolerances.
+"""Checks of a trajectory for a ROS 2 controller, and tolerances of the trajectory.
 
-Messages and their order are those of ROS 2's joint_trajectory_controller.  Unlike it,
-these checks also reject numbers that are not finite, joints named twice, and positions
-beyond the joint's limits.
+The checks use the messages of joint_trajectory_controller in ROS 2, in the same order.
+Unlike joint_trajectory_controller, the checks also reject numbers that are not finite,
+duplicate joints, and positions beyond a joint's limits.
 """
 
 from __future__ import annotations
@@ -22,9 +22,10 @@ from tool0.protocol.trajectories import TrajectoryPoint
 logger = logging.getLogger(__name__)
 
 EPSILON = 1.1920929e-07
-"""Tolerance within which a number counts as 0 or -1: single precision, as in ROS."""
+"""Tolerance within which a number is treated as 0 or -1.  The tolerance is the
+single-precision epsilon, as in ROS."""
 ERASED = -1.0
-"""Tolerance in a goal that switches off the controller's tolerance."""
+"""Value of a goal's tolerance that disables the tolerance of the controller."""
 
 
 class Acceptance(NamedTuple):
@@ -32,15 +33,15 @@ class Acceptance(NamedTuple):
 
     joints: tuple[str, ...]
     allows_partial: bool = False
-    """Whether goals may name only some of the joints."""
+    """Whether goals may specify only some of the joints."""
     allows_moving_end: bool = False
-    """Whether the last point may have velocities other than 0."""
+    """Whether the last point may have nonzero velocities."""
     allows_integration: bool = False
     """Whether points may lack positions."""
 
 
 def check_goal(goal: TrajectoryGoal, rules: Acceptance, now: float) -> tuple[str, ...]:
-    """Return the joints that the points' values belong to, or reject the goal.
+    """Return the joints to which the points' values apply, or reject the goal.
 
     ``now`` [s] is the time of the next update.
     """
@@ -143,10 +144,11 @@ def _invalid_joints(text: str) -> GoalRejectedError:
 def override_tolerances(
     goal: TrajectoryGoal, defaults: TrajectoryTolerances, controller: str
 ) -> TrajectoryTolerances:
-    """Return a controller's tolerances, with those of a goal applied.
+    """Return the tolerances of a controller, overridden by the tolerances of a goal.
 
-    A positive tolerance in the goal replaces the default, -1 switches it off, and 0
-    keeps it.  If there is any other value, an error is logged, and all defaults apply.
+    A positive tolerance in the goal replaces the default, -1 disables the tolerance,
+    and 0 keeps the default.  If there is any other value, an error is logged, and all
+    defaults apply.
     """
     grace = _resolved(defaults.goal_time, goal.goal_time_tolerance or 0.0)
     if grace is None:
@@ -195,7 +197,7 @@ def _override(default: Tolerance, override: ToleranceOverride) -> Tolerance | No
 
 
 def _resolved(default: float, wanted: float) -> float | None:
-    """Return the tolerance that applies, or None for an illegal value."""
+    """Return the applicable tolerance, or None for an illegal value."""
     if wanted > 0.0:
         return wanted
     if abs(wanted - ERASED) < EPSILON:
@@ -206,10 +208,10 @@ def _resolved(default: float, wanted: float) -> float | None:
 def active_tolerances(
     tolerances: TrajectoryTolerances, joints: Sequence[str], *, by_velocity: bool
 ) -> tuple[tuple[Tolerance, ...], tuple[Tolerance, ...]]:
-    """Return the tolerances to check, on the path and at the goal, of each joint.
+    """Return the tolerances of each joint to check on the path and at the goal.
 
-    Velocities are checked only if ``by_velocity`` is set, as for controllers that
-    command velocities or efforts.
+    Velocities are checked only if ``by_velocity`` is set, which is the case for
+    controllers that command velocities or efforts.
     """
     all_of = [tolerances.of(joint) for joint in joints]
     path, at_goal = [one.path for one in all_of], [one.goal for one in all_of]

@@ -1,4 +1,4 @@
-"""The gains of ROS 2's JointTrajectoryController, which uses control_toolbox."""
+"""The gains of JointTrajectoryController in ROS 2, which uses control_toolbox."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ _UNWINDING = {
     "back_calculation": Unwinding.BACK_CALCULATION,
     "legacy": Unwinding.NONE,
 }
-"""Values of the parameter for the anti-windup strategy; the first is the default.  Only
-Jazzy has ``legacy``."""
+"""Values of the parameter for the anti-windup strategy; the first value is the default.
+Only ROS 2 Jazzy has the value ``legacy``."""
 _OTHER_GAINS = (
     *("u_clamp_min", "u_clamp_max", "saturation", "error_deadband", "save_i_term"),
     *("antiwindup", "antiwindup_strategy", "tracking_time_constant"),
     *("angle_wraparound", "normalize_error"),
 )
-"""Further gains that some versions of ROS 2 read."""
+"""Additional gains that some versions of ROS 2 read."""
 
 
 def read_joint_gains(
     parameters: Namespace, joints: Sequence[Joint]
 ) -> tuple[tuple[Gains, ...], tuple[float, ...]]:
-    """Return the gains of each joint, and its velocity feed-forward factor."""
+    """Return the gains and the velocity feed-forward factor of each joint."""
     found = [_gains_of(parameters, f"gains/{joint.name}") for joint in joints]
     feed_forward = [
         parameters.number(f"gains/{joint.name}/ff_velocity_scale", 0.0)
@@ -43,7 +43,10 @@ def read_joint_gains(
 
 
 def _gains_of(parameters: Namespace, path: str) -> Gains:
-    """Return the gains at ``path``; as in ROS 2, the integral itself is clamped."""
+    """Return the gains at ``path``.
+
+    The integral itself is clamped, as it is in ROS 2.
+    """
     number = parameters.number
     p, i, d = (number(f"{path}/{gain}", 0.0) for gain in ("p", "i", "d"))
     symmetric = abs(_bound(parameters, f"{path}/i_clamp", UNLIMITED))
@@ -76,13 +79,16 @@ def _gains_of(parameters: Namespace, path: str) -> Gains:
 
 
 def _tracking_time(p: float, i: float, d: float) -> float:
-    """Return control_toolbox's tracking time constant if the parameter is 0 [s]."""
+    """Return the default tracking time constant of control_toolbox [s].
+
+    The default applies if the parameter is 0.
+    """
     ratio = (math.sqrt(d / i) if d / i > 0.0 else p / i) if i else 1.0
     return ratio if ratio > 0.0 else 1.0
 
 
 def _bound(parameters: Namespace, path: str, default: float) -> float:
-    """Return the number at ``path``, which may be infinite."""
+    """Return the number at ``path``; the number may be infinite."""
     entry = parameters.find(path)
     if entry is not None and entry.scalar in {math.inf, -math.inf}:
         return math.copysign(UNLIMITED, entry.scalar)
@@ -90,7 +96,10 @@ def _bound(parameters: Namespace, path: str, default: float) -> float:
 
 
 def choice(parameters: Namespace, path: str, valid: tuple[str, ...]) -> str:
-    """Return the string at ``path``, one of ``valid``; the first is the default."""
+    """Return the string at ``path``, which must be one of ``valid``.
+
+    The first valid string is the default.
+    """
     text = parameters.text(path, valid[0])
     entry = parameters.find(path)
     if entry is not None and text not in valid:

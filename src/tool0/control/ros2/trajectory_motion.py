@@ -1,6 +1,6 @@
-"""The motion of joints along a trajectory of ROS 2, and to rest.
+"""Motion of joints along a ROS 2 trajectory, and motion to rest.
 
-Times are trajectory times, which lag behind simulated time if the speed was scaled.
+Times are trajectory times, which lag behind simulated time if the speed was reduced.
 """
 
 from __future__ import annotations
@@ -38,25 +38,26 @@ class Course(NamedTuple):
 
     goal: TrajectoryGoal
     names: tuple[str, ...]
-    """The joints that the points' values belong to."""
+    """The joints to which the points' values apply."""
     start: float
     """Start time [s]."""
     is_stepped: bool
-    """Whether points are commanded as they are, without interpolation."""
+    """Whether points are commanded without interpolation."""
 
     def integrated(self, origins: Mapping[str, Motion]) -> Course:
-        """Return the course with positions integrated where points lack them."""
+        """Return the course, with integrated positions for points without positions."""
         return self._replace(goal=_integrated(self.goal, self.names, origins))
 
     def first_ahead(self, leave: float) -> int:
-        """Return the index of the first point later than ``leave`` [s]."""
+        """Return the index of the first point that is later than ``leave`` [s]."""
         return bisect_right(self.goal.times, leave, key=self.start.__add__)
 
     def section(self, joint: Joint, leave: float, origin: Motion) -> SplineSection:
         """Return a joint's motion from its ``origin`` at ``leave`` [s] to the end.
 
-        If the next point is the first of the trajectory, the joint moves there from its
-        ``origin``.  Otherwise, it is already on its way between two points.
+        If the next point is the first point of the trajectory, the joint moves to this
+        point from its ``origin``.  If the next point is a later point, the joint is
+        already moving between two points.
 
         Raises:
             GoalRejectedError: If a segment is implausible.
@@ -67,7 +68,7 @@ class Course(NamedTuple):
         return self._through(motion_at(points, column, turn), leave, origin, turn)
 
     def rest(self, position: float, leave: float, origin: Motion) -> SplineSection:
-        """Return the motion to rest of a joint that the trajectory does not name."""
+        """Return the motion to rest of a joint that the trajectory does not contain."""
 
         def held(number: int) -> Motion:
             point = self.goal.points[number]
@@ -109,10 +110,10 @@ def splines_at_once(
     Args:
         joints: Joints of the controller.
         course: The trajectory.
-        time: Time at which its execution starts [s].
-        origins: Motion of each joint at that time.
-        held: Positions at which joints that the trajectory does not name stay [rad |
-            m].
+        time: Time at which the execution of the trajectory starts [s].
+        origins: Motion of each joint at ``time``.
+        held: Positions of the joints that the trajectory does not contain; these joints
+            stay at their positions [rad | m].
 
     Raises:
         GoalRejectedError: If a segment is implausible.
@@ -133,10 +134,10 @@ def splines_at_once(
 def splines_spliced(
     joints: Sequence[Joint], running: Splines, course: Course, now: float
 ) -> list[JointSpline]:
-    """Return the splines of a trajectory that continues the ``running`` ones.
+    """Return the splines of a trajectory that continues the ``running`` splines.
 
     The running splines are executed from ``now`` [s] until the trajectory starts.
-    Joints that it does not name keep following them.
+    Joints that the trajectory does not contain continue to follow the running splines.
 
     Raises:
         GoalRejectedError: If a segment is implausible.
@@ -151,13 +152,13 @@ def splines_spliced(
     return found
 
 
-# ---- to rest -----------------------------------------------------------------------
+# ---- motion to rest ----------------------------------------------------------------
 
 
 def decelerated(
     time: float, position: float, velocity: float, deceleration: float
 ) -> JointSpline:
-    """Return the spline of a joint that slows down at a constant rate [rad/s²].
+    """Return the spline of a joint that decelerates at a constant rate [rad/s²].
 
     ``position`` and ``velocity`` are the motion at ``time`` [s].
     """
@@ -174,10 +175,10 @@ def decelerated(
 def _integrated(
     goal: TrajectoryGoal, names: Sequence[str], origins: Mapping[str, Motion]
 ) -> TrajectoryGoal:
-    """Return the goal with positions integrated where points lack them.
+    """Return the goal, with integrated positions for points without positions.
 
-    They follow from the velocities or accelerations; between two points, the mean of
-    both is used, as in ROS.
+    The positions are computed from the velocities or accelerations.  As in ROS, the
+    mean of the values at two points is used between the points.
     """
     if all(point.positions for point in goal.points):
         return goal
@@ -208,10 +209,11 @@ def _integrated(
 
 
 def upsampled(goal: TrajectoryGoal, frequency: float) -> TrajectoryGoal:
-    """Return a goal of positions with velocities from a smooth cubic spline.
+    """Return a goal of positions, with velocities from a smooth cubic spline.
 
     The spline starts and ends at rest, and its accelerations are continuous.  If the
-    points have no times, and ``frequency`` [Hz] is not 0, it determines their times.
+    points have no times, and ``frequency`` [Hz] is not 0, the frequency determines the
+    times of the points.
     """
     points = list(goal.points)
     is_plain = map(attrgetter("velocities", "accelerations"), points)
@@ -238,10 +240,10 @@ def upsampled(goal: TrajectoryGoal, frequency: float) -> TrajectoryGoal:
 
 
 def _smooth_velocities(q: Sequence[float], steps: Sequence[float]) -> list[float]:
-    """Return the velocities of the cubic spline through ``q`` that rests at both ends.
+    """Return the velocities of a cubic spline through ``q`` with rest at both ends.
 
-    Each inner knot gives one equation: the accelerations on both sides are equal.  The
-    system is solved by forward elimination and back substitution.
+    Each inner knot yields one equation: the accelerations on both sides are equal.  The
+    system of equations is solved by forward elimination and back substitution.
     """
     upper, right = [0.0], [0.0]
     for k in range(1, len(q) - 1):

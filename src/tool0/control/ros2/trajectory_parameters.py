@@ -1,7 +1,8 @@
-"""The parameters that ROS 2's JointTrajectoryController declares.
+"""The parameters that JointTrajectoryController declares in ROS 2.
 
-``allow_trajectory_replacement`` has the default of ROS 2 Lyrical; ``false`` behaves
-like Jazzy and Kilted, which do not have this parameter.
+``allow_trajectory_replacement`` has the default of ROS 2 Lyrical.  With ``false``, the
+controller behaves as it does in Jazzy and Kilted, which do not have
+``allow_trajectory_replacement``.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ logger = logging.getLogger(__name__)
 _STATES = ("position", "velocity", "acceleration")
 _COMMANDS = (*_STATES, "effort")
 SPEED_SCALING = "speed_scaling/speed_scaling_factor"
-"""Name, without the arm's prefix, of the state interface with its speed factor."""
+"""Name of the state interface with an arm's speed factor, without the arm's prefix."""
 _ADJUSTABLE = (
     "allow_partial_joints_goal",
     "allow_trajectory_replacement",
@@ -63,9 +64,10 @@ def parse(
     goal_time = parameters.not_negative("constraints/goal_time", 0.0)
     tolerances = TrajectoryTolerances(
         joints=read_tolerances(parameters, joints, robot),
-        goal_time=goal_time or math.inf,  # 0 means to wait for ever
+        goal_time=goal_time or math.inf,  # 0 means no limit
     )
-    # Between two controllers, the brakes hold the measured position anyway.
+    # The parameter has no effect, since the brakes hold the measured position while no
+    # controller is active.
     parameters.boolean("set_last_command_interface_value_as_state_on_activation", True)
     parameters.mark_adjustable(
         *_ADJUSTABLE,
@@ -121,7 +123,10 @@ def parse(
 
 
 def _choices(parameters: Namespace, path: str, valid: Sequence[str]) -> tuple[str, ...]:
-    """Return the kinds of interfaces in a parameter, which must list each only once."""
+    """Return the kinds of interfaces that a parameter lists.
+
+    The parameter must not list an interface twice.
+    """
     kinds = parameters.texts(path)
     entry = parameters.find(path)
     for kind, item in zip(kinds, entry.items if entry else (), strict=True):
@@ -137,7 +142,10 @@ def _choices(parameters: Namespace, path: str, valid: Sequence[str]) -> tuple[st
 
 
 def _command_interface(parameters: Namespace, kinds: tuple[str, ...]) -> Interface:
-    """Return the interface that drives the joints; the others are only claimed."""
+    """Return the interface that drives the joints.
+
+    The other interfaces are only claimed.
+    """
     for offered in (("position", "velocity"), *((kind,) for kind in INTERFACE_OF_NAME)):
         if sorted(kinds) == sorted(offered):
             return INTERFACE_OF_NAME[offered[0]]
@@ -158,8 +166,8 @@ def read_states(
     """Return the kinds of state interfaces that ``state_interfaces`` lists.
 
     Raises:
-        ConfigError: If a joint lacks a listed interface, or the list lacks one that a
-            controller of ``interface`` needs.
+        ConfigError: If a joint lacks a listed interface, or the list lacks an interface
+            that a controller of ``interface`` needs.
     """
     kinds = _choices(parameters, "state_interfaces", _STATES)
     entry = parameters.find("state_interfaces") or parameters.entry
@@ -201,7 +209,7 @@ def _check_command_joints(parameters: Namespace, joints: Sequence[Joint]) -> Non
 def _speed_interface(
     type_name: str, parameters: Namespace, robot: RobotJoints
 ) -> str | None:
-    """Return the prefix of the arm whose speed scaling applies; None without one."""
+    """Return the prefix of the arm with the applicable speed scaling, or None."""
     path, default = "speed_scaling/state_interface", ""
     if type_name.endswith("/ScaledJointTrajectoryController"):
         path = "speed_scaling_interface_name"
@@ -214,11 +222,11 @@ def _speed_interface(
 def speed_prefix(
     parameters: Namespace, path: str, name: str, robot: RobotJoints
 ) -> str:
-    """Return the prefix of the arm whose speed scaling has this state interface.
+    """Return the prefix of the arm with the named interface for speed scaling.
 
     Raises:
-        ConfigError: If no arm has a state interface with this ``name``, which is the
-            value of the parameter at ``path``.
+        ConfigError: If no arm has the state interface ``name``, which is the value of
+            the parameter at ``path``.
     """
     valid = [f"{prefix}{SPEED_SCALING}" for prefix in robot.speed_scaling or ("",)]
     if name not in valid:
@@ -237,7 +245,10 @@ def speed_prefix(
 def _deceleration(
     parameters: Namespace, joints: Sequence[Joint], states: Sequence[str]
 ) -> tuple[float, ...]:
-    """Return each joint's deceleration in a stop; empty if positions are held."""
+    """Return the deceleration of each joint in a stop [rad/s² | m/s²].
+
+    The result is empty if the joints hold their measured positions instead.
+    """
     rates = tuple(
         parameters.not_negative(
             f"constraints/{joint.name}/max_deceleration_on_cancel", 0.0
@@ -265,7 +276,7 @@ def _deceleration(
 
 
 def _command_timeout(parameters: Namespace, goal_time: float) -> float:
-    """Return the time after which the position is held [s]; inf means never."""
+    """Return the time after which the position is held [s]; inf for no timeout."""
     timeout = parameters.number("cmd_timeout", 0.0)
     if timeout > goal_time:
         return timeout

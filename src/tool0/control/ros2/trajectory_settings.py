@@ -1,4 +1,4 @@
-"""Replacement and speed of trajectories of a ROS 2 controller."""
+"""Rules for the replacement and the speed of a ROS 2 controller's trajectories."""
 
 from __future__ import annotations
 
@@ -13,22 +13,25 @@ from tool0.errors import ControlError
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Replacement:
-    """Rules by which a trajectory replaces the one that is being executed."""
+    """Rules for the replacement of a trajectory that is being executed."""
 
     is_spliced: bool = True
     """``allow_trajectory_replacement``: whether a new trajectory continues the desired
-    motion from its start on, while joints that it does not name continue theirs.
-    Otherwise, all previous motion ends at once."""
+    motion at the start of the trajectory, while joints that the trajectory does not
+    contain continue their motion.  If the parameter is false, all previous motion ends
+    immediately."""
     from_desired: bool = False
-    """``interpolate_from_desired_state``: whether motions start from the desired
-    instead of the measured motion."""
+    """``interpolate_from_desired_state``: whether trajectories start from the desired
+    motion instead of the measured motion."""
     is_stepped: bool = False
-    """``interpolation_method: none``: whether points are commanded as they are."""
+    """``interpolation_method: none``: whether points are commanded without
+    interpolation."""
     upsamples: bool = False
     """``positions_upsampling.enable``: whether positions from the topic are
-    smoothed."""
+    interpolated smoothly."""
     policy_frequency: float = 0.0
-    """Rate that determines the times of points without times [Hz]; 0 for none."""
+    """Rate that determines the times of points without times [Hz]; 0 if there is no
+    such rate."""
 
 
 @final
@@ -37,21 +40,22 @@ class SpeedSource:
     """Source of the speed factor of trajectories."""
 
     initial: float = 1.0
-    """Factor until the topic sets another one."""
+    """Speed factor until the topic sets another factor."""
     is_settable: bool = True
-    """Whether the topic may set the factor, which requires that only positions are
-    commanded."""
+    """Whether the topic may set the factor.  The topic may set the factor only if the
+    controller commands only positions."""
     factors: Mapping[str, float] = field(default_factory=dict)
-    """Current factors of the arms, by prefix."""
+    """Current speed factors of the arms, by prefix."""
     prefix: str | None = None
-    """Prefix of the arm whose factor applies; None for the topic's factor."""
+    """Prefix of the arm with the applicable factor; None for the factor of the
+    topic."""
 
     def factor(self, settable: float) -> float:
         """Return the factor in effect; ``settable`` is the factor of the topic."""
         return settable if self.prefix is None else self.factors.get(self.prefix, 1.0)
 
     def check(self, factor: float, controller: str) -> None:
-        """Raise ControlError if the topic of a controller cannot set this factor."""
+        """Raise ControlError if the topic of a controller cannot set ``factor``."""
         if not 0.0 <= factor < math.inf:
             raise ControlError(
                 "Scaling factor has to be greater or equal to 0.0 - Ignoring input! "

@@ -1,10 +1,10 @@
-"""One arm: its power, brakes and stops, and the program that moves it.
+"""Power, brakes and stops of an arm, and the program that moves the arm.
 
-An arm moves if it is powered, its brakes are released, and no stop is on.  A stop stops
-the controllers of that arm only: the brakes hold its joints, and no controller can be
-started that claims them.  Controllers that such a stop interrupts continue when the
-program is played again.  Transitions are immediate: a UR's intermediate modes (booting,
-powering on) do not occur.
+An arm can move if it is powered, its brakes are released, and no stop is active.  A
+stop affects only the controllers of one arm: the brakes hold the joints of the arm, and
+controllers that claim these joints cannot be started.  Controllers that a stop
+interrupts continue when the program is played again.  Transitions are immediate: the
+intermediate modes of a UR robot (booting, powering on) do not occur.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ from tool0.simulation.arms.motion import ArmMotion
 logger = logging.getLogger(__name__)
 
 UNLOCK_AFTER: Final = 5.0
-"""Simulated time from a protective stop until it can be unlocked [s]; source: dashboard
-server, ``unlock protective stop``
+"""Simulated time from a protective stop until the stop can be unlocked [s].  The source
+is the documentation of the dashboard server, ``unlock protective stop``
 (https://www.universal-robots.com/articles/ur/dashboard-server/dashboard-server-e-series-port-29999/)."""
 _TOO_SOON: Final = (
     "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of "
@@ -45,9 +45,9 @@ _TOO_SOON: Final = (
 
 
 class Arm(abc.ABC):
-    """An arm with its control box; its drives are simulated or those of a real robot.
+    """An arm with its control box and either simulated drives or real drives.
 
-    Only the thread of the tick may use it.
+    Only the thread that executes the tick may use ``Arm``.
     """
 
     def __init__(
@@ -61,28 +61,32 @@ class Arm(abc.ABC):
         manager: ControllerManager,
         moving_with_it: Iterable[str] = (),
     ) -> None:
-        """Serve an arm; the joints ``moving_with_it`` only move if the arm may move."""
+        """Create an arm.
+
+        The joints ``moving_with_it`` may move only if the arm may move.
+        """
         self.name, self.parts = name, parts
         self.box = box
         self.motion = ArmMotion(name, parts, model, hardware, manager)
-        """Motion of the arm for a program that has taken it."""
+        """Motion of the arm for a program that has taken control of the arm."""
         self.mode = ControllerMode(self.motion.spec, hardware, manager)
-        """Freedrive or force mode that a controller has started."""
+        """Freedrive mode or force mode that a controller has started."""
         self._hardware, self._manager = hardware, manager
         self._joints = frozenset(joint.name for joint in parts.joints)
-        """Joints of the arm, which a program takes."""
+        """Joints of the arm, which a program can control."""
         self._stopped_with = self._joints.union(moving_with_it)
-        """Joints that may move only if the arm may."""
+        """Joints that may move only if the arm may move."""
         self._modes = Modes()
         self._stopped: tuple[str, ...] = ()
-        """Names of the stopped controllers that ``play`` starts again."""
+        """Names of the stopped controllers that ``play`` restarts."""
         self._stopped_at = 0.0
-        """Simulated time at which the protective stop occurred [s]."""
+        """Simulated time of the protective stop [s]."""
         self._resumes = False
-        """Whether the controllers of a taken arm start when it is released."""
+        """Whether the controllers of the arm start when the program releases the
+        arm."""
 
     def require_ready(self) -> None:
-        """Raise ControlError if the arm may not move, with reason and remedy."""
+        """Raise ControlError, with reason and remedy, if the arm may not move."""
         if self._hardware.is_stopped:
             raise ControlError(
                 "the emergency stop is engaged; release it before moving the robot"
@@ -94,7 +98,7 @@ class Arm(abc.ABC):
 
     @property
     def is_idle(self) -> bool:
-        """Whether ``tick`` has nothing to do."""
+        """Whether a call of ``tick`` has no effect."""
         motion = self.motion
         return (
             self.box.is_steady
@@ -104,7 +108,11 @@ class Arm(abc.ABC):
         )
 
     def tick(self, state: JointState, period: float) -> None:
-        """Advance speed scaling by one tick [s]; release an arm that has returned."""
+        """Advance the speed scaling by one tick of ``period`` [s].
+
+        An arm that has come to rest after its program released it is returned to its
+        controllers.
+        """
         self.box.tick(period)
         self.mode.tick(state)
         if self.motion.has_returned(state.time):
@@ -113,28 +121,30 @@ class Arm(abc.ABC):
     # ---- power and stops ------------------------------------------------------------
 
     def power_off(self, now: JointState) -> None:
-        """Switch the arm off: its controllers stop, and the brakes hold it."""
+        """Power off the arm: its controllers stop, and the brakes hold the arm."""
         self._set(now, robot=RobotMode.POWER_OFF)
 
     def power_on(self, now: JointState) -> None:
-        """Switch the arm on, with its brakes engaged, unless it is on already."""
+        """Power on the arm, with its brakes engaged, unless it is already powered."""
         self._require_released()
         if not self._modes.is_powered:
             self._set(now, robot=RobotMode.IDLE)
 
     def release_brakes(self, now: JointState) -> None:
-        """Release the brakes; first switch the arm on if it is off.
+        """Release the brakes.
 
-        Nothing moves until the program is played.
+        If the arm is powered off, it is powered on first.
+
+        The arm does not move until the program is played.
         """
         self._require_released()
         if not self._modes.is_powered:
             self._set(now, robot=RobotMode.RUNNING)
 
     def stop_protectively(self, reason: str, now: JointState) -> None:
-        """Stop the arm until the stop is unlocked; ``reason`` is shown to users.
+        """Start a protective stop of the arm; ``reason`` is shown to users.
 
-        An arm in a protective stop keeps the first reason.
+        An arm that is already in a protective stop keeps the reason of that stop.
         """
         if self._modes.safety is not SafetyMode.PROTECTIVE_STOP:
             self._stopped_at = now.time
@@ -143,11 +153,13 @@ class Arm(abc.ABC):
             self._set(now, safety=SafetyMode.PROTECTIVE_STOP)
 
     def unlock(self, now: JointState, *, at_once: bool) -> None:
-        """End a protective stop; the arm holds until its program is played.
+        """End a protective stop.
+
+        The arm holds its position until its program is played.
 
         Raises:
-            ControlError: If there is none, or if it occurred less than 5 s ago and
-                ``at_once`` is False.
+            ControlError: If the arm is not in a protective stop, or if the stop
+                occurred less than 5 s ago and ``at_once`` is False.
         """
         if self._modes.safety is not SafetyMode.PROTECTIVE_STOP:
             raise ControlError(f"the arm '{self.name}' is not in a protective stop")
@@ -156,7 +168,9 @@ class Arm(abc.ABC):
         self._set(now, safety=SafetyMode.NORMAL)
 
     def restart_safety(self, now: JointState) -> None:
-        """Clear the stops of the safety system; this leaves the arm switched off.
+        """Clear the stops of the safety system.
+
+        After the safety system has restarted, the arm is powered off.
 
         Raises:
             ControlError: If the emergency stop is engaged.
@@ -164,10 +178,10 @@ class Arm(abc.ABC):
         self._require_released()
         self._set(now, RobotMode.POWER_OFF, SafetyMode.NORMAL)
 
-    # ---- the program that moves it through controllers ------------------------------
+    # ---- program that moves the arm through controllers -----------------------------
 
     def play(self, now: JointState) -> None:
-        """Resume the program: start the controllers that stopped with it.
+        """Resume the program, and start the controllers that stopped with it.
 
         Raises:
             ControlError: If the arm may not move.
@@ -183,7 +197,7 @@ class Arm(abc.ABC):
         self.box.change(program=ProgramState.PLAYING)
 
     def pause(self) -> None:
-        """Pause the program: scaled trajectories slow down to a standstill.
+        """Pause the program, so that scaled trajectories slow down to a stop.
 
         Raises:
             ControlError: If the program is stopped.
@@ -193,18 +207,19 @@ class Arm(abc.ABC):
         self.box.change(program=ProgramState.PAUSED)
 
     def stop(self, now: JointState) -> None:
-        """Stop the program, and the motion of the arm with it."""
+        """Stop the program and the motion of the arm."""
         if self.box.state.program is not ProgramState.STOPPED:
             self._stop(now)
 
-    # ---- a program that takes it from its controllers -------------------------------
+    # ---- program that controls the arm directly -------------------------------------
 
     def take(self, by: str, now: JointState, *, protected: bool = False) -> None:
-        """Take the arm for a program, in place of its controllers.
+        """Give a program control of the arm, in place of the arm's controllers.
 
-        The arm holds still, and its controllers stop.  If the arm is already taken, its
-        program's name changes, and the arm may move again after a failed motion.  With
-        ``protected``, a failed motion causes a protective stop.
+        The arm holds its position, and its controllers stop.  If a program already
+        controls the arm, the name of the program changes, and the arm may move again
+        after a failed motion.  If ``protected`` is True, a failed motion causes a
+        protective stop.
 
         Raises:
             ControlError: If the arm may not move.
@@ -222,9 +237,9 @@ class Arm(abc.ABC):
         self.motion.is_protected = protected
 
     def release(self, now: JointState) -> None:
-        """Stop the arm, and start its controllers again once it rests.
+        """Stop the arm, and restart its controllers after it has come to rest.
 
-        Does nothing if the arm is not taken.
+        ``release`` has no effect if no program controls the arm.
         """
         if self.motion.is_taken and not self.motion.is_returning:
             self._stiffen(now)
@@ -232,10 +247,10 @@ class Arm(abc.ABC):
                 self._release(now)
 
     def controller_to_move(self) -> ArmMotionController:
-        """Return the controller of a taken, ready arm whose motion did not fail.
+        """Return the controller with which a program can move the arm.
 
         Raises:
-            ControlError: If the arm is not taken, or may not move.
+            ControlError: If no program controls the arm, or the arm may not move.
         """
         controller = self.controller_to_stop()
         if failure := self.box.state.motion_failure:
@@ -246,10 +261,12 @@ class Arm(abc.ABC):
         return controller
 
     def controller_to_stop(self) -> ArmMotionController:
-        """Return the controller of a taken, ready arm, even if its motion has failed.
+        """Return the controller with which a program can stop the arm.
+
+        The controller is also returned if a motion of the arm has failed.
 
         Raises:
-            ControlError: If the arm is not taken, or may not move.
+            ControlError: If no program controls the arm, or the arm may not move.
         """
         self.require_ready()
         if not self.motion.is_taken:
@@ -263,10 +280,10 @@ class Arm(abc.ABC):
         return self.motion.controller
 
     def fail(self, reason: str, now: JointState) -> None:
-        """End the motion of a taken arm: it rests where it is, and stops pushing.
+        """End a program's motion: the arm rests at its position and stops pushing.
 
-        Commands from the arm's program are refused with the reason until the program
-        takes the arm again.
+        Commands from the program are rejected with ``reason`` until the program takes
+        control of the arm again.
         """
         if self.motion.is_protected:
             self.stop_protectively(reason, now)
@@ -280,11 +297,13 @@ class Arm(abc.ABC):
     ) -> None:
         """Start force mode or freedrive of an arm.
 
-        With ``controller_name``, the mode belongs to that controller, which must be
-        active.  Otherwise, a program must have taken the arm.
+        If ``controller_name`` is given, the mode is the mode of the named controller,
+        which must be active.  Without ``controller_name``, a program must have taken
+        control of the arm.
 
         Raises:
-            ControlError: If that condition is not met, or the arm may not move.
+            ControlError: If the controller is not active, no program controls the arm,
+                or the arm may not move.
         """
         if controller_name is not None:
             self._require_modes()
@@ -300,20 +319,21 @@ class Arm(abc.ABC):
         self._comply(task, now)
 
     def end_torques(self, now: JointState) -> None:
-        """Return to position control if torques drive the joints: ramp to rest."""
+        """Ramp to rest under position control if torques drive the joints."""
         if self.motion.has_torques:
             self.motion.rest(now)
 
     def end_compliance(
         self, now: JointState, controller_name: str | None = None, *, is_freedrive: bool
     ) -> None:
-        """End force mode or freedrive: the arm stops where it is.
+        """End force mode or freedrive; the arm stops at its current position.
 
-        Does nothing if the mode is off.  With ``controller_name``, it ends that
-        controller's mode, otherwise that of the program that has taken the arm.
+        ``end_compliance`` has no effect if the mode is not active.  If
+        ``controller_name`` is given, the mode of the named controller ends; otherwise,
+        the mode of the program that controls the arm ends.
 
         Raises:
-            ControlError: If the controller is not active, no program has taken the arm,
+            ControlError: If the controller is not active, no program controls the arm,
                 or the arm may not move.
         """
         if controller_name is not None:
@@ -326,11 +346,14 @@ class Arm(abc.ABC):
             self._stiffen(now)
 
     def note_restart(self, now: JointState, stopped: str = "") -> None:
-        """Note that controllers were restarted: freedrive and force mode have ended.
+        """Update the arm after a restart of controllers.
 
-        ``stopped`` is the reason why programs must not simply continue; empty if they
-        may.  The displayed modes are those from before, or the emergency stop of the
-        drives if it is engaged.
+        The restart has ended freedrive and force mode.
+
+        ``stopped`` is the reason why programs must not continue automatically; it is
+        empty if they may continue.  If the emergency stop is engaged, the displayed
+        modes are the modes of the emergency stop; otherwise, the displayed modes are
+        the modes before the restart.
         """
         self.motion.note_restart(now.time)
         self.mode.forget()
@@ -343,13 +366,16 @@ class Arm(abc.ABC):
         self._show()
 
     def note_switch(self, now: JointState) -> None:
-        """Note that controllers were started or stopped, which may end a mode."""
+        """Update the arm after controllers were started or stopped.
+
+        The start or the stop of a controller may end a mode.
+        """
         was_guided = self.mode.is_freedrive
         self.mode.note_switch(now)
         if was_guided and not self.mode.is_freedrive:
             self._show_freedrive(False, now)
 
-    # ---- what moves it --------------------------------------------------------------
+    # ---- functions for the type of drives -------------------------------------------
 
     @abc.abstractmethod
     def sample(
@@ -359,45 +385,46 @@ class Arm(abc.ABC):
         after: JointState,
         forces: tuple[Contact, ...],
     ) -> ArmSample:
-        """Return a sample of the arm's motion ``now`` [s], and of its tool's wrench.
+        """Return a sample of the arm's motion and tool wrench at ``now`` [s].
 
-        The last step was from state ``before`` to ``after``, with the external
-        ``forces``.
+        In the last physics step, the state changed from ``before`` to ``after`` under
+        the external ``forces``.
         """
 
     @abc.abstractmethod
     def zero_wrench(self) -> None:
-        """Tare the wrench on the tool, by the last sample.
+        """Tare the tool wrench with the last sample.
 
         Raises:
-            ControlError: If this arm cannot be tared.
+            ControlError: If the wrench of the arm cannot be tared.
         """
 
     def set_payload(self, payload: Payload | None) -> None:
-        """Use this payload at the flange; None is the payload of the description."""
+        """Use ``payload`` at the flange; None for the payload of the description."""
         self.box.set_payload(payload)
 
     @abc.abstractmethod
     def drive(self, command: TorqueCommand, now: JointState) -> None:
-        """Drive the joints of a taken arm with torques.
+        """Drive the joints of the arm with the torques of a program.
 
         Raises:
-            ControlError: If the arm is not taken, may not move, or is compliant, or if
-                a drive cannot exert the torque, which counts as a violation.
+            ControlError: If no program controls the arm, if the arm may not move or is
+                compliant, or if a drive cannot exert the torque, which is treated as a
+                violation.
         """
 
     @property
     @abc.abstractmethod
     def _is_guided(self) -> bool:
-        """Whether a program has taken the arm and put it in freedrive."""
+        """Whether a program controls the arm and has started freedrive."""
 
     @abc.abstractmethod
     def _comply(self, task: ComplianceTask, now: JointState) -> None:
-        """Start force mode or freedrive of a taken arm."""
+        """Start force mode or freedrive for the program that controls the arm."""
 
     @abc.abstractmethod
     def _stiffen(self, now: JointState) -> None:
-        """End force mode or freedrive if it is on: the arm stops where it is."""
+        """End force mode or freedrive if it is active, and stop the arm."""
 
     @abc.abstractmethod
     def _require_modes(self) -> None:
@@ -405,17 +432,20 @@ class Arm(abc.ABC):
 
     @abc.abstractmethod
     def _forgive(self) -> None:
-        """Clear a failure so that the arm may move again."""
+        """Clear a failure, so that the arm may move again."""
 
     @abc.abstractmethod
     def _shown_modes(self) -> Modes:
-        """Return the modes that users see."""
+        """Return the modes that are displayed to users."""
 
     @abc.abstractmethod
     def _obstacle(self) -> str:
-        """Return why the arm may not move, and a remedy; empty if it may move."""
+        """Return the reason why the arm may not move, with a remedy.
 
-    # ---- what they have in common ---------------------------------------------------
+        The text is empty if the arm may move.
+        """
+
+    # ---- shared functions -----------------------------------------------------------
 
     def _require_released(self) -> None:
         """Raise ControlError if the emergency stop holds the arm."""
@@ -431,7 +461,7 @@ class Arm(abc.ABC):
         robot: RobotMode | None = None,
         safety: SafetyMode | None = None,
     ) -> None:
-        """Change modes; stop the arm's motion if the arm may not move any more."""
+        """Change modes, and stop the arm if it may no longer move."""
         old = self._modes
         self._modes = new = old.changed(robot, safety)
         self._show()
@@ -441,7 +471,7 @@ class Arm(abc.ABC):
             self._block()
 
     def _show(self) -> None:
-        """Publish the modes of the arm, or those of an emergency stop."""
+        """Publish the modes of the arm, or the modes of an emergency stop."""
         reason = self.box.state.protective_stop
         if self._modes.safety is not SafetyMode.PROTECTIVE_STOP:
             reason = ""
@@ -449,12 +479,15 @@ class Arm(abc.ABC):
         self.box.change(robot_mode=robot, safety_mode=safety, protective_stop=reason)
 
     def _show_freedrive(self, engaged: bool, now: JointState) -> None:
-        """Publish whether a powered arm is guided by hand."""
+        """Publish whether a powered arm is in freedrive."""
         if self._modes.is_powered:
             self._set(now, RobotMode.BACKDRIVE if engaged else RobotMode.RUNNING)
 
     def _stop(self, now: JointState) -> None:
-        """Stop the arm's motion and its program; the brakes then hold the arm."""
+        """Stop the motion and the program of the arm.
+
+        After the stop, the brakes hold the arm.
+        """
         stopped = self._stop_controllers(now, self._stopped_with)
         if self.motion.is_taken:
             self.motion.abort(now)
@@ -467,7 +500,7 @@ class Arm(abc.ABC):
         self._block()
 
     def _block(self) -> None:
-        """Block the controllers of an arm that is taken or may not move."""
+        """Block the controllers if a program controls the arm or if it may not move."""
         reason, taken_by = self._obstacle(), self.box.state.taken_by
         self._manager.block(self._stopped_with, reason)
         if taken_by and not reason:
@@ -477,7 +510,7 @@ class Arm(abc.ABC):
     def _stop_controllers(
         self, now: JointState, joints: frozenset[str]
     ) -> tuple[str, ...]:
-        """Stop the controllers that claim the joints; return their names."""
+        """Stop the controllers that claim ``joints``, and return their names."""
         names = tuple(
             status.name
             for status in self._manager.list()
@@ -493,7 +526,7 @@ class Arm(abc.ABC):
         self._stopped = ()
 
     def _release(self, now: JointState) -> None:
-        """Restart the controllers that were running when the arm was taken."""
+        """Restart the controllers that were running before the program took control."""
         wanted = self.motion.controller.at_rest(now)
         self.motion.abort(now)
         self._end_program()

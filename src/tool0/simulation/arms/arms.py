@@ -1,4 +1,4 @@
-"""All arms of a robot, found by name and ticked together."""
+"""All arms of a robot, which are found by name and share one tick."""
 
 from __future__ import annotations
 
@@ -22,7 +22,10 @@ from tool0.simulation.arms.simulated_arm import SimulatedArm
 
 @final
 class Arms:
-    """All arms in the model's order.  Only the thread of the tick may use them."""
+    """All arms, in the order of the model.
+
+    Only the thread that executes the tick may use ``Arms``.
+    """
 
     def __init__(
         self,
@@ -56,7 +59,8 @@ class Arms:
                 for name, parts in found
             )
         self.boxes: tuple[ControlBoxState, ...] = ()
-        """State of each control box; the same tuple until one of them changes."""
+        """State of each control box.  The tuple of states is replaced when a state
+        changes."""
         self._note_change()
         for arm in self._arms:
             arm.box.when_changed = self._note_change
@@ -69,8 +73,8 @@ class Arms:
         """Return an arm by name, or the only arm if no name is given.
 
         Raises:
-            ControlError: If there is no such arm, or if there are several and no name
-                is given.
+            ControlError: If there is no such arm, or if there are several arms and no
+                name is given.
         """
         if name is None and len(self._arms) == 1:
             return self._arms[0]
@@ -86,17 +90,17 @@ class Arms:
 
     @property
     def is_idle(self) -> bool:
-        """Whether ``tick`` has nothing to do."""
+        """Whether a call of ``tick`` has no effect."""
         return all(arm.is_idle for arm in self._arms)
 
     def tick(self, state: JointState, period: float) -> None:
-        """Advance speed scaling and returning arms by one tick [s]."""
+        """Advance speed scaling and returning arms by one tick of ``period`` [s]."""
         for arm in self._arms:
             if not arm.is_idle:
                 arm.tick(state, period)
 
     def follow(self, report: RobotReport, now: JointState) -> None:
-        """Publish the report of a real robot's controller; follow the robot's stops."""
+        """Publish a real robot's report, and follow the stops of the robot."""
         for arm in self._real:
             arm.follow(report, now)
 
@@ -107,10 +111,10 @@ class Arms:
         after: JointState,
         forces: tuple[Contact, ...],
     ) -> Mapping[str, ArmSample]:
-        """Return a sample of each arm's motion ``now`` [s] and of its tool's wrench.
+        """Return a sample of each arm's motion and tool wrench at ``now`` [s].
 
-        The last step was from state ``before`` to ``after``, with the external
-        ``forces``.
+        In the last physics step, the state changed from ``before`` to ``after`` under
+        the external ``forces``.
         """
         return {arm.name: arm.sample(now, before, after, forces) for arm in self}
 

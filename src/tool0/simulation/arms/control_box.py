@@ -1,8 +1,8 @@
-"""The control box of an arm: requests change its state, and it acts on changes.
+"""The control box of an arm, with a state that requests change.
 
-The speed slider and a paused program change the factor of scaled trajectories, and a
-payload changes the model of the drives.  Pins are only stored.  Power, stops and
-programs are in ``Arm``.
+The speed slider and a paused program change the speed factor of scaled trajectories.  A
+payload changes the model of the drives.  The states of pins are only stored.  ``Arm``
+implements power, stops and programs.
 """
 
 from __future__ import annotations
@@ -27,22 +27,25 @@ from tool0.protocol.control_box_state import (
 )
 
 RAMP: Final = 5.0
-"""Largest change of the speed scaling factor [1/s]: UR's driver adds 0.01 in each cycle
-of 2 ms after a pause (ur_robot_driver, hardware_interface.cpp)."""
+"""Largest rate of change of the speed scaling factor [1/s].  After a pause, UR's driver
+adds 0.01 in each cycle of 2 ms (ur_robot_driver, hardware_interface.cpp)."""
 REAL_RAMP: Final = (10.0, 1.0)
-"""Largest change of the speed scaling factor of a real robot, down and up [1/s].  The
-robot limits its speed at once.  It hears of an increase slightly late, and its motion
-in the meantime must stay small."""
+"""Largest rates of decrease and increase of the speed scaling factor of a real robot
+[1/s].  A real robot limits its speed immediately.  The robot receives an increase
+slightly late, and the motion during the delay must remain small."""
 MOST_VOLTAGE: Final = 10.0
-"""Largest voltage of an analogue pin [V]."""
+"""Largest voltage of an analog pin [V]."""
 _WIRED: Final = "the inputs of a real robot are what their wires say"
 CURRENTS: Final = (0.004, 0.020)
-"""Range of the current at an analogue pin [A]."""
+"""Range of the current at an analog pin [A]."""
 
 
 @final
 class ControlBox:
-    """The control box of one arm.  Only the thread of the tick may use it."""
+    """The control box of one arm.
+
+    Only the thread that executes the tick may use ``ControlBox``.
+    """
 
     def __init__(
         self,
@@ -54,23 +57,28 @@ class ControlBox:
     ) -> None:
         self._flange, self._model, self._hardware = flange, model, hardware
         self._own_drives = own_drives
-        """Drives of a real robot, whose own box has the pins; its reports change the
+        """Drives of a real robot; None for a simulated robot.  For a real robot, the
+        pins are pins of the robot's control box, and the robot's reports change the
         state."""
         self.when_changed: Callable[[], None] = lambda: None
-        """Called after each change of the state."""
+        """Callback that is called after each change of the state."""
         self.state = ControlBoxState(
             arm=name,
             prefix=flange.removesuffix(FLANGE),
             payload=modelled_payload(model, flange),
         )
-        """State of the box; the same object until something changes."""
+        """State of the control box.  The state object is replaced when the state
+        changes."""
         self.is_steady = True
-        """Whether the speed scaling factor has reached its value."""
+        """Whether the speed scaling factor has reached its target value."""
 
     # ---- the tick -------------------------------------------------------------------
 
     def tick(self, period: float) -> None:
-        """Move the speed scaling factor towards its target value for one tick [s]."""
+        """Move the speed scaling factor toward its target value for one tick.
+
+        ``period`` is the duration of the tick [s].
+        """
         now, target = self.state.speed_scaling, _target(self.state)
         if now != target:
             ramp = RAMP if self._own_drives is None else REAL_RAMP[target > now]
@@ -82,7 +90,7 @@ class ControlBox:
     # ---- operations -----------------------------------------------------------------
 
     def set_digital(self, pins: Mapping[int, bool], *, is_input: bool) -> None:
-        """Set digital outputs, or the measured levels of inputs, by pin 0 … 17."""
+        """Set digital outputs, or the measured levels of inputs, of pins 0 … 17."""
         name = "digital_inputs" if is_input else "digital_outputs"
         values = list(getattr(self.state, name))
         for pin, value in pins.items():
@@ -96,7 +104,7 @@ class ControlBox:
         self.change(**{name: tuple(values)})
 
     def set_analog_output(self, pin: int, level: float, domain: AnalogDomain) -> None:
-        """Set an analogue output to a ``level`` within its range, 0 … 1."""
+        """Set an analog output to ``level``, a fraction of its range, 0 … 1."""
         pins = list(self.state.analog_outputs)
         _check_pin(pin, len(pins), "analog_outputs")
         if self._own_drives is not None:
@@ -111,7 +119,7 @@ class ControlBox:
         self.change(analog_outputs=tuple(pins))
 
     def set_analog_input(self, pin: int, value: AnalogPin, *, is_of_tool: bool) -> None:
-        """Set the measured value of an analogue input of the box or of the tool."""
+        """Set the measured value of an analog input of the box or of the tool."""
         if self._own_drives is not None:
             raise ControlError(_WIRED)
         name = "tool_analog_inputs" if is_of_tool else "analog_inputs"
@@ -128,7 +136,7 @@ class ControlBox:
         self.change(speed_slider=fraction)
 
     def set_payload(self, payload: Payload | None) -> None:
-        """Use this payload at the flange; None is the payload of the description."""
+        """Use ``payload`` at the flange; None for the payload of the description."""
         self._hardware.set_payload(self._flange, payload)
         known = payload or modelled_payload(self._model, self._flange)
         self.change(payload=known)

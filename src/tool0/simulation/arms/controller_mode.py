@@ -1,8 +1,9 @@
-"""Freedrive and force mode started by a controller, as in UR's ROS 2 driver.
+"""Freedrive and force mode that a controller starts, as in UR's ROS 2 driver.
 
-An arm that a program has taken is compliant by its ArmMotionController.  Here, the arm
-belongs to controllers.  In force mode it deviates from the commands of the passthrough
-controller, if that is running; otherwise it yields from where it rests.
+If a program controls an arm, the ArmMotionController makes the arm compliant.
+``ControllerMode`` is for arms that controllers drive.  In force mode, the arm deviates
+from the commands of the passthrough controller if this controller is running.  If the
+passthrough controller is not running, the arm deviates from its rest position.
 """
 
 from __future__ import annotations
@@ -30,22 +31,26 @@ ENDED: Final = "Force mode has ended: the arm stops where it is."
 
 @final
 class ControllerMode:
-    """Mode of one arm.  Only the thread of the tick may use it."""
+    """Mode of one arm.
+
+    Only the thread that executes the tick may use ``ControllerMode``.
+    """
 
     def __init__(
         self, spec: ArmMotionSpec, hardware: RobotHardware, manager: ControllerManager
     ) -> None:
-        """Start in no mode; ``spec`` has the arm's joints and its model."""
+        """Start without a mode; ``spec`` contains the arm's joints and model."""
         self._spec, self._manager = spec, manager
         self._select = joint_selector([hardware.index[name] for name in spec.joints])
         self._controller = self._host = ""
-        """Names of the mode's controller, and of the one whose joints the law
-        drives."""
+        """Names of the mode's controller, and of the controller with the joints that
+        the law drives (the host)."""
         self._compliance: Compliance | None = None
         self._rest: SplineMotion | None = None
-        """Motion from which the arm deviates if no other controller moves it."""
+        """Motion from which the arm deviates if no other controller moves the arm."""
         self._is_ending = False
-        """Whether the arm is only coming to rest, held by springs along all axes."""
+        """Whether the mode is ending: the arm comes to rest, held by springs along all
+        axes."""
 
     @property
     def is_on(self) -> bool:
@@ -54,23 +59,22 @@ class ControllerMode:
 
     @property
     def is_freedrive(self) -> bool:
-        """Whether the arm can be moved by hand."""
+        """Whether the arm can be moved manually."""
         compliance = self._compliance
         return self.is_on and compliance is not None and compliance.task.is_freedrive
 
     @property
     def is_idle(self) -> bool:
-        """Whether ``tick`` has nothing to do."""
+        """Whether a call of ``tick`` has no effect."""
         return self._compliance is None
 
     def start(self, controller: str, task: ComplianceTask, now: JointState) -> None:
-        """Make the arm compliant for an active controller, as a task demands.
+        """Make the arm compliant for an active controller, as a task specifies.
 
-        In force mode, a second task replaces the first.
+        In force mode, a new task replaces the previous task.
 
         Raises:
-            ControlError: If the controller is not active, or is for another mode or
-                arm.
+            ControlError: If the controller is inactive, or is for another mode or arm.
         """
         self._require(controller, is_freedrive=task.is_freedrive)
         if task.is_freedrive and self.is_freedrive:
@@ -82,13 +86,12 @@ class ControllerMode:
         self._comply(task, now)
 
     def end(self, controller: str, now: JointState, *, is_freedrive: bool) -> None:
-        """End the mode of a controller: the arm ramps to rest where it is.
+        """End the mode of a controller, so that the arm ramps to rest.
 
-        Does nothing if the mode is off.
+        ``end`` has no effect if the mode is not active.
 
         Raises:
-            ControlError: If the controller is not active, or is for another mode or
-                arm.
+            ControlError: If the controller is inactive, or is for another mode or arm.
         """
         self._require(controller, is_freedrive=is_freedrive)
         if not self.is_on:
@@ -102,7 +105,7 @@ class ControllerMode:
         self._comply(self._compliance.task.stiffened(), now)
 
     def note_switch(self, now: JointState) -> None:
-        """Follow a switch of controllers: change the host, or end the mode."""
+        """Change the host or end the mode after a switch of controllers."""
         compliance = self._compliance
         if compliance is None:
             return
@@ -119,7 +122,7 @@ class ControllerMode:
             self._comply(compliance.task, now)
 
     def tick(self, state: JointState) -> None:
-        """Update the motion from which the arm deviates in this tick."""
+        """Update the motion from which the arm deviates in a tick."""
         compliance, rest = self._compliance, self._rest
         if compliance is None or rest is None:
             return
@@ -129,7 +132,7 @@ class ControllerMode:
         compliance.follow(self._nominal(state.time), state.time)
 
     def forget(self) -> None:
-        """Leave the mode: the controllers get their joints back."""
+        """Leave the mode, so that the controllers drive their joints again."""
         self._compliance = self._rest = None
         self._controller = self._host = ""
         self._is_ending = False
@@ -137,13 +140,13 @@ class ControllerMode:
     # ---- the joints -----------------------------------------------------------------
 
     def _comply(self, task: ComplianceTask, now: JointState) -> None:
-        """Drive the joints by the control law of a task."""
+        """Drive the joints with the control law of a task."""
         compliance = Compliance(self._spec.model, task, self._select)
         self._compliance, self._host = compliance, self._find_host()
         self._manager.drive_efforts(self._host, self._law(compliance), now)
 
     def _law(self, compliance: Compliance) -> EffortLaw:
-        """Return the control law for the host's joints, in their order."""
+        """Return the control law for the joints of the host, in the host's order."""
         joints = self._manager.spec(self._host).joints
         if joints == self._spec.joints:
             return compliance.efforts
@@ -156,7 +159,10 @@ class ControllerMode:
         return efforts
 
     def _find_host(self) -> str:
-        """Return the active companion of the mode's controller, or that controller."""
+        """Return the active companion of the mode's controller.
+
+        If there is no active companion, the mode's controller is returned.
+        """
         spec = self._manager.spec(self._controller)
         assert isinstance(spec, ArmModeSpec)  # it was checked
         for status in self._manager.list():
@@ -169,7 +175,7 @@ class ControllerMode:
         return self._controller
 
     def _companion(self) -> PassthroughTrajectoryController:
-        """Return the host, which is another controller than the mode's own."""
+        """Return the host, which is not the mode's controller."""
         from tool0.control.ros2.passthrough_trajectory import (
             PassthroughTrajectoryController,
         )
@@ -179,7 +185,7 @@ class ControllerMode:
         return running
 
     def _return_joints(self, now: JointState) -> None:
-        """Give the companion control of the joints again, from where they are."""
+        """Return the joints to the companion at their current positions."""
         self._companion().stop_where_it_is(now, ENDED)
         self._release(now)
 
@@ -200,7 +206,7 @@ class ControllerMode:
         return desired
 
     def _stopping(self, now: JointState) -> SplineMotion:
-        """Return the motion to rest, from the measured state."""
+        """Return the motion from the measured state to rest."""
         position, velocity = self._select(now.position), self._select(now.velocity)
         zeros = (0.0,) * len(self._spec.joints)
         start = ArmSetpoint(tuple(position), tuple(velocity), zeros)
@@ -209,7 +215,7 @@ class ControllerMode:
     # ---- checks ---------------------------------------------------------------------
 
     def _require(self, controller: str, *, is_freedrive: bool) -> None:
-        """Raise ControlError unless a controller is active and offers this mode."""
+        """Raise ControlError unless a controller is active and provides this mode."""
         self._manager.running(controller)
         spec = self._manager.spec(controller)
         if not isinstance(spec, ArmModeSpec) or spec.is_freedrive != is_freedrive:

@@ -15,20 +15,21 @@ if TYPE_CHECKING:
 
 
 MASS_PERIOD: Final = 0.032
-"""Time between updates of the mass matrix [s]; a wrist turns by 0.1 rad in that
-time."""
+"""Time between updates of the mass matrix [s].  A wrist joint turns by up to 0.1 rad
+between two updates."""
 
 
 @final
 class ArmMechanics:
-    """Poses, Jacobians, masses and weights of one arm.
+    """Poses, Jacobians, mass matrices and gravity efforts of one arm.
 
-    The base frame is the link ``<prefix>base``: base_link turned by π about z, as in
-    the arm's control box.  Without such a link, it is the link that carries the arm.
+    The base frame is the link ``<prefix>base``: base_link rotated by π about z, as in
+    the arm's control box.  If there is no link ``<prefix>base``, the base frame is the
+    link that carries the arm.
     """
 
     def __init__(self, model: RobotModel, arm: str, hardware: RobotHardware) -> None:
-        """Postpone all computations, since only some requests need numpy."""
+        """Initialize without computations, since only some requests need numpy."""
         self._model, self._arm, self._hardware = model, arm, hardware
         self._masses: tuple[float, Array] | None = None
         """Time of the last mass matrix [s], and the matrix."""
@@ -42,7 +43,7 @@ class ArmMechanics:
 
     @cached_property
     def T_base_chain(self) -> Array:
-        """Pose in the base frame of the link that carries the arm, shape (4, 4)."""
+        """Pose of the link that carries the arm, in the base frame, shape (4, 4)."""
         import numpy as np
 
         from tool0.kinematics.chain import fixed_transform
@@ -53,7 +54,10 @@ class ArmMechanics:
         return fixed_transform(self._model, base, self.chain.base).matrix
 
     def place(self, q: Array, lever: Array) -> Placement:
-        """Return the position of the flange's point ``lever`` at ``q`` [rad]."""
+        """Return the placement of a point at the joint positions ``q`` [rad].
+
+        ``lever`` is the position of the point in the flange frame [m].
+        """
         import numpy as np
 
         posture, base = self.chain.forward(q[None]), self.T_base_chain
@@ -70,7 +74,7 @@ class ArmMechanics:
         return list(map(self._hardware.rotor_inertia, self.chain.joint_names))
 
     def dynamics(self, state: JointState) -> ArmDynamics:
-        """Return the joints' mass matrix, and the efforts that hold the joints."""
+        """Return the joints' mass matrix, and the efforts that balance gravity."""
         import numpy as np
 
         names, hardware = self.chain.joint_names, self._hardware

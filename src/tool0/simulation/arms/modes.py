@@ -1,4 +1,4 @@
-"""The modes of an arm, and the reasons why it may not move."""
+"""The modes of an arm, and the reasons why the arm may not move."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tool0.protocol.control_box_state import (
 
 @final
 class Modes(NamedTuple):
-    """Modes of an arm, whether or not the emergency stop hides them."""
+    """Modes of an arm, regardless of whether the emergency stop hides them."""
 
     robot: RobotMode = RobotMode.RUNNING
     safety: SafetyMode = SafetyMode.NORMAL
@@ -26,7 +26,7 @@ class Modes(NamedTuple):
 
     @property
     def may_move(self) -> bool:
-        """Whether the arm is powered, its brakes are off, and no stop is active."""
+        """Whether the arm is powered, with released brakes and no active stop."""
         return self.is_powered and self.safety in UNSTOPPED
 
     def changed(self, robot: RobotMode | None, safety: SafetyMode | None) -> Modes:
@@ -37,9 +37,10 @@ class Modes(NamedTuple):
         return new
 
     def obstacle(self, arm: str, stopped_for: str) -> str:
-        """Return why the arm may not move, and a remedy; empty if it may move.
+        """Return the reason why the arm may not move, with a remedy.
 
-        ``stopped_for`` is the reason of the protective stop, if there is one.
+        The text is empty if the arm may move.  ``stopped_for`` is the reason for the
+        protective stop, if there is one.
         """
         handle = f"robot.arms['{arm}'].control_box"
         if self.safety is SafetyMode.PROTECTIVE_STOP:

@@ -1,4 +1,4 @@
-"""The motion of an arm that a program has taken from its controllers."""
+"""The motion of an arm that a program controls instead of the arm's controllers."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ from tool0.protocol.state import ArmSample
 from tool0.simulation.arms.mechanics import ArmMechanics
 
 RETURN_BRAKE: Final = 4.0
-"""Change of a path's speed factor when the arm is released while it moves [1/s²]: a
-path at full speed ends within 0.25 s."""
+"""Rate of change of a path's speed factor when the arm is released during motion [1/s].
+A path at full speed stops within 0.25 s."""
 RETURN_DECELERATION: Final = 4.0
-"""Smallest deceleration of any other motion when the arm is released [rad/s²]; a stream
-of velocities ends at least as fast as its own acceleration allows."""
+"""Smallest deceleration of motions other than paths when the arm is released [rad/s²].
+A stream of velocities uses its own acceleration if this acceleration is larger."""
 SETTLING: Final = 0.1
-"""Time from when the setpoint of an arm rests until the arm does [s]: its servos lag by
-about 20 ms."""
+"""Time from the rest of an arm's setpoint to the rest of the arm [s].  The servos of
+the arm lag by about 20 ms."""
 STIFFENING: Final = 10.0
-"""Deceleration of a moving arm when force mode or freedrive ends, or its motion fails
-[rad/s²]."""
+"""Deceleration of a moving arm when force mode or freedrive ends, or when the arm's
+motion fails [rad/s²]."""
 
 
 @final
 class ArmMotion:
-    """Motion of an arm that a program has taken.
+    """Motion of an arm that a program controls.
 
-    Only the thread of the tick may use it.  The motion is made by an
-    ArmMotionController, which exists until the arm is released.
+    Only the thread that executes the tick may use ``ArmMotion``.  An
+    ArmMotionController, which exists until the arm is released, moves the arm.
     """
 
     def __init__(
@@ -64,28 +64,31 @@ class ArmMotion:
             model=ArmMechanics(model, name, hardware),
         )
         self.is_taken = False
-        """Whether a program has taken the arm."""
+        """Whether a program has taken control of the arm."""
         self.is_protected = False
         """Whether a failed motion causes a protective stop."""
         self._rests_at: float | None = None
-        """Time from which an arm that is being released rests [s]; None for any other
-        arm."""
+        """Time at which an arm that is being released will have come to rest [s]; None
+        if the arm is not being released."""
         self._n_paths = 0
-        """Number of paths that the arm was given."""
+        """Number of paths that were started."""
         self.has_torques = False
-        """Whether torques of the arm's program drive the joints."""
+        """Whether torques of a program drive the joints."""
 
     @property
     def controller(self) -> ArmMotionController:
-        """Controller of the taken arm."""
+        """Controller that moves the arm for a program."""
         running = self._manager.running(self.spec.name)
         assert isinstance(running, ArmMotionController)  # it has this spec
         return running
 
-    # ---- from start to end ----------------------------------------------------------
+    # ---- start and end --------------------------------------------------------------
 
     def start(self, held: tuple[float, ...] | None, now: JointState) -> None:
-        """Hold still, at ``held`` [rad] if the arm is near it; cancel a return."""
+        """Hold the arm, and cancel a return.
+
+        The arm is held at ``held`` [rad] if it is near these positions.
+        """
         if self.is_returning:
             self._rests_at = None
             if self.controller.motion(now.time).is_at_rest:
@@ -98,11 +101,11 @@ class ArmMotion:
 
     @property
     def is_returning(self) -> bool:
-        """Whether the arm is stopping in order to be released."""
+        """Whether the arm is stopping before its release."""
         return self._rests_at is not None
 
     def start_return(self, now: float) -> bool:
-        """Stop in order to be released; return whether the arm already rests."""
+        """Stop before the release, and return whether the arm is already at rest."""
         controller = self.controller
         on_path = controller.mode == "path"
         if controller.motion(now).is_at_rest and not on_path:
@@ -114,7 +117,10 @@ class ArmMotion:
         return False
 
     def has_returned(self, now: float) -> bool:
-        """Return whether a returning arm has come to rest; called in each tick."""
+        """Return whether a returning arm has come to rest.
+
+        ``has_returned`` is called in each tick.
+        """
         if self._rests_at is None or not self.controller.is_done(now):
             return False
         if now >= self._rests_at:
@@ -123,17 +129,20 @@ class ArmMotion:
         return False
 
     def note_restart(self, now: float) -> None:
-        """Note that the controller was restarted, so that a returning arm rests."""
+        """Update the state after a restart of the controller.
+
+        A returning arm is at rest after the restart.
+        """
         self.has_torques = False
         if self.is_returning:
             self._rests_at = now
 
     def abort(self, now: JointState) -> None:
-        """End the motion at once: the brakes stop the arm."""
+        """End the motion immediately, so that the brakes stop the arm."""
         self.is_taken, self._rests_at, self.has_torques = False, None, False
         self._manager.stop_own(self.spec.name, now)
 
-    # ---- while it is taken ----------------------------------------------------------
+    # ---- motion under program control -----------------------------------------------
 
     def execute(
         self,
@@ -143,13 +152,13 @@ class ArmMotion:
         after: int | None = None,
         at: float | None = None,
     ) -> int:
-        """Start a path; return its number.
+        """Start a path, and return the number of the path.
 
-        The path starts ``now`` [s], or replaces the path with number ``after`` from
-        that path's time ``at`` [s] on.
+        The path starts at ``now`` [s], or replaces path number ``after``, starting at
+        the time ``at`` along path ``after`` [s].
 
         Raises:
-            ControlError: If the path cannot be followed; the arm's motion then
+            ControlError: If the path cannot be followed; in this case, the arm's motion
                 continues.
         """
         controller, number = self.controller, self._n_paths + 1
@@ -169,7 +178,8 @@ class ArmMotion:
         """Drive the joints with torques.
 
         Raises:
-            ControlError: If a drive cannot exert the torque; nothing has changed then.
+            ControlError: If a drive cannot exert the torque; in this case, nothing
+                changes.
         """
         torques = self.controller.torques
         if torques is not None:
@@ -180,15 +190,18 @@ class ArmMotion:
         self.has_torques = True
 
     def rest(self, now: JointState) -> None:
-        """Ramp to rest from the measured motion, with freshly initialised servos."""
+        """Ramp to rest from the measured motion, with newly initialized servos."""
         self.has_torques = False
         self._manager.drive_efforts(self.spec.name, None, now)
         self.controller.end_compliance(now, STIFFENING)
 
-    # ---- where it is ----------------------------------------------------------------
+    # ---- state of the arm -----------------------------------------------------------
 
     def setpoint(self, now: JointState) -> tuple[float, ...]:
-        """Return the commanded position of a resting arm, or the measured one [rad]."""
+        """Return the commanded joint positions of the arm [rad].
+
+        If no controller holds the arm at rest, the measured positions are returned.
+        """
         if self.is_taken:
             return tuple(self.controller.motion(now.time).positions)
         index = self._hardware.index
@@ -196,10 +209,10 @@ class ArmMotion:
         return self.desired(now) or measured
 
     def sample(self, now: float, wrench: Wrench, failure: str) -> ArmSample:
-        """Return the motion of the arm ``now`` [s].
+        """Return the motion of the arm at ``now`` [s].
 
-        ``wrench`` acts on the tool; ``failure`` is the reason why the motion failed, if
-        it did.
+        ``wrench`` acts on the tool.  ``failure`` is the reason why the motion failed;
+        it is empty if the motion did not fail.
         """
         joints = self.spec.joints
         if not self.is_taken:
@@ -221,14 +234,15 @@ class ArmMotion:
             joints,
         )
 
-    # ---- controllers that move it before and after ----------------------------------
+    # ---- controllers before and after program control -------------------------------
 
     def desired(self, now: JointState) -> tuple[float, ...] | None:
-        """Return where a controller wants the arm to rest [rad]; None if none does.
+        """Return the positions at which a controller holds the arm [rad], or None.
 
-        An effort controller that has just started lets the arm sag until its integral
-        term carries the arm.  Holding the arm at its momentary position would therefore
-        lower it a little more each time it is taken.
+        After an effort controller has started, the arm sags until the integral term of
+        the controller supports the arm.  If a program held the arm at its measured
+        position, the arm would therefore be lowered slightly each time a program takes
+        control of it.
         """
         joints = self.spec.joints
         for controller in self._followers():
@@ -242,9 +256,10 @@ class ArmMotion:
         return None
 
     def preload_integrals(self, now: JointState) -> None:
-        """Start effort controllers with the efforts that hold the arm now.
+        """Start effort controllers with the efforts that currently hold the arm.
 
-        With an integral of 0 the arm would sag until the integral has built up.
+        With an initial integral of 0, the arm would sag until the integral has built
+        up.
         """
         hardware, claimed = self._hardware, self._hardware.claimed
         for controller in self._followers():
@@ -260,7 +275,7 @@ class ArmMotion:
                     controller.pid.set_contribution(k, effort)
 
     def _followers(self) -> Iterator[TrajectoryFollower]:
-        """Return the running trajectory controllers of the arm's joints."""
+        """Yield the running trajectory controllers of the arm's joints."""
         joints = set(self.spec.joints)
         for status in self._manager.list():
             if status.is_running and status.joints & joints:

@@ -1,4 +1,4 @@
-"""An arm with its own controller: a real robot."""
+"""The arm of a real robot, which has its own controller."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _LOST: Final = "check power and network; tool0 tries again"
 
 @final
 class RealArm(Arm):
-    """A real arm with its own motion control; it reports its power, stops and pins."""
+    """A real arm with its own motion control, which reports power, stops and pins."""
 
     def __init__(
         self,
@@ -55,7 +55,10 @@ class RealArm(Arm):
         hardware: RobotHardware,
         manager: ControllerManager,
     ) -> None:
-        """Serve the arm of ``drives``; its gripper moves only while the arm may."""
+        """Create the arm of ``drives``.
+
+        The gripper of the arm may move only while the arm may move.
+        """
         box = ControlBox(name, parts.flange, model, hardware, drives)
         super().__init__(
             *(name, parts, box),
@@ -66,14 +69,15 @@ class RealArm(Arm):
         )
         self._drives = drives
         self._report: RobotReport | None = None
-        """Newest report of the robot's controller."""
+        """Latest report of the robot's controller."""
         self._task: ComplianceTask | None = None
-        """Task of force mode or freedrive that the arm's own controller executes."""
+        """Task of force mode or freedrive that the robot's controller executes; None if
+        there is no such task."""
 
     def follow(self, report: RobotReport, now: JointState) -> None:
-        """Publish the report of the robot's controller; stop what the robot stopped.
+        """Publish a report of the robot's controller, and follow the robot's stops.
 
-        Nothing starts by itself: starting takes ``play``.
+        Motion never restarts automatically; ``play`` is required.
         """
         if report is self._report:
             return
@@ -108,7 +112,7 @@ class RealArm(Arm):
         self._drives.forgive()
         self.box.change(motion_failure="")
 
-    # ---- force mode and freedrive: the robot's --------------------------------------
+    # ---- force mode and freedrive of the robot --------------------------------------
 
     @property
     def _is_guided(self) -> bool:
@@ -139,12 +143,12 @@ class RealArm(Arm):
             self.motion.rest(now)
 
     def _stop(self, now: JointState) -> None:
-        with contextlib.suppress(TransportError):  # it has ended with the link
+        with contextlib.suppress(TransportError):  # the task ended with the link
             self._end_task()
         super()._stop(now)
 
     def _end_task(self) -> bool:
-        """End force mode or freedrive; return whether either was on."""
+        """End force mode or freedrive, and return whether either was active."""
         task, self._task = self._task, None
         if task is None:
             return False

@@ -1,4 +1,4 @@
-"""An arm whose drives are simulated."""
+"""An arm with simulated drives."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tool0.simulation.arms.modes import Modes
 
 @final
 class SimulatedArm(Arm):
-    """An arm with drives that take efforts, and with a computed wrench on its tool."""
+    """An arm with simulated drives that follow efforts, and a computed tool wrench."""
 
     def __init__(
         self,
@@ -38,14 +38,14 @@ class SimulatedArm(Arm):
         hardware: RobotHardware,
         manager: ControllerManager,
     ) -> None:
-        """Serve the arm of ``engine`` that consists of ``parts``."""
+        """Create the arm of ``engine`` that consists of ``parts``."""
         box = ControlBox(name, parts.flange, model, hardware)
         super().__init__(
             name, parts, box, model=model, hardware=hardware, manager=manager
         )
         self._model, self._engine = model, engine
         self._tool_wrench: ToolWrench | None = None
-        """Wrench on the tool, once it has been sampled."""
+        """Sensor of the tool wrench; None until the wrench is first sampled."""
 
     def tick(self, state: JointState, period: float) -> None:
         super().tick(state, period)
@@ -69,10 +69,10 @@ class SimulatedArm(Arm):
             self._show_freedrive(False, now)
 
     def _require_modes(self) -> None:
-        """Do nothing, since controllers can make a simulated arm compliant."""
+        """Do nothing, since controllers can start the modes of a simulated arm."""
 
     def _forgive(self) -> None:
-        """Do nothing: the failure is in the state of the control box."""
+        """Do nothing, since the state of the control box contains the failure."""
 
     def drive(self, command: TorqueCommand, now: JointState) -> None:
         controller = self.controller_to_move()
@@ -94,9 +94,9 @@ class SimulatedArm(Arm):
             raise
 
     def _watch_torques(self, state: JointState, period: float) -> None:
-        """Stop protectively at a violation; end torques that no program renews."""
+        """Start a protective stop at a violation, and end expired torques."""
         torques = self.motion.controller.torques
-        assert torques is not None  # the mode has one
+        assert torques is not None  # torque mode has a law
         if reason := torques.violation(state, period):
             self.stop_protectively(reason, state)
         elif torques.is_over(state.time):
@@ -139,7 +139,7 @@ class SimulatedArm(Arm):
     # ---- modes ----------------------------------------------------------------------
 
     def _shown_modes(self) -> Modes:
-        """Return the arm's modes, or those of the emergency stop, which hides them."""
+        """Return the modes of the arm, which an emergency stop hides."""
         if self._hardware.is_stopped:
             return Modes(RobotMode.POWER_OFF, SafetyMode.ROBOT_EMERGENCY_STOP)
         return self._modes

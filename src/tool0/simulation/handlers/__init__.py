@@ -1,4 +1,4 @@
-"""The handlers of a simulation: one function for each kind of request."""
+"""The request handlers of a simulation, one function for each kind of request."""
 
 from tool0.simulation.handlers import arm as arm
 from tool0.simulation.handlers import arm_motion as arm_motion

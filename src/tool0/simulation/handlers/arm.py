@@ -1,4 +1,4 @@
-"""Handlers of arm requests that refer to poses of the tool."""
+"""Handlers of arm requests that refer to tool poses."""
 
 from __future__ import annotations
 
@@ -38,9 +38,10 @@ if TYPE_CHECKING:
 
 
 _AFTER_ANY_MOTION = 1e6
-"""Time after which every motion has certainly ended [s]."""
+"""Time after which every motion is assumed to have ended [s]."""
 AT_REST = 1e-6
-"""Velocity and acceleration below which a joint stands still [rad/s, rad/s²]."""
+"""Velocity and acceleration below which a joint is considered to be at rest [rad/s,
+rad/s²], and largest distance of a joint at rest from its target [rad]."""
 
 
 @handles(ListArms)
@@ -142,7 +143,7 @@ def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
 def line_of(
     simulation: Simulation, request: MoveLinear, positions: Mapping[str, float]
 ) -> Path:
-    """Return the straight-line motion of a tool, from ``positions`` of all joints."""
+    """Return a straight-line motion of a tool that starts at joint ``positions``."""
     import numpy as np
 
     from tool0.motion.linear import plan_line
@@ -161,14 +162,14 @@ def line_of(
 
 
 def _kinematics(chain: ArmChain) -> InverseKinematics:
-    """Return an arm's inverse kinematics; ControlError if it is not built like a UR."""
+    """Return an arm's inverse kinematics; raise ControlError for non-UR geometry."""
     from tool0.kinematics.inverse import InverseKinematics
 
     return InverseKinematics(chain)
 
 
 def _at_rest(simulation: Simulation, name: str) -> Mapping[str, float]:
-    """Return the position of a controller's joints, or raise ControlError."""
+    """Return the resting positions of a controller's joints, or raise ControlError."""
     executor = simulation.executor
 
     def read() -> Any:

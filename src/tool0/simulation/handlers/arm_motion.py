@@ -1,4 +1,4 @@
-"""Handlers of the requests to an arm that a program moves."""
+"""Handlers of the requests to an arm that a program controls."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def _stop(simulation: Simulation, request: StopArm) -> None:
 def _admit(
     simulation: Simulation, request: ServoJoints | SpeedJoints | SpeedTool
 ) -> None:
-    """Refuse setpoints that continue a stream which has already ended."""
+    """Reject setpoints that continue a stream that has already ended."""
     if not simulation.loop.is_realtime:
         return
     timeout, is_rest = request.timeout, False

@@ -28,7 +28,10 @@ def trajectory_controller(simulation: Simulation, chain: ArmChain) -> str:
 
 
 def standing(simulation: Simulation, *arms: str | None) -> Mapping[str, float]:
-    """Return the positions of all joints; for arms, the commanded ones if available."""
+    """Return the positions of all joints.
+
+    For ``arms``, the commanded positions are returned if they are available.
+    """
     positions = dict(simulation.snapshot.positions)
     for arm in arms:
         try:

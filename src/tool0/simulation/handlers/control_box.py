@@ -1,4 +1,4 @@
-"""Handlers of the requests to the control box of an arm."""
+"""Handlers of the requests to an arm's control box."""
 
 from __future__ import annotations
 

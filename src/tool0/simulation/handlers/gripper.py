@@ -20,8 +20,8 @@ from tool0.simulation.paths import trajectory_points
 from tool0.simulation.simulation import Simulation
 
 SQUEEZED = 0.001
-"""Distance by which the commanded opening must be below the measured one to count as
-squeezing [m]."""
+"""Distance by which the commanded opening must be below the measured opening for the
+gripper to be considered squeezing [m]."""
 
 
 @handles(Grip)
@@ -36,7 +36,7 @@ def _grip(simulation: Simulation, request: Grip) -> GoalStarted:
     limits = GripLimits(
         gripper=request.gripper, speed=speed, force=force, effort=request.effort
     )
-    drive_limits(simulation, limits)  # raises if one is out of range
+    drive_limits(simulation, limits)  # raises an error if a limit is out of range
     for status in simulation.snapshot.controllers:
         if not status.is_running or joint not in status.joints:
             continue
@@ -96,7 +96,8 @@ def _opening(simulation: Simulation, gripper: ParallelGripper, request: Grip) ->
         raise ControlError(f"grip: give either 'opening' [m] or 'position' [{unit}]")
     if request.opening is not None:
         return request.opening
-    # At its stops, the joint's opening may be slightly beyond the gripper's range.
+    # When the joint is at its end stops, the opening may be slightly beyond the
+    # gripper's range.
     position, limits = request.position or 0.0, simulation.joint_limits[gripper.joint]
     if not limits.lower <= position <= limits.upper:
         raise ModelError(
@@ -109,11 +110,12 @@ def _opening(simulation: Simulation, gripper: ParallelGripper, request: Grip) ->
 def _plan(
     simulation: Simulation, gripper: ParallelGripper, end: float, speed: float
 ) -> list[TrajectoryPoint]:
-    """Return the motion to ``end`` [m] from where the pads are.
+    """Return the motion from the current opening to the opening ``end`` [m].
 
-    A squeeze continues into a tighter one without letting go.  An opening motion starts
-    with its setpoint at the pads: the controller's own setpoint lies further inside, so
-    the gripper would otherwise keep squeezing with the full force of the new goal.
+    If the gripper is squeezing and the motion closes it further, the squeeze continues
+    without a release.  For an opening motion, the setpoint starts at the measured
+    opening.  The current setpoint of the controller is a smaller opening, so the
+    gripper would otherwise continue to squeeze with the full force of the new goal.
     """
     snapshot = simulation.snapshot
     here = snapshot.position[snapshot.joint_names.index(gripper.joint)]

@@ -1,4 +1,4 @@
-"""The handler of the request for the hardware components."""
+"""Handler of the request that lists the hardware components."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tool0.simulation.handlers.table import handles
 from tool0.simulation.simulation import Simulation
 
 _UNSUPPORTED = "acceleration"
-"""The interface of a joint that ros2_control knows but no drive follows."""
+"""A joint interface of ros2_control that no drive supports."""
 
 
 @handles(ListHardware)
@@ -49,7 +49,7 @@ def _list(
 
 
 def _from_transmissions(model: RobotModel) -> HardwareComponent:
-    """Return the drives that transmissions describe as one component."""
+    """Return one component with the drives that the transmissions describe."""
     words = {interface: word for word, interface in DRIVEN_BY.items()}
     return HardwareComponent(
         name=model.name,

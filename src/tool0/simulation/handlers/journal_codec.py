@@ -1,4 +1,4 @@
-"""Journal requests as JSON, including those that connections do not send."""
+"""Conversion of journal requests to and from JSON, including internal requests."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def params_of(request: Request[Any]) -> bytes:
     """Return the parameters of a request as a JSON object.
 
     Raises:
-        RequestError: If a value cannot be written.
+        RequestError: If a value cannot be converted to JSON.
     """
     try:
         return _encoder.encode(request)
@@ -30,8 +30,8 @@ def request_of(method: str, params: bytes | str) -> Request[Any]:
     """Return the request that the JSON object describes.
 
     Raises:
-        RequestError: If this version of tool0 has no such request, or none with these
-            parameters.
+        RequestError: If this version of tool0 has no such request, or the request does
+            not accept the parameters.
     """
     entry = entries().get(method)
     if entry is None:
@@ -48,7 +48,7 @@ class _WrittenConfig(msgspec.Struct, frozen=True):
 
     yaml: str
     types: dict[str, str]
-    """Types by controller, including types that the YAML does not state."""
+    """Types, by controller, including types that the YAML does not specify."""
 
 
 def _written(value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Handlers of the requests to controllers and to their manager."""
+"""Handlers of the requests to controllers and to the controller manager."""
 
 from __future__ import annotations
 
@@ -56,12 +56,12 @@ from tool0.simulation.simulation import Simulation
 
 
 def started(simulation: Simulation, goal: Goal) -> GoalStarted:
-    """Number an accepted goal."""
+    """Assign a number to an accepted goal."""
     return GoalStarted(goal=simulation.goals.add(goal), controller=goal.controller)
 
 
 def drive_limits(simulation: Simulation, limits: GripLimits) -> DriveLimits:
-    """Return the limits of a gripper's drive, or raise ControlError."""
+    """Return the limits of a gripper drive, or raise ControlError."""
     return DriveLimits(
         gripper=simulation.gripper(limits.gripper),
         speed=limits.speed,
@@ -113,14 +113,21 @@ def _scale(simulation: Simulation, request: ScaleTrajectory) -> None:
 
 
 def _import_planner(simulation: Simulation, request: Request[Any]) -> None:
-    """Import the planner, which is slow the first time, outside the tick's thread."""
+    """Import the planner outside the thread of the tick.
+
+    The first import is slow.
+    """
     from tool0.motion.joint import import_planner
 
     import_planner()
 
 
 def _prepare_move(simulation: Simulation, request: MoveJoints) -> None:
-    """Do the slow part of ``MoveJoints``; raise CollisionError to refuse the motion."""
+    """Execute the slow part of ``MoveJoints``.
+
+    CollisionError is raised if the motion would cause a collision and the request does
+    not ignore collisions.
+    """
     _import_planner(simulation, request)
     if request.collision == "refuse":
         require_free(simulation, request.positions)
@@ -205,7 +212,7 @@ def _go(simulation: Simulation, request: GoToPose) -> tuple[GoalStarted, ...]:
     )
 
 
-# ---- the controllers themselves -----------------------------------------------------
+# ---- controllers --------------------------------------------------------------------
 
 
 class LoadControllerWith(Request[None], frozen=True):
@@ -215,7 +222,7 @@ class LoadControllerWith(Request[None], frozen=True):
 
     name: Name
     config: ControllerConfig | None = None
-    """Configuration of the controllers; the bring-up's if left out."""
+    """Configuration of the controllers; None for the configuration of the bring-up."""
     configure: bool = True
 
 

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 
 def motion_plans(simulation: Simulation) -> MotionPlans:
-    """Return the checker and planner of the motions of a simulation."""
-    from tool0.simulation.motion_plans import MotionPlans  # numpy, and the planner
+    """Return the object that checks and plans motions of a simulation."""
+    from tool0.simulation.motion_plans import MotionPlans  # loads numpy and the planner
 
     return simulation.service(MotionPlans)
 
@@ -22,7 +22,7 @@ def motion_plans(simulation: Simulation) -> MotionPlans:
 def require_free(simulation: Simulation, targets: Mapping[str, float]) -> None:
     """Raise CollisionError if arms would collide on the way to ``targets`` [rad | m].
 
-    The joints move synchronously, from their commanded positions.
+    The joints move synchronously, starting at their commanded positions.
     """
     arms = [
         name

@@ -1,4 +1,4 @@
-"""Handlers of the requests about the objects around the robot."""
+"""Handlers of the requests for objects around the robot."""
 
 from __future__ import annotations
 
@@ -32,12 +32,15 @@ from tool0.simulation.pull_springs import PullSpring
 from tool0.simulation.simulation import Simulation
 
 MOST_SHAPES = 500
-"""Largest number of shapes in a scene to which requests may add; adding gets slower
-with each shape."""
+"""Largest number of shapes in the scene.  Each additional shape increases the time for
+adding an object."""
 
 
 def _object_to_add(simulation: Simulation, request: AddObject) -> SceneObject:
-    """Return the requested object; its colour may still change when it is added."""
+    """Return the requested object.
+
+    The color of the object may still change when the object is added.
+    """
     rgba = STILL_RGBA if request.rgba is None else request.rgba
     item = SceneObject(
         name=request.name,
@@ -55,7 +58,7 @@ _Placing = AddObject | AddModel | PlaceObject
 
 
 def _prepare(simulation: Simulation, request: _Placing, item: SceneObject) -> None:
-    """Do the slow part of checking that the object is outside the robot."""
+    """Execute the slow part of the check that the object is outside the robot."""
     if not request.allow_penetration:
         simulation.collisions.prepare(item)
 
@@ -66,7 +69,10 @@ def _require_outside(
     item: SceneObject,
     at: ObjectState | None = None,
 ) -> None:
-    """Raise PenetrationError if an object would be inside a link and must not be."""
+    """Raise PenetrationError if an object would be inside a link.
+
+    There is no error if the request allows penetrations.
+    """
     if not request.allow_penetration:
         position = simulation.core.state.position
         simulation.collisions.require_outside(position, item, at)
@@ -108,7 +114,11 @@ def _add_model(
 def _spawn(
     simulation: Simulation, request: AddObject | AddModel, item: SceneObject
 ) -> None:
-    """Add an object, unless there would be too many shapes or it is inside a link."""
+    """Add an object.
+
+    An error is raised if there would be too many shapes, or if the object would be
+    inside a link.
+    """
     scene = simulation.core.scene
     solids = [*(known.geometry for known in scene.objects), item.geometry]
     count = sum(len(placed_geometries(solid)) for solid in solids)

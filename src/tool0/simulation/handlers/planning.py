@@ -25,18 +25,19 @@ from tool0.simulation.simulation import Simulation
 
 
 class StartPlan(Request[tuple[GoalStarted, ...]], frozen=True):
-    """Start one motion of several controllers in the same tick.
+    """Start motions of several controllers in the same tick.
 
-    A new contact stops them, unless it is with one of ``may_touch``.
+    A new contact stops the motions, unless the contact is with one of ``may_touch``.
     """
 
     unchecked = ("motions",)
 
     motions: tuple[tuple[Name, tuple[str, ...], Points], ...]
-    """Motion of each controller: the controller's name, the joints, and the points."""
+    """Motion of each controller: the name of the controller, the joints, and the
+    points."""
     may_touch: tuple[str, ...] = ()
     carried: tuple[str, ...] = ()
-    """Objects that move with the arms."""
+    """Names of the objects that move with the arms."""
 
 
 @handles(PlanMotion)

@@ -1,4 +1,4 @@
-"""Handlers of the program requests: check, run, save and export."""
+"""Handlers of the requests that check, run, save and export programs."""
 
 from __future__ import annotations
 
@@ -43,11 +43,15 @@ if TYPE_CHECKING:
     from tool0.simulation.handlers.program_run import ProgramExecution
 
 _LONGEST_RETURN = 2.0
-"""Longest wait for an arm that is being released when a program starts [wall s]."""
+"""Longest wall time that a starting program waits for an arm that is being released
+[s]."""
 
 
 def _context(simulation: Simulation, program: Program) -> RobotContext:
-    """Return a program's context; ControlError if its arm or gripper is unknown."""
+    """Return the context of a program.
+
+    ControlError is raised if the program's arm or gripper is unknown.
+    """
     from tool0.programs.robot_context import RobotContext
 
     require_shallow(program)
@@ -79,7 +83,7 @@ def _context(simulation: Simulation, program: Program) -> RobotContext:
 
 
 def _planned(simulation: Simulation, context: RobotContext) -> ProgramPlan:
-    """Plan a program from the present commanded positions of its arm."""
+    """Plan a program, starting at the current commanded positions of its arm."""
     from tool0.programs.planning import plan_program
 
     core = simulation.core
@@ -89,7 +93,7 @@ def _planned(simulation: Simulation, context: RobotContext) -> ProgramPlan:
 
 
 def _wait_for_return(simulation: Simulation, arm: str) -> None:
-    """Wait for an arm that is stopping in order to be released, while time passes."""
+    """Wait for an arm that is being released, if the simulation runs in real time."""
     loop, bus = simulation.loop, simulation.bus
     motion = simulation.core.arms.find(arm).motion
     end = time.monotonic() + _LONGEST_RETURN

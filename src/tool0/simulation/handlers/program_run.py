@@ -1,4 +1,4 @@
-"""The execution of a program, from taking its arm to releasing it.
+"""The execution of a program, from taking control of an arm to releasing the arm.
 
 The program advances after each snapshot.
 """
@@ -36,7 +36,11 @@ logger = logging.getLogger(__name__)
 
 @final
 class ProgramExecution:
-    """Executes one program.  Only the thread of the tick uses it; any may read it."""
+    """Executes one program.
+
+    Only the thread that executes the tick may advance the program; other threads may
+    read its state.
+    """
 
     def __init__(
         self,
@@ -47,10 +51,10 @@ class ProgramExecution:
         number: int,
         paused: bool,
     ) -> None:
-        """Take the arm; the steps begin at the next snapshot.
+        """Take control of the arm; the steps begin at the next snapshot.
 
         Raises:
-            ControlError: If the arm may not move or is already taken.
+            ControlError: If the arm may not move, or another program controls the arm.
         """
         self._simulation, self._arm = simulation, context.arm
         name, arm = plan.program.name, context.arm
@@ -67,11 +71,14 @@ class ProgramExecution:
         self._events = simulation.bus.subscribe(latest_only=True)
         self._script = self._run()
 
-    # ---- requests: any thread ------------------------------------------------------
+    # ---- requests from any thread --------------------------------------------------
 
     @property
     def is_stopping(self) -> bool:
-        """Whether the program was stopped; it ends once its arm has been released."""
+        """Whether the program was stopped.
+
+        A stopped program ends after its arm has been released.
+        """
         return self._stop is not None
 
     def stop(self, reason: str) -> None:
@@ -79,7 +86,7 @@ class ProgramExecution:
         self._stop = self._stop or EndedError("stopped", reason)
 
     def set_stepping(self, stepping: bool) -> None:
-        """Choose whether the program pauses before its next step."""
+        """Set whether the program pauses before its next step."""
         self._steps.is_stepping = stepping
 
     # ---- snapshots ------------------------------------------------------------------
@@ -91,7 +98,7 @@ class ProgramExecution:
             next(self._script)
         except StopIteration:
             return
-        except Exception:  # a bug must not lose the robot
+        except Exception:  # release the arm even after a bug
             logger.exception("%s failed", self._name)
             with suppress(Tool0Error):
                 self._steps.call(ReturnArm(arm=self._arm))
@@ -117,7 +124,7 @@ class ProgramExecution:
         self._finish(state, reason)
 
     def _watched(self, steps: StepCoroutine[None]) -> StepCoroutine[None]:
-        """Execute steps; end the program if something else has happened to the arm."""
+        """Execute steps, and end the program if the program may not continue."""
         while True:
             self._watch()
             try:
@@ -157,20 +164,23 @@ class ProgramExecution:
         self._steps.call(TakeArm(arm=self._arm, by=self._name))
 
     def _release(self) -> StepCoroutine[None]:
-        """Stop the arm and let its controllers start again, if it is still taken."""
+        """Stop and release the arm if the program still controls it."""
         self._events.close()
         if self._steps.box.taken_by != self._name:
             self._stop_path()
             return
         if self._steps.is_paused:
-            # The clock of a paused path stands still, so the path would never end.
+            # The clock of a paused path does not advance, so the path would never end.
             self._steps.call(StopArm(arm=self._arm, deceleration=BRAKE))
         self._steps.call(ReturnArm(arm=self._arm))
         while self._steps.box.taken_by == self._name:
             yield
 
     def _stop_path(self) -> None:
-        """Stop the program's path if somebody took the arm and has not moved it yet."""
+        """Stop the program's path after another program has taken the arm.
+
+        The path is stopped only if the other program has not moved the arm yet.
+        """
         with suppress(Tool0Error, EndedError):
             if not self._steps.is_done:
                 stop = StopArm(arm=self._arm, deceleration=BRAKE, along_path=True)

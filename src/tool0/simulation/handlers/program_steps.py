@@ -1,7 +1,8 @@
-"""The steps of a program, executed in order, each by the requests of a client.
+"""The execution of a program's steps with the same requests that clients send.
 
-Steps are a generator that waits for the next snapshot wherever time must pass.  Every
-change is made by the request that a client would send, so that it is in the journal.
+The steps are a generator that yields until the next snapshot whenever simulated time
+must pass.  Each change uses the request that a client would send, so that the journal
+contains the change.
 """
 
 from __future__ import annotations
@@ -57,12 +58,13 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 StepCoroutine = Generator[None, None, T]
-"""A coroutine that waits for a snapshot wherever it yields."""
+"""A coroutine that waits for the next snapshot at each ``yield``."""
 
 BRAKE: Final = 4.0
-"""Change of a path's speed factor where a single step ends within the path [1/s²]."""
+"""Rate of change of a path's speed factor when a single step ends within the path
+[1/s]."""
 _GRIP_TIMEOUT: Final = 10.0
-"""Simulated time in which a gripper must come to a standstill [s]."""
+"""Simulated time within which a gripper must come to rest [s]."""
 _ROUNDING: Final = 1e-9
 
 
@@ -76,7 +78,10 @@ class EndedError(Exception):
 
 @final
 class ProgramSteps:
-    """Executes steps.  Only the thread of the tick may use it."""
+    """Executes the steps of a program.
+
+    Only the thread that executes the tick may use ``ProgramSteps``.
+    """
 
     def __init__(
         self,
@@ -87,19 +92,22 @@ class ProgramSteps:
         *,
         stepping: bool,
     ) -> None:
-        """Prepare to run; ``when_begun`` is called with each step that begins."""
+        """Prepare the execution; ``when_begun`` is called at the start of each step."""
         self._simulation, self._plan, self._context = simulation, plan, context
         self._when_begun = when_begun
         self.is_stepping = stepping
         """Whether the program pauses before its next step."""
         self.snapshot = simulation.snapshot
-        """Newest snapshot."""
+        """Latest snapshot."""
         self.arm = simulation.core.arms.find(context.arm)
         self._path_number = 0
-        """Number of the last path that the program sent."""
+        """Number of the last path that the program started."""
 
     def run(self) -> StepCoroutine[None]:
-        """Execute all steps; raise EndedError or a Tool0Error if it ends early."""
+        """Execute all steps.
+
+        EndedError or a Tool0Error is raised if the program ends early.
+        """
         yield from self._steps(self._plan.program.steps, ())
 
     def _steps(self, steps: Sequence[Step], parents: StepPath) -> StepCoroutine[None]:
@@ -140,12 +148,12 @@ class ProgramSteps:
             if pin is not None and self.box.digital_inputs[pin] != loop.level:
                 return
             if count:
-                yield  # an endless loop must let time pass
+                yield  # time must pass in an endless loop
             yield from self._steps(loop.steps, path)
             count += 1
 
     def _gate(self, path: StepPath) -> StepCoroutine[None]:
-        """Begin a step, or pause before it."""
+        """Begin a step, or pause the program before the step."""
         self._when_begun(path)
         if self.is_stepping and not self.is_paused:
             self.call(PauseProgram(arm=self.arm.name))
@@ -153,7 +161,7 @@ class ProgramSteps:
             yield
 
     def _moves(self, moves: Sequence[NumberedMove]) -> StepCoroutine[None]:
-        """Move through targets, one at a time in single-step mode."""
+        """Move through targets; in single-step mode, stop at each target."""
         done = 0
         has_begun = False  # the next one
         while done < len(moves):
@@ -175,7 +183,10 @@ class ProgramSteps:
         return found
 
     def _way(self, path: StepPath, step: MoveJointStep) -> StepCoroutine[None]:
-        """Plan around obstacles, and move; an unexpected contact ends the program."""
+        """Plan a motion around obstacles, and execute the motion.
+
+        An unexpected contact ends the program.
+        """
         q = self._setpoint
         found = yield from self._planned(lambda: plan_way(self._context, path, step, q))
         watch = ContactWatch(
@@ -186,7 +197,10 @@ class ProgramSteps:
         yield from self._follow(found, watch)
 
     def _require_free(self, path: ProgramPath) -> StepCoroutine[None]:
-        """End the program if it must refuse a path because the arm would collide."""
+        """End the program if the arm would collide on a path.
+
+        Programs that ignore collisions are not checked.
+        """
         if self._plan.program.collision == "ignore" or path.plan.duration == 0.0:
             return
         names, q = self._context.joint_names, self._setpoint
@@ -205,7 +219,7 @@ class ProgramSteps:
     def _follow(
         self, path: ProgramPath, watch: ContactWatch | None = None
     ) -> StepCoroutine[int]:
-        """Follow a path; return how many of its moves have been completed."""
+        """Follow a path, and return the number of completed moves of the path."""
         yield from self._start_path(path)
         plan, n_moves = path.plan, len(path.steps)
         while not self.is_done:
@@ -278,7 +292,7 @@ class ProgramSteps:
                 break
             if self.snapshot.time > end:
                 if state.motion == "blocked":
-                    break  # it may creep, and so has not stalled
+                    break  # slow creep is not a stall
                 raise EndedError(
                     "failed", f"the gripper still moves after {_GRIP_TIMEOUT} s"
                 )
@@ -316,11 +330,14 @@ class ProgramSteps:
     # ---- the robot ------------------------------------------------------------------
 
     def call(self, request: Request[Response]) -> Response:
-        """Carry out a request as if a client had sent it."""
+        """Execute a request as if a client had sent the request."""
         return answer(self._simulation, request)
 
     def _planned(self, plan: Callable[[], T]) -> StepCoroutine[T]:
-        """Plan while the arm rests; in real time, in a dedicated thread."""
+        """Plan while the arm is at rest.
+
+        In real time, a dedicated thread executes the planning.
+        """
         if not self._simulation.loop.is_realtime:
             return plan()
         future: Future[T] = Future()
@@ -352,7 +369,10 @@ class ProgramSteps:
 
     @property
     def _motion(self) -> ArmMotionController:
-        """Controller of the arm; EndedError if something else moves it."""
+        """The arm's controller.
+
+        EndedError is raised if another program or client moves the arm.
+        """
         motion = self.arm.controller_to_move()
         number, _ = motion.progress(self._simulation.core.time)
         if number != self._path_number or motion.mode not in {"path", "hold", "stop"}:
@@ -365,7 +385,10 @@ class ProgramSteps:
 
     @property
     def is_done(self) -> bool:
-        """Whether the arm rests; EndedError if something else moves it."""
+        """Whether the arm is at rest.
+
+        EndedError is raised if another program or client moves the arm.
+        """
         return self._motion.is_done(self._simulation.core.time)
 
     @property

@@ -1,4 +1,4 @@
-"""Detects that a tool has touched something while it moves in a direction."""
+"""Detection of contacts of a tool that moves in a direction."""
 
 from __future__ import annotations
 
@@ -15,17 +15,20 @@ if TYPE_CHECKING:
     from tool0.programs.robot_context import RobotContext
 
 CONTACT_FORCE: Final = 1.0
-"""Smallest increase of the contact force against the direction of motion that counts as
-contact [N]."""
+"""Smallest increase of the contact force against the direction of motion that is
+treated as a contact [N]."""
 
 
 @final
 class Touch:
-    """Watches the tool of an arm; only the thread of the tick may use it.
+    """Monitors the contacts of an arm's tool.
 
-    Contacts of the links beyond the last joint, or of an object that they hold, with
-    anything else count.  Contacts that exist at the start do not count until they push
-    against the motion.
+    Only the thread that executes the tick may use ``Touch``.
+
+    The tool consists of the links beyond the last joint, and of an object that the
+    gripper holds.  Contacts of the tool with any other body are detected.  Contacts
+    that exist at the start are ignored until their force against the direction of
+    motion increases.
     """
 
     def __init__(
@@ -40,10 +43,10 @@ class Touch:
         self._known: frozenset[frozenset[str]] = frozenset()
         self._group = self._links
         self._has_occurred = False
-        self._contacts()  # an engine may only record contacts after the first call
+        self._contacts()  # an engine may record contacts only after the first call
 
     def has_occurred(self) -> bool:
-        """Return whether a contact or the requested force has occurred so far."""
+        """Return whether a contact or the requested force has already occurred."""
         if not self._has_occurred:
             self._has_occurred = (
                 self._is_touching() if self._force is None else self._is_pushing()
@@ -76,7 +79,7 @@ class Touch:
         return -force if contact.first in self._group else force
 
     def _held(self, contacts: tuple[Contact, ...]) -> frozenset[str]:
-        """Return the objects that the gripper holds."""
+        """Return the names of the objects that the gripper holds."""
         geometry = self._context.geometry
         if geometry is None or geometry.name not in self._core.grip_contacts.gripping:
             return frozenset()

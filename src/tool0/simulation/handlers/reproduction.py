@@ -1,4 +1,4 @@
-"""A bring-up as plain data, and a robot that is brought up again from these data."""
+"""Description of a bring-up as plain data, and a new bring-up from the data."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from tool0.simulation.simulation import Simulation
 
 
 def reproduction(simulation: Simulation) -> Reproduction:
-    """Return the data that reproduce this simulation, together with its journal."""
+    """Return the data that, with the journal, reproduce this simulation."""
     setup = simulation.setup
     description, options = setup.description, setup.options
     model, choice = description.model, setup.choice
@@ -75,17 +75,17 @@ handles(ReadReproduction)(lambda sim, _: reproduction(sim))
 def restarted(
     start: Reproduction, folder: Path, meshes: Mapping[str, Path]
 ) -> Simulation:
-    """Bring up the same robot again, without real-time pacing, and return it.
+    """Bring up the same robot again, without real-time pacing.
 
     Args:
         start: Result of ``reproduction``.
-        folder: An empty folder for files that the bring-up reads.
-        meshes: Present paths of the files of ``start.meshes``, by URI.
+        folder: An empty folder for the files that the bring-up reads.
+        meshes: Current paths of the files in ``start.meshes``, by URI.
 
     Raises:
-        Tool0Error: If the bring-up fails, for instance because the engine is missing.
+        Tool0Error: If the bring-up fails, for example because the engine is missing.
     """
-    from xml.sax.saxutils import escape  # it loads ssl
+    from xml.sax.saxutils import escape  # this import loads ssl
 
     urdf, controllers = folder / "robot.urdf", folder / "controllers.yaml"
     document = start.urdf
@@ -114,7 +114,7 @@ def restarted(
             spawn_z=start.spawn_z,
             scene=Scene(tuple(objects)),
             grasp_assist=start.grasp_assist,
-            allow_penetration=True,  # any penetration was accepted at the start
+            allow_penetration=True,  # penetrations were already accepted
             realtime=False,
         ),
     )
@@ -128,7 +128,7 @@ def digest(path: Path) -> str:
 
 
 def _mesh_files(model: RobotModel, scene: Scene) -> Iterator[MeshFile]:
-    """Yield each file once, with its URI in the URDF or its path in the scene."""
+    """Yield each mesh file once, with its URI in the URDF or its path in the scene."""
     files: dict[str, Path] = {}
     for link in model.links:
         shapes = [visual.geometry for visual in link.visuals]
@@ -145,6 +145,6 @@ def _mesh_files(model: RobotModel, scene: Scene) -> Iterator[MeshFile]:
 def _poses(simulation: Simulation) -> dict[str, dict[str, float]]:
     try:
         poses = simulation.poses.all()
-    except Tool0Error:  # the user's file is damaged; the built-in ones need none
+    except Tool0Error:  # the user's file is invalid; built-in poses need no file
         poses = simulation.poses.own
     return {name: dict(pose.positions) for name, pose in poses.items()}

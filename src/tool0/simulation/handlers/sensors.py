@@ -28,7 +28,7 @@ from tool0.simulation.simulation import Simulation
 
 @handles(ListCameras)
 def _list_cameras(simulation: Simulation, _: ListCameras) -> tuple[Camera, ...]:
-    """Return the cameras without their source locations, which only messages need."""
+    """Return the cameras without source locations, which only messages need."""
     cameras = simulation.cameras.values()
     return tuple(replace(camera, location=None) for camera in cameras)
 
@@ -47,7 +47,10 @@ def _start(simulation: Simulation, request: StartForceTorque) -> float:
 def _sensor(
     simulation: Simulation, request: WrenchSensorRequest[Any]
 ) -> ForceTorqueSensor:
-    """Return the sensor of a request; the first request starts the sensor."""
+    """Return the sensor for a request.
+
+    The first request starts the sensor.
+    """
     sensors = simulation.force_torque
     return sensors.sensor(sensors.link(request.link))
 

@@ -1,4 +1,4 @@
-"""Handlers of the requests about the whole robot: state, time and safety."""
+"""Handlers of the requests for the entire robot: state, time and safety."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ handles(SetSpeed, in_tick=True)(lambda sim, request: sim.loop.set_speed(request.
 
 
 def _check_pose(simulation: Simulation, request: Reset) -> None:
-    """Raise PenetrationError if the requested pose is impossible."""
+    """Raise PenetrationError if the requested pose causes impermissible contacts."""
     if not request.position or request.allow_penetration:
         return
     usual = simulation.setup.position
@@ -128,9 +128,10 @@ def _stop_motions(simulation: Simulation, request: StopMotions) -> None:
 
 
 def stop_after_freezes(simulation: Simulation) -> None:
-    """Stop every motion whenever the process has been frozen for a while.
+    """Stop every motion after the process was frozen.
 
-    Whoever moved the robot, and the scene that they saw, may have changed meanwhile.
+    The client that commanded the motion, and the scene on which the command was based,
+    may have changed while the process was frozen.
     """
 
     def stop(duration: float) -> None:

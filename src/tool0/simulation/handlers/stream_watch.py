@@ -1,9 +1,9 @@
-"""Ends streams whose sender has gone silent, and stops their arms.
+"""Detection of interrupted streams, and the resulting stops of the arms.
 
-A stream is two or more targets or velocities that follow each other within their
-timeout.  After a longer silence the arm stops.  Later commands, delayed by an outage or
-from a sender that was away, do not move the arm until it has been stopped or taken
-again with ``take_arm``.
+A stream consists of two or more target or velocity commands that follow each other
+within their timeout.  After a silence that is longer than the timeout, the arm stops.
+Later commands, which may have been delayed by a network outage or a suspended sender,
+are rejected until the arm has been stopped, or taken again with ``take_arm``.
 """
 
 from __future__ import annotations
@@ -26,21 +26,22 @@ handles(EndStream, in_tick=True)(
 
 @dataclass(slots=True)
 class _Stream:
-    """Commands to one arm since its last stop."""
+    """Commands to one arm since the last stop of the arm."""
 
     last: float
-    """Time at which the last command arrived [wall s]."""
+    """Time at which the last command was received, in wall time [s]."""
     timeout: float
-    """Silence after the last command that ends the stream [wall s]."""
+    """Silence after the last command that ends the stream, in wall time [s]."""
     is_stream: bool = False
-    """Whether there were at least two commands."""
+    """Whether at least two commands were received."""
     silence: float | None = None
-    """Duration of the silence that ended the stream [wall s]; None before that."""
+    """Duration of the silence that ended the stream, in wall time [s]; None while the
+    stream has not ended."""
 
 
 @final
 class StreamWatch:
-    """Watches the streams to each arm of a simulation in real time."""
+    """Monitors the streams to each arm of a simulation in real time."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -50,14 +51,14 @@ class StreamWatch:
         self._is_closed = False
 
     def admit(self, arm: str, timeout: float | None, *, is_rest: bool) -> None:
-        """Note a command before it is carried out.
+        """Register a command before it is executed.
 
         Args:
             arm: Name of the arm.
-            timeout: Silence after which the stream has ended [wall s]; None if it never
-                ends.
-            is_rest: Whether the command is to stand still, which ends a stream properly
-                and is always accepted.
+            timeout: Silence after which the stream ends, in wall time [s]; None if the
+                stream never ends.
+            is_rest: Whether the command is a command to rest, which ends a stream
+                regularly and is always accepted.
 
         Raises:
             ControlError: If the command continues a stream that has ended.
@@ -86,12 +87,12 @@ class StreamWatch:
                 self._changed.notify()
 
     def forget(self, arm: str) -> None:
-        """Allow a new stream, since the arm was stopped, taken, or given a path."""
+        """Allow a new stream after the arm was stopped, taken, or given a path."""
         with self._changed:
             self._streams.pop(arm, None)
 
     def close(self) -> None:
-        """Stop watching, since the simulation ends."""
+        """Stop the monitoring when the simulation ends."""
         with self._changed:
             self._is_closed = True
             self._changed.notify()
@@ -114,25 +115,25 @@ class StreamWatch:
                 if not silent:
                     self._changed.wait(self._remaining())
             for arm in silent:
-                with contextlib.suppress(Tool0Error):  # it may have been stopped
+                with contextlib.suppress(Tool0Error):  # the arm may have been stopped
                     answer(self._simulation, EndStream(arm=arm))
 
     def _find_silent(self) -> list[str]:
-        """Return the arms whose streams end now."""
+        """Return the arms with streams that end now."""
         now, is_paused = time.monotonic(), self._simulation.snapshot.is_paused
         found = []
         for arm, stream in self._streams.items():
             if not stream.is_stream or stream.silence is not None:
                 continue
             if is_paused:
-                stream.last = now  # a sender that waits for time to pass sends nothing
+                stream.last = now  # senders may wait for simulated time
             elif now - stream.last > stream.timeout:
                 stream.silence = now - stream.last
                 found.append(arm)
         return found
 
     def _remaining(self) -> float | None:
-        """Return the time until the next stream ends [wall s]; None without any."""
+        """Return the wall time until the next stream ends [s]; None without streams."""
         now = time.monotonic()
         ends = [
             max(0.0, stream.last + stream.timeout - now) + 1e-3

@@ -1,6 +1,6 @@
-"""The handlers of a simulation: one for each request, and when it is called.
+"""The table of request handlers of a simulation, and their execution.
 
-A handler is registered by ``handles`` where it is defined.  Packages above this one
+The decorator ``handles`` registers a handler at its definition.  Higher-level packages
 register handlers of their own requests in the same table when they are imported.
 """
 
@@ -19,31 +19,34 @@ if TYPE_CHECKING:
 
 
 Handler = Callable[..., Any]
-"""Called with the simulation, the request, and the result of ``prepare`` if there is
-one."""
+"""Function that handles a request.  The arguments are the simulation, the request, and
+the result of ``prepare`` if the handler has a ``prepare`` function."""
 Prepare = Callable[["Simulation", Any], Any]
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
-    """One row of the table of handlers."""
+    """An entry of the table of handlers."""
 
     request: type[Request[Any]]
     handler: Handler
     in_tick: bool
-    """Whether the handler runs in the thread of the tick, between two ticks.  It must
-    be quick then, and may use the engine and the controllers.  Otherwise, it runs in
-    the caller's thread and may take longer."""
+    """Whether the handler runs in the thread of the tick, between two ticks.  A handler
+    in the thread of the tick must be fast, and may use the engine and the controllers.
+    Any other handler runs in the caller's thread and may take longer."""
     changes: bool
-    """Whether the handler changes the simulation.  Only ``in_tick`` handlers may: each
-    call is noted in the journal, from which a session can be repeated.  Other handlers
-    plan, and then send such a request."""
+    """Whether the handler changes the simulation.  Only ``in_tick`` handlers may change
+    the simulation: each call is recorded in the journal, with which a session can be
+    repeated.  Other handlers prepare a change, and then send a request that has an
+    ``in_tick`` handler."""
     prepare: Prepare | None
-    """Called in the caller's thread before an ``in_tick`` handler, for slow work that
-    does not depend on moving things.  The handler gets the result."""
+    """Function that is called in the caller's thread before an ``in_tick`` handler, for
+    slow computations that do not depend on moving bodies.  The handler receives the
+    result."""
     publishes: bool
-    """Whether a snapshot follows, so that the next reader sees the effect."""
+    """Whether a snapshot is published after the call, so that the effect is visible to
+    the next reader."""
 
 
 _BY_TYPE: dict[type[Request[Any]], Entry] = {}
@@ -61,10 +64,10 @@ def handles(
 ) -> Callable[[Handler], Handler]:
     """Register the decorated function as the only handler of ``request``.
 
-    The options are those of ``Entry``.  ``publishes`` defaults to ``in_tick``.
-    ``changes`` defaults to True for an ``in_tick`` handler that publishes or whose
-    requests are streamed.  Connections do not accept a ``local`` request, which makes
-    sense only inside the process.
+    The options are the fields of ``Entry``.  ``publishes`` defaults to ``in_tick``.
+    ``changes`` defaults to True for an ``in_tick`` handler if the handler publishes or
+    the request is streamed.  Connections do not accept a ``local`` request, which is
+    useful only within the process.
     """
     name = method_name(request)
     publishes = in_tick if publishes is None else publishes
@@ -93,7 +96,7 @@ def handles(
 
 
 def entry_of(request: type[Request[Any]]) -> Entry:
-    """Return the row of a request class.
+    """Return the table entry of a request class.
 
     Raises:
         NotOfferedError: If simulations do not offer the request.
@@ -109,14 +112,14 @@ HANDLERS: Collection[type[Request[Any]]] = _BY_TYPE.keys()
 
 
 def entries() -> Mapping[str, Entry]:
-    """Return the whole table, by method name."""
+    """Return the entire table, by method name."""
     return _BY_NAME
 
 
 def answer(simulation: Simulation, request: Request[Response]) -> Response:
-    """Carry out ``request`` and return its response, or raise the handler's error.
+    """Execute ``request`` and return its response, or raise the handler's error.
 
-    The request's values have already been checked.
+    The values of the request must already have been checked.
     """
     entry = entry_of(type(request))
     if entry.in_tick:
@@ -136,10 +139,10 @@ def post(
     request: Request[Any],
     when_failed: Callable[[Exception], None],
 ) -> None:
-    """Queue a request of a stream for the next tick; return at once.
+    """Queue a request of a stream for the next tick, and return immediately.
 
-    If the handler raises an exception, ``when_failed`` is called with it, in the thread
-    of the tick.
+    If the handler raises an exception, ``when_failed`` is called with the exception in
+    the thread of the tick.
     """
     entry = entry_of(type(request))
     prepared = _prepared(simulation, entry, request)
@@ -162,7 +165,7 @@ def _execute(
     request: Request[Any],
     prepared: tuple[Any, ...],
 ) -> Any:
-    """Call a handler between two ticks, and note the request in the journal."""
+    """Call a handler between two ticks, and record the request in the journal."""
     if not entry.changes:
         return entry.handler(simulation, request, *prepared)
     note = simulation.journal.begin(request.as_done())

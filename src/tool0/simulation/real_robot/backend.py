@@ -1,4 +1,4 @@
-"""The backend of a real robot: requests that it answers, refuses and checks."""
+"""The backend of a real robot, which answers, rejects and checks requests."""
 
 from __future__ import annotations
 
@@ -87,17 +87,17 @@ _DID_NOT: Final = "the robot did not {}"
 
 @final
 class RealRobotBackend:
-    """A real robot, moved by the same controllers and the same executor.
+    """A real robot, moved by the same controllers and executor as a simulated robot.
 
-    Requests for its own controller (power, payload, tare) are passed on to it, and
-    answered once the robot has carried them out.  UR's safety system is the only safety
-    function.
+    Requests for the robot's controller (power, payload, tare) are forwarded to this
+    controller, and are answered after the robot has executed the requests.  The safety
+    system of the UR robot is the only safety function.
     """
 
     mode: Final = "hardware"
 
     def __init__(self, simulation: Simulation) -> None:
-        """Serve ``simulation``, whose engine is ``hardware``."""
+        """Create a backend for ``simulation``, which has the engine ``hardware``."""
         self.simulation = simulation
         engine = simulation.engine
         assert isinstance(engine, RealRobotEngine)
@@ -105,8 +105,8 @@ class RealRobotBackend:
         self._inner = SimulationBackend(simulation)
         self._enabling = Enabling(simulation, engine)
         self._guard: PathGuard | None = None
-        """Guard of paths, made when motion is first enabled because it imports more
-        modules."""
+        """Guard of paths.  The guard is created when motion is first enabled, because
+        it imports additional modules."""
         self._handlers: Mapping[type[Request[Any]], Callable[[Any], None]] = {
             EnableMotion: self._enable,
             DisableMotion: lambda _: self._enabling.disable(),
@@ -141,7 +141,7 @@ class RealRobotBackend:
 
     def answer(self, request: Request[Response]) -> Response:
         if isinstance(request, EmergencyStop | StopMotions | StopProgram):
-            self._engine.brake()  # before anything that waits for the tick
+            self._engine.brake()  # before actions that wait for the tick
         handler = self._handlers.get(type(request))
         if handler is None:
             if isinstance(request, Grip | CommandGripper):
@@ -163,7 +163,7 @@ class RealRobotBackend:
     def superseded(self, request: Request[Any]) -> Collection[str]:
         return self._inner.superseded(request)
 
-    # ---- what the robot's own controller does ---------------------------------------
+    # ---- requests for the robot's controller ----------------------------------------
 
     def _enable(self, request: EnableMotion) -> None:
         if self._guard is None:
@@ -172,7 +172,7 @@ class RealRobotBackend:
         self._enabling.enable(request)
 
     def _power(self, command: str, mode: RobotMode) -> None:
-        """Change the mode of the arm, and wait until the arm is in it."""
+        """Change the mode of the arm, and wait until the arm has this mode."""
         words = {
             "power on": "Powering on",
             "power off": "Powering off",
@@ -240,17 +240,17 @@ class RealRobotBackend:
         )
 
     def _require_gripper(self) -> None:
-        """Raise ControlError if the gripper would not receive commands."""
+        """Raise ControlError if the gripper cannot receive commands."""
         if problem := self._engine.gripper_problem:
             raise ControlError(f"the gripper does not move: {problem}")
 
     def _beside(self, name: str, *lines: str) -> None:
-        """Execute statements on the controller, beside the running program."""
+        """Execute statements on the robot's controller without stopping its program."""
         self._engine.connection.run_beside(name, *lines)
 
 
 def _checked(request: Request[Response]) -> Request[Response]:
-    """Return a request whose motion is checked before it is accepted."""
+    """Return a copy of a request in which collisions are checked before a motion."""
     if isinstance(request, MoveJoints | MoveTo | MoveLinear | GoToPose):
         return cast(Request[Response], replace(request, collision="refuse"))
     return request

@@ -1,4 +1,4 @@
-"""Enables motion of a real arm: checks the conditions, and starts."""
+"""Enabling of a real arm's motion, after checks of the conditions."""
 
 from __future__ import annotations
 
@@ -28,40 +28,42 @@ from tool0.simulation.simulation import Simulation
 logger = logging.getLogger(__name__)
 
 FIRST_SLIDER: Final = 0.25
-"""Largest value of the speed slider when motion is enabled; a lower one is kept."""
+"""Largest value of the speed slider when motion is enabled; a lower value is kept."""
 CALIBRATION_TOLERANCE: Final = 0.5e-3
-"""Distance between the flange poses of the robot's report and of the description from
-which the kinematics count as different [m]: calibrations of URs differ by a millimetre
-or two."""
+"""Largest distance between the flange position that the robot reports and the flange
+position in the description [m].  Beyond the tolerance, the kinematics are considered
+different.  The calibrations of UR robots differ by one or two millimeters."""
 PAYLOAD_TOLERANCE: Final = (0.1, 0.1)
-"""Difference between payloads that still count as equal: [kg], and relative."""
+"""Largest differences between payloads that are considered equal: the absolute
+difference [kg], and the relative difference."""
 CB3_ARMS: Final = frozenset({"UR3", "UR5", "UR10"})
 PROGRAM_END: Final = 1.0
-"""Longest wait until tool0's program has ended [s]."""
+"""Longest wait for the end of a program on the robot [s]."""
 PROGRAM_TIMEOUT: Final = 5.0
-"""Longest wait for tool0's program to start [s]."""
+"""Longest wait for the start of tool0's program on the robot [s]."""
 CHANGE_TIMEOUT: Final = 10.0
-"""Longest wait until the robot has changed its state as requested [s]; releasing the
-brakes takes seconds."""
+"""Longest wait for a requested change of the robot's state [s].  Releasing the brakes
+takes several seconds."""
 _POLL: Final = 0.02
 
 
 @final
 class Enabling:
-    """Finds obstacles to moving the arm, and starts tool0's program on it.
+    """Finds obstacles to motion of the arm, and starts tool0's program on the robot.
 
-    It queries the robot, which takes time: never use it in the thread of the tick.
+    ``Enabling`` queries the robot, which takes time.  ``Enabling`` must never be used
+    in the thread of the tick.
     """
 
     def __init__(self, simulation: Simulation, engine: RealRobotEngine) -> None:
         self._simulation, self._engine = simulation, engine
         self._frames = FlangeFrames(simulation.description.model, engine.arm)
 
-    # ---- what is known --------------------------------------------------------------
+    # ---- state of the robot ---------------------------------------------------------
 
     @property
     def box(self) -> ControlBoxState:
-        """Newest state of the arm's control box."""
+        """Latest state of the arm's control box."""
         return self._simulation.snapshot.control_boxes[0]
 
     def look(self) -> RobotLink:
@@ -88,7 +90,7 @@ class Enabling:
         return self._engine.report.link
 
     def _obstacles(self, model: str, *, is_remote: bool | None) -> list[str]:
-        """Return the obstacles to motion, one sentence each."""
+        """Return the obstacles to motion, with one sentence per obstacle."""
         found, box = [], self.box
         if is_remote is False:
             found.append(
@@ -136,7 +138,7 @@ class Enabling:
         ]
 
     def calibration_distance(self) -> float:
-        """Return the distance of the flange from its pose in the description [m]."""
+        """Return the distance between the reported and the described flange [m]."""
         reader = self._engine.reader
         package, fields = reader.newest, reader.fields
         reported = self._frames.reported_flange(
@@ -159,14 +161,14 @@ class Enabling:
             "`tool0 hardware payload`, or in the robot's installation"
         ]
 
-    # ---- beginning and end ----------------------------------------------------------
+    # ---- enabling and disabling -----------------------------------------------------
 
     def enable(self, request: EnableMotion) -> None:
-        """Start tool0's program on the robot, and hold the arm with its controllers.
+        """Start tool0's program on the robot, and the controllers that hold the arm.
 
         Raises:
-            ControlError: If something keeps the arm from moving; the message has all
-                reasons.
+            ControlError: If there are obstacles to motion of the arm; the message
+                contains all reasons.
             TransportError: If the robot cannot be reached.
         """
         link = self.look()
@@ -182,7 +184,7 @@ class Enabling:
             obstacles += self._wrong_calibration()
         if obstacles:
             raise ControlError("the robot may not move: " + "; ".join(obstacles))
-        # Our own last one may be about to end.
+        # A previous program of tool0 may be about to end.
         self.wait(
             lambda: not self._engine.is_program_running,
             "another program runs on the robot; stop it on the pendant or with `stop` "
@@ -195,7 +197,7 @@ class Enabling:
                 lambda: self.box.speed_slider <= FIRST_SLIDER + 0.005,
                 "the speed slider did not move to 25 %",
             )
-        garbage.leave_alone()  # the robot stops if it does not hear of tool0 for 0.1 s
+        garbage.leave_alone()  # the robot stops after 0.1 s without messages
         self._start_program()
         core = self._simulation.core
 
@@ -226,7 +228,7 @@ class Enabling:
             raise
 
     def disable(self) -> None:
-        """Bring the arm to rest, and end tool0's program."""
+        """Stop the arm, and end tool0's program on the robot."""
         self._engine.connection.link.end()
         simulation = self._simulation
 
@@ -246,7 +248,8 @@ class Enabling:
         """Wait until the robot reports the requested state.
 
         Raises:
-            ControlError: If the robot does not; the message is ``otherwise``.
+            ControlError: If the robot does not report this state in time; the message
+                is ``otherwise``.
         """
         end = time.monotonic() + timeout
         bus = self._simulation.bus

@@ -1,4 +1,4 @@
-"""Checks every motion on the model before it is sent to a real robot."""
+"""Checks of every motion with the model before the motion is sent to a real robot."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from tool0.simulation.handlers.motion_checks import motion_plans
 from tool0.simulation.simulation import Simulation
 
 SAMPLING: Final = 0.04
-"""Time between two checked postures at the start of a motion [s]; the paths between
-them are checked as straight lines in joint space."""
+"""Time between two checked postures at the start of a motion [s].  The paths between
+checked postures are checked as straight lines in joint space."""
 _SAMPLES: Final = 500
-"""Number of postures after which the time between two doubles, since the tick waits for
-the check."""
+"""Number of postures after which the time between two postures is doubled, since the
+tick waits for the check."""
 _MOST_SAMPLES: Final = 6 * _SAMPLES
-"""Largest number of checked postures, which covers 1260 s."""
+"""Largest number of checked postures, which covers a motion of 1260 s."""
 AHEAD: Final = 0.3
 """Time for which a stream is assumed to continue unchanged [s]."""
 JUMP: Final = 0.05
-"""Largest distance of a joint from the start of a motion [rad]."""
+"""Largest distance of a joint from its position at the start of a motion [rad]."""
 _ROUNDING: Final = 1e-6
 _SPEED_ROUNDING: Final = 0.02
-"""Relative tolerance of speeds, for the speed slider and for splines that are slightly
-faster between their knots."""
+"""Relative tolerance of speeds, which is needed for the speed slider and for splines
+that are slightly faster between their knots."""
 
 
 @final
 class PathGuard:
     """Checks limits, speed, jumps and collisions of the motions of one arm.
 
-    It is called in the thread of the tick.  It takes some milliseconds, and the robot
-    always has motion for longer than that.
+    The guard is called in the thread of the tick.  A check takes a few milliseconds,
+    and the robot always has buffered motion for a longer time.
     """
 
     def __init__(self, simulation: Simulation, arm: str) -> None:
@@ -49,11 +49,14 @@ class PathGuard:
         self._upper = np.array([joint.limits.upper for joint in joints])
         self._fastest = np.array([joint.max_velocity for joint in joints])
         here = np.array([self._measured()] * 2)
-        here[1, -1] += 1e-3  # compiles the shapes now, not in the first motion
+        here[1, -1] += 1e-3  # compiles the shapes before the first motion
         self._collision(np.array([0.0, SAMPLING]), here)
 
     def __call__(self, motion: WantedMotion, now: float) -> str:
-        """Return why a motion from ``now`` [s] on must not be sent; empty if it may."""
+        """Return the reason why a motion must not be sent, or an empty text.
+
+        The motion starts at ``now`` [s].
+        """
         times, q, qd = _sampled(motion, now)
         names = self._chain.joint_names
         off = np.abs(q[0] - self._measured())

@@ -1,1 +1,1 @@
-"""Supervises whether joints follow and arms touch only allowed things; finds causes."""
+"""Supervision of tracking errors and contacts, and identification of their causes."""

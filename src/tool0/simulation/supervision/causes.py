@@ -1,4 +1,4 @@
-"""Reasons why joints are not at their setpoints: contact, limit, too little effort."""
+"""Reasons why joints are not at their setpoints: contacts, limits or effort limits."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from tool0.sensing.stalls import LARGEST_LAG, external_contacts
 from tool0.simulation.core import Core
 
 RECENT: Final = 0.1
-"""Time for which a contact counts as a cause after it has ended [s]; for instance, a
-link that hits the ground rebounds."""
+"""Time for which a contact is still considered a cause after it has ended [s].  For
+example, a link that hits the ground rebounds."""
 _AT_LIMIT: Final = 0.02
-"""Distance from a limit within which the limit holds the joint [rad]."""
+"""Distance from a limit within which the limit is considered to stop the joint
+[rad]."""
 _FULL: Final = 0.98
-"""Fraction of its largest effort from which a drive counts as fully loaded."""
+"""Fraction of the largest effort above which a drive is considered fully loaded."""
 
 
 @final
@@ -28,12 +29,12 @@ class TrackedJoint(NamedTuple):
 
     name: str
     number: int
-    """Index of the joint in the engine's order."""
+    """Index of the joint in the order of the engine."""
     lower: float
     upper: float
-    """Limits of the joint [rad]."""
+    """Lower and upper limits of the joint [rad]."""
     error: float
-    """Largest distance from the setpoint [rad]."""
+    """Largest permissible distance of the joint from its setpoint [rad]."""
     effort: float
     """Largest effort of the joint's drive [N·m]."""
     links: frozenset[str]
@@ -42,7 +43,7 @@ class TrackedJoint(NamedTuple):
 
 @final
 class Causes:
-    """Finds the causes that keep the joints of an arm from their setpoints."""
+    """Finds the reasons why the joints of an arm are not at their setpoints."""
 
     def __init__(self, arm: ArmParts, core: Core) -> None:
         self._arm, self._core = arm, core
@@ -60,20 +61,20 @@ class Causes:
             for joint in arm.joints
             if (limits := hardware.limits.get(joint.name)) is not None
         )
-        """Driven joints, from base to flange."""
+        """Driven joints, from the base to the flange."""
         self._touching: tuple[Contact, ...] = ()
-        """Last contacts of the arm that were seen; ``_touched_at`` is their time
-        [s]."""
+        """Last detected contacts of the arm; ``_touched_at`` is the time of these
+        contacts [s]."""
         self._touched_at = -math.inf
 
     def watch(self, time: float) -> None:
-        """Note the contacts of the arm at ``time`` [s], which may become causes."""
+        """Record the contacts of the arm at ``time`` [s] as possible causes."""
         contacts = self._core.engine.world.contacts()
         if external_contacts((joint.links for joint in self.joints), contacts):
             self._touching, self._touched_at = contacts, time
 
     def of(self, joint: TrackedJoint, state: JointState) -> str:
-        """Return the most likely cause that keeps a joint off a tool's path."""
+        """Return the most likely reason why a joint is not at its setpoint."""
         return (
             self._obstacle(joint, (joint,), state)
             or self._singularity(state)
@@ -84,17 +85,20 @@ class Causes:
     def known(
         self, joint: TrackedJoint, moving: Sequence[TrackedJoint], state: JointState
     ) -> str:
-        """Return the cause that keeps a joint from its setpoint; empty if unknown.
+        """Return the reason why a joint is not at its setpoint.
 
-        Contacts may stop the joints in ``moving``: the joint itself, and perhaps
-        others.
+        The result is empty if the reason is unknown.  Contacts may stop the joints in
+        ``moving``, which contains the joint and possibly other joints.
         """
         return self._obstacle(joint, moving, state) or _weakness(joint, state)
 
     def _obstacle(
         self, joint: TrackedJoint, moving: Sequence[TrackedJoint], state: JointState
     ) -> str:
-        """Return contacts that stop ``moving`` joints, or else the joint's limit."""
+        """Return the contacts that stop ``moving`` joints, or the limit of ``joint``.
+
+        The result is empty if neither contacts nor a limit stop the joint.
+        """
         self.watch(state.time)
         if 0.0 <= state.time - self._touched_at <= RECENT:
             touching = external_contacts((j.links for j in moving), self._touching)
@@ -107,7 +111,10 @@ class Causes:
         return ""
 
     def _singularity(self, state: JointState) -> str:
-        """Return that a fast motion meets a singularity; empty if it does not."""
+        """Describe a singularity that a fast motion approaches.
+
+        The result is empty if there is no singularity nearby.
+        """
         if self._is_wanted_fast() and self._singular_value(state) < SINGULAR:
             return (
                 "no contact: the arm is at a singularity, where its joints would have "
@@ -116,7 +123,7 @@ class Causes:
         return ""
 
     def _is_wanted_fast(self) -> bool:
-        """Return whether a joint should turn at more than half of its maximum speed."""
+        """Return whether a commanded speed exceeds half of the largest joint speed."""
         limits = self._core.hardware.limits
         return any(
             abs(spline.sample(setpoint.time).velocity) > limits[model.name].velocity / 2
@@ -129,7 +136,7 @@ class Causes:
 
     def _singular_value(self, state: JointState) -> float:
         """Return the smallest singular value of the Jacobian, 0 at a singularity."""
-        import numpy as np  # only once something is wrong
+        import numpy as np  # only for failed motions
 
         from tool0.kinematics.chain import ArmChain
 
@@ -140,7 +147,10 @@ class Causes:
 
 
 def _weakness(joint: TrackedJoint, state: JointState) -> str:
-    """Return that a joint's drive is at its largest effort; empty if it is not."""
+    """Describe a drive that is at its largest effort.
+
+    The result is empty if the effort is smaller.
+    """
     if abs(state.effort[joint.number]) < _FULL * joint.effort:
         return ""
     return (

@@ -1,7 +1,7 @@
-"""Contact force of an arm, which stops a UR if it is too large.
+"""Contact forces of an arm, which cause a stop if they are too large.
 
-A UR derives the force from the currents of its joints; here it comes from the engine's
-contacts.
+A UR robot computes the force from the currents of its joints.  The simulation computes
+the force from the contacts of the physics engine.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from tool0.protocol.control_box_state import ControlBoxState
 from tool0.sensing.stalls import external_contacts
 
 DETECTION_TIME: Final = 0.1
-"""Time constant of the low-pass filter of contact forces [s]: short impacts do not
-count as clamping.  25 N above the limit are detected after 0.2 s; a UR's force limit
-has a trueness of 25 N and a detection time of 250 ms (user manual of the UR5/CB3,
-5.1)."""
+"""Time constant of the low-pass filter of contact forces [s].  With the filter, short
+impacts are not treated as clamping.  A force of 25 N above the limit is detected after
+0.2 s.  The force limit of a UR robot has a trueness of 25 N and a detection time of 250
+ms (user manual of the UR5/CB3, 5.1)."""
 _NEGLIGIBLE: Final = 0.1
-"""Force below which a filtered force counts as zero [N]."""
+"""Force below which a filtered force is treated as zero [N]."""
 
 
 @final
 @dataclass(slots=True)
 class _Body:
-    """Links that move as one body, or the whole tool."""
+    """Links that move as one body, or the entire tool."""
 
     name: str
     links: frozenset[str]
@@ -41,7 +41,7 @@ class _Body:
 
 @final
 class ContactForces:
-    """The filtered forces on the bodies of one arm; the tool comes last."""
+    """The filtered forces on the bodies of one arm; the tool is the last body."""
 
     def __init__(self, arm: ArmParts, model: RobotModel, world: World) -> None:
         self._world = world
@@ -58,7 +58,7 @@ class ContactForces:
         self.forget()
 
     def forget(self) -> None:
-        """Forget the filtered forces, for instance after a reset."""
+        """Clear the filtered forces, for example after a reset."""
         self._last = -math.inf
         """Time at which forces were last filtered [s]."""
         self._is_loaded = False
@@ -67,9 +67,11 @@ class ContactForces:
             body.force = [0.0] * 3
 
     def excess(self, time: float, box: ControlBoxState) -> str:
-        """Filter the forces at ``time`` [s]; return the excessive one; empty if none.
+        """Filter the forces at ``time`` [s], and describe an excessive force.
 
-        This takes 1 µs unless the arm touches something.
+        The result is empty if no force is excessive.
+
+        A call of ``excess`` takes 1 µs if there are no contacts of the arm.
         """
         passed, self._last = time - self._last, time
         if not (self._is_loaded or self._world.is_touched(self._links)):
@@ -80,7 +82,7 @@ class ContactForces:
         self._is_loaded = False
         for body in self._bodies:
             force, filtered = _exerted(body.links, touching), body.force
-            if body is self._bodies[-1] and any(force):  # it carries the payload
+            if body is self._bodies[-1] and any(force):  # the tool carries the payload
                 for k, g in enumerate(self._world.gravity):
                     force[k] += carried * g
             for k in range(3):
@@ -97,10 +99,10 @@ class ContactForces:
 
 
 def _exerted(links: frozenset[str], touching: Sequence[Contact]) -> list[float]:
-    """Return the resultant force that ``links`` exert on everything else [N].
+    """Return the resultant force that ``links`` exert on all other bodies [N].
 
-    The forces on a gripped object cancel, except for its weight, inertia and other
-    contacts.
+    The forces on a gripped object cancel each other; the remaining force is due to the
+    object's weight, its inertia and its other contacts.
     """
     total = [0.0, 0.0, 0.0]
     for contact in touching:

@@ -1,4 +1,4 @@
-"""Stops planned motions at unexpected contacts."""
+"""Detection of unexpected contacts during planned motions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tool0.protocol.goals import Goal, GoalResult, GoalStatus, Result
 
 @final
 class ContactWatch:
-    """Finds contacts that a planned motion does not expect."""
+    """Finds contacts that are not expected during a planned motion."""
 
     def __init__(
         self,
@@ -23,23 +23,26 @@ class ContactWatch:
         carried: frozenset[str],
         may_touch: frozenset[str] = frozenset(),
     ) -> None:
-        """Watch a motion that begins now.
+        """Monitor a motion that begins now.
 
         Args:
             links: Links that the motion moves.
-            contacts: Contacts at the start, which do not count.  Neither do those of
-                the first check, because an engine may only record contacts after the
-                first request.
-            carried: Objects that move with the links; carried objects and links may
-                touch each other.
-            may_touch: Links and objects whose contacts do not count.
+            contacts: Contacts at the start, which are ignored.  The contacts of the
+                first check are also ignored, because an engine may record contacts only
+                after the first request.
+            carried: Names of the objects that move with the links.  Carried objects and
+                links may touch each other.
+            may_touch: Names of the links and objects with contacts that are ignored.
         """
         self._links, self._carried, self._may_touch = links, carried, may_touch
         self._known = set(map(_pair, contacts))
         self._has_looked = False
 
     def unexpected(self, contacts: Collection[Contact]) -> str:
-        """Return an unexpected contact as a sentence; empty if there is none."""
+        """Describe an unexpected contact in a sentence.
+
+        The result is empty if there is no unexpected contact.
+        """
         if not self._has_looked:
             self._has_looked = True
             self._known.update(map(_pair, contacts))
@@ -58,10 +61,10 @@ class ContactWatch:
 
 @final
 class PlanWatch:
-    """Watches the goals of one planned motion."""
+    """Monitors the goals of one planned motion."""
 
     def __init__(self, goals: Sequence[Goal], contacts: ContactWatch) -> None:
-        """Watch the ``goals`` of the controllers that follow the motion."""
+        """Monitor the ``goals`` of the controllers that follow the motion."""
         self.goals = tuple(goals)
         self.contacts = contacts
 
@@ -71,7 +74,7 @@ class PlanWatch:
         return all(goal.status.is_terminal for goal in self.goals)
 
     def fail(self, reason: str) -> None:
-        """Mark cancelled goals as aborted, with a reason."""
+        """Mark canceled goals as aborted, with a reason."""
 
         def explained(result: Result) -> Result:
             if not isinstance(result, GoalResult):
@@ -83,7 +86,7 @@ class PlanWatch:
 
 
 def links_moved_by(model: RobotModel, joints: Iterable[str]) -> frozenset[str]:
-    """Return all links that the joints move."""
+    """Return all links that ``joints`` move."""
     return frozenset(
         link for name in joints for link in model.links_from(model.joint(name).child)
     )

@@ -1,9 +1,10 @@
-"""Supervision of all motions: path errors, arrival, contact forces, limits.
+"""Supervision of all motions: path errors, arrival, contact forces and limits.
 
-Arms are checked every 8 ms of simulated time if their safety limits are enabled, or if
-a program moves them, except in the compliant modes (force mode, freedrive).  Nothing is
-computed in the tick, and nothing depends on subscribers.  ROS controllers have their
-own tolerances; their violations are explained in the same way.
+An arm is checked every 8 ms of simulated time if its safety limits are enabled or if a
+program moves it.  In the compliant modes (force mode, freedrive), the motion of a
+program is not checked.  The checks are not part of the tick, and do not depend on
+subscribers.  ROS controllers have tolerances of their own; violations of these
+tolerances are explained in the same way.
 """
 
 from __future__ import annotations
@@ -25,29 +26,33 @@ from tool0.simulation.supervision.causes import Causes, TrackedJoint
 from tool0.simulation.supervision.contact_forces import ContactForces
 
 CHECK_PERIOD: Final = 0.1
-"""Simulated time between complete checks of the joints [s]: the time in which a UR
-detects a joint beyond its limit (user manual of the UR5/CB3, 5.1)."""
+"""Simulated time between complete checks of the joints [s].  The period is the time in
+which a UR robot detects a joint beyond its limit (user manual of the UR5/CB3, 5.1)."""
 LIMIT_MARGIN: Final = RECOVERABLE
-"""Distance beyond a joint's limit that is tolerated [rad]: within it, an arm may rest
-and be moved back.  (The trueness of a UR's joint positions is 0.02 rad.)"""
+"""Tolerated distance beyond a joint's limit [rad].  Within the margin, an arm may rest
+and can be moved back.  The trueness of the joint positions of a UR robot is 0.02
+rad."""
 SUSPICIOUS: Final = 0.5
-"""Fraction of the largest lag from which contacts are read, since an engine may only
-record them after the first call."""
+"""Fraction of the largest lag above which contacts are read, since an engine may record
+contacts only after the first call."""
 
 
 class Failure(NamedTuple):
-    """An arm that must stop, with the reason."""
+    """An arm that must stop, and the reason."""
 
     arm: Arm
     reason: str
     is_beyond_limits: bool
-    """Whether a safety limit of the arm is exceeded; otherwise, its motion has
+    """Whether a safety limit of the arm is exceeded; otherwise, the arm's motion has
     failed."""
 
 
 @final
 class Supervision:
-    """Finds and explains failures.  Only the thread of the tick may use it."""
+    """Finds and explains failures.
+
+    Only the thread that executes the tick may use ``Supervision``.
+    """
 
     def __init__(self, core: Core) -> None:
         self._core = core
@@ -56,8 +61,8 @@ class Supervision:
     def failures(self) -> list[Failure]:
         """Return the arms that must stop, in the order of the model.
 
-        This takes 2 µs for each watched arm, unless something is wrong or the arm
-        touches something.
+        A call of ``failures`` takes 2 µs for each monitored arm if there are no
+        failures and no contacts of the arm.
         """
         found = []
         for watch in self._watches:
@@ -68,14 +73,14 @@ class Supervision:
         return found
 
     def forget(self) -> None:
-        """Forget forces, for instance after a reset."""
+        """Clear the forces, for example after a reset."""
         for watch in self._watches:
             watch.forget()
 
     # ---- outcomes of goals ----------------------------------------------------------
 
     def explained(self, goal: Goal, result: Result) -> Result:
-        """Return an outcome with the reason why the joints stopped, if known."""
+        """Return a result with the reason why the joints stopped, if it is known."""
         if isinstance(result, GripperResult):
             return self._with_grip(goal, result) if result.stalled else result
         if not result.is_violation:
@@ -86,12 +91,12 @@ class Supervision:
         return replace(result, error_string=f"{result.error_string}; {why}")
 
     def gripper_obstacle(self, joint: str) -> str:
-        """Return the cause that stops the gripper with the driven joint ``joint``."""
+        """Return the reason why the gripper with the driven ``joint`` has stopped."""
         touching = self._touching((self._core.model.joint(joint).parent,))
         return touching or "no contact: its stop, or the load"
 
     def _with_grip(self, goal: Goal, result: GripperResult) -> GripperResult:
-        """Return the outcome of a stalled gripper, with the cause of the stall."""
+        """Return the result of a stalled gripper, with the reason for the stall."""
         (joint,) = self._core.manager.spec(goal.controller).joints
         holds = any(
             gripper.joint == joint and gripper.name in self._core.grip_contacts.gripping
@@ -102,7 +107,7 @@ class Supervision:
         return replace(result, holds=holds, error_string=text)
 
     def _cause(self, names: tuple[str, ...]) -> str:
-        """Return the known causes that keep joints from their setpoints."""
+        """Return the known reasons why joints are not at their setpoints."""
         core = self._core
         for watch in self._watches:
             joints = [joint for joint in watch.causes.joints if joint.name in names]
@@ -112,7 +117,10 @@ class Supervision:
         return self._touching(core.model.joint(name).child for name in names)
 
     def _touching(self, roots: Iterable[str]) -> str:
-        """Return the contacts of the links from ``roots`` on; empty without any."""
+        """Return the contacts of the links in the subtrees at ``roots``.
+
+        The result is empty if there are no contacts.
+        """
         core = self._core
         groups = [frozenset(core.model.links_from(root)) for root in roots]
         contacts = core.engine.world.contacts()
@@ -121,7 +129,7 @@ class Supervision:
 
 @final
 class _Watch:
-    """Watches one arm."""
+    """Monitors one arm."""
 
     def __init__(self, arm: Arm, core: Core) -> None:
         self.arm, self._core = arm, core
@@ -131,13 +139,13 @@ class _Watch:
         self._select = joint_selector([joint.number for joint in joints])
         self._least_error = min((joint.error for joint in joints), default=math.inf)
         self._running: object = None
-        """Controllers that were running when the claims were last looked up."""
+        """Controllers that were running when the claims were last read."""
         self._is_servoed = False
         """Whether all joints are position-controlled by servos."""
         self.forget()
 
     def forget(self) -> None:
-        """Forget forces, for instance after a reset."""
+        """Clear the forces, for example after a reset."""
         self._checked = -math.inf
         """Time at which all joints were last checked [s]."""
         self._forces.forget()
@@ -145,7 +153,10 @@ class _Watch:
     # ---- safety limits --------------------------------------------------------------
 
     def excess(self) -> str:
-        """Return which enabled safety limit is exceeded; empty if none is."""
+        """Describe the enabled safety limit that is exceeded.
+
+        The result is empty if no safety limit is exceeded.
+        """
         box, state = self.arm.box.state, self._core.state
         if not (box.safety_limits.is_enabled and box.may_move):
             return ""
@@ -161,8 +172,8 @@ class _Watch:
     def _are_servoed(self) -> bool:
         """Return whether all joints are position-controlled by servos.
 
-        Otherwise, with efforts or velocities, setpoints are not the commands and are
-        only checked now and then.
+        If joints are controlled by efforts or velocities, the setpoints differ from the
+        commands and are checked only every ``CHECK_PERIOD``.
         """
         running, hardware = self._core.manager.running_controllers, self._core.hardware
         if running is not self._running:
@@ -174,7 +185,10 @@ class _Watch:
         return self._is_servoed
 
     def _beyond_limit(self, wanted: Mapping[str, float]) -> str:
-        """Return which joint is commanded beyond a limit; empty if none is."""
+        """Describe the joint that is commanded beyond a limit.
+
+        The result is empty if no joint is commanded beyond a limit.
+        """
         for joint in self.causes.joints:
             if (target := wanted.get(joint.name)) is None:
                 continue
@@ -189,7 +203,10 @@ class _Watch:
     # ---- the motion of a program ----------------------------------------------------
 
     def lost(self) -> str:
-        """Return why the motion of a taken arm has failed; empty if it has not."""
+        """Return the reason why a program's motion has failed.
+
+        The result is empty if the motion has not failed.
+        """
         if not self.arm.motion.is_taken or self.arm.box.state.motion_failure:
             return ""
         controller, state = self.arm.motion.controller, self._core.state
@@ -213,7 +230,7 @@ class _Watch:
             )
         return ""
 
-    # ---- both -----------------------------------------------------------------------
+    # ---- shared functions -----------------------------------------------------------
 
     def _lag(self) -> float:
         """Return the largest distance of a joint from its command [rad]."""
@@ -223,7 +240,10 @@ class _Watch:
         return max(map(abs, errors), default=0.0)
 
     def _off_path(self, wanted: Mapping[str, float]) -> str:
-        """Return which joint is too far from its setpoint [rad], and why."""
+        """Describe a joint that is too far from its setpoint.
+
+        The result is empty if no joint is too far from its setpoint.
+        """
         position = self._core.state.position
         for joint in self.causes.joints:
             here = position[joint.number]
@@ -242,7 +262,10 @@ class _Watch:
 def _furthest(
     joints: Sequence[TrackedJoint], wanted: Mapping[str, float], state: JointState
 ) -> tuple[TrackedJoint, float]:
-    """Return the joint furthest from its setpoint, and its distance from it [rad]."""
+    """Return the joint with the largest distance from its setpoint.
+
+    The second item of the result is the distance [rad].
+    """
     errors = []
     for joint in joints:
         here = state.position[joint.number]
