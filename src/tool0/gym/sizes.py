@@ -96,7 +96,7 @@ class Sizes:
             batch.set_size(name, size if own.size > 1 else size[:, 0], which)
 
     def risen(self, places: Array) -> Array:
-        """Return places (n, k, 3) [m] that keep the objects' bottoms at their heights."""
+        """Return places (n, k, 3) [m] that keep the height of the objects' bottoms."""
         if not self.names:
             return places
         higher = (self.extents - self._own)[..., 2] / 2.0

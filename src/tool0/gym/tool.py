@@ -53,7 +53,7 @@ class Tool:
         return self._T_root_base @ self._in_base(self._chain.forward(q))
 
     def quats(self, rotations: Array) -> Array:
-        """Convert rotation matrices (n, 3, 3) to unit quaternions (n, 4) with w >= 0."""
+        """Convert rotation matrices (n, 3, 3) to quaternions (n, 4) with w >= 0."""
         if self._kernel is not None:
             return self._kernel.quats(rotations)
         return quats_wxyz(rotations)

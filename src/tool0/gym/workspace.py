@@ -42,7 +42,8 @@ OPENINGS = 33
 """Number of gripper openings between which the position of the pads is interpolated
 linearly; the error is within 0.02 mm for the grippers of the catalogue."""
 CUBE_MASS, CUBE_FRICTION = 0.1, 1.0
-"""Mass [kg] and coefficient of friction of a cube, unless they are randomised."""
+"""Mass [kg] and coefficient of friction of a cube, unless these values are
+randomized."""
 HOVER = 0.02
 """Least clearance between the fingertips and the cubes below them [m]."""
 RUN_UP = 0.03
