@@ -76,10 +76,7 @@ class Sizes:
         3)."""
 
     def draw(self, rng: np.random.Generator) -> Array:
-        """Return random size factors of all objects, (k,); constant sizes have 1.
-
-        1 for constant sizes.
-        """
+        """Return random size factors of all objects, (k,); constant sizes have 1."""
         factors = np.ones(len(self._own))
         if self.names:
             factors[[*self._resized]] = rng.uniform(*self._ranges.T)
@@ -107,10 +104,7 @@ class Sizes:
 
 
 def _own_size(item: SceneObject) -> Array:
-    """Return the dimensions of an object [m], or () for a mesh or a compound.
-
-    A mesh or a compound has no dimensions.
-    """
+    """Return the dimensions of an object [m]; none for a mesh or a compound."""
     if isinstance(item.geometry, Box | Cylinder | Sphere):
         return np.array(sizes(item.geometry))
     return np.empty(0)

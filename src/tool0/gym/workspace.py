@@ -245,8 +245,6 @@ class Workspace:
     def posture(self, position: Array) -> Array:
         """Return the joint positions at a TCP position [rad], or NaN if out of reach.
 
-        NaN if out of reach.
-
         ``position`` [m], (3,), is in the root frame.  The yaw and the posture of the
         arm are those at the start.
         """

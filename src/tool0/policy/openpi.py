@@ -195,10 +195,7 @@ def _with_arrays(value: Any) -> Any:
 
 
 def _dtype(name: str | bytes) -> np.dtype[Any]:
-    """Return a numeric data type, or reject an object type, which executes code.
-
-    Object types are rejected, because they execute code.
-    """
+    """Return a numeric data type, or reject an object type, which executes code."""
     found = np.dtype(name.decode() if isinstance(name, bytes) else name)
     if found.kind not in "biuf":
         raise ValueError(f"an array of {found}")

@@ -22,10 +22,7 @@ class Source(Protocol):
 
     @property
     def digest(self) -> str | None:
-        """SHA-256 of the file that defines the policy; None if no file defines it.
-
-        None if there is no such file.
-        """
+        """SHA-256 of the file that defines the policy; None if no file defines it."""
 
     def begin(self, seed: int) -> None:
         """Begin an episode."""
