@@ -103,7 +103,7 @@ class Part:
         self._requests.write_new()
 
     def flush(self) -> None:
-        """Pass all data to the operating system, where a process crash cannot lose it."""
+        """Write all data to the operating system, so a process crash loses no data."""
         self._file.flush()
 
     def finish(self) -> None:

@@ -134,7 +134,7 @@ class _Run:
         return _compared(recording, position, effort, tuple(self._repetition.notes))
 
     def _carry_out(self, first: int, step: int) -> int:
-        """Execute successful requests before a step; return the next request's index."""
+        """Execute successful requests before a step; return the next request index."""
         requests, repetition = self._requests, self._repetition
         while first < len(requests) and requests[first].step < step:
             recorded = requests[first]
