@@ -137,7 +137,7 @@ class Arguments:
         """Return times [s].
 
         Raises:
-            ControlError: Unless they increase from above ``INSTANT``.
+            ControlError: Unless the times increase and are above ``INSTANT``.
         """
         given = np.asarray(values, dtype=np.float64)
         steps = np.diff(given, prepend=INSTANT) if given.ndim == 1 else np.zeros(0)

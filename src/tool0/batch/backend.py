@@ -38,15 +38,14 @@ _DEVICE = re.compile(r"cpu|cuda(:\d+)?|warp:cpu")
 
 
 class DeviceArrays(NamedTuple):
-    """State of n copies in the memory of the device that computes it.
+    """State of n copies in the memory of the computing device.
 
     The fields are Warp arrays in single precision; ``torch.from_dlpack`` and similar
-    functions share their memory.  The arrays change as time advances.  Do not write to
-    these arrays.
+    functions share their memory.  The arrays are read-only and change as time advances.
     """
 
     position: Any
-    """Joint positions [rad | m], shape (n, n_joints), ordered as
+    """Joint positions [rad | m], shape (n, n_joints), in the order of
     ``Batch.joint_names``."""
     velocity: Any
     """Joint velocities [rad/s | m/s], shape (n, n_joints)."""
@@ -110,7 +109,7 @@ class BatchBackend(Protocol):
         """Return positions, velocities and efforts, each of shape (n, n_joints)."""
 
     def arrays(self) -> DeviceArrays:
-        """Return the state on the device that computes it.
+        """Return the state in the memory of the computing device.
 
         Raise ControlError if the copies are on the CPU.
         """
@@ -124,8 +123,8 @@ class BatchBackend(Protocol):
     def wrenches(self, links: frozenset[str], at: str) -> Array:
         """Return the wrench that other bodies exert on links [N, N·m], shape (n, 6).
 
-        The wrench is the sum over the contacts in the last step.  It is given at the
-        origin and in the axes of the link ``at``.
+        The wrench is the sum over the contacts in the last step.  The wrench is given
+        at the origin and in the axes of the link ``at``.
         """
 
     def contacts(self, first: Names | None, second: Names | None) -> ContactArrays:
@@ -157,7 +156,7 @@ class BatchBackend(Protocol):
     def change(
         self, rows: Indices, name: str, field: ObjectField, values: Array
     ) -> None:
-        """Change a field of an object, as if it had been created with these values.
+        """Change a field of an object, as if it had been created with the values.
 
         Args:
             rows: The copies.
@@ -171,7 +170,7 @@ class BatchBackend(Protocol):
         """
 
     def executor(self, i: int) -> Executor:
-        """Return the executor of one copy, with the copy's core up to date.
+        """Return the executor of one copy after updating the copy's core.
 
         Raises:
             ControlError: If the copies are not on the CPU.
@@ -196,15 +195,15 @@ class BatchBackend(Protocol):
             rows: The copies.
             controller: Number of the controller among the running controllers.
             joints: Numbers of the k joints that move, counted within the controller.
-            times: Times of the points after now [s], shape (r, m).
+            times: Times of the points, relative to now [s], shape (r, m).
             positions: Positions [rad | m], shape (r, m, k).
             velocities: Velocities [rad/s | m/s], shape (r, m, k); None for linear
                 interpolation.
             lifts_limits: Whether the drives may still have the limits of a gripper's
-                goal.  This motion removes these limits.
+                goal, which this motion removes.
 
         Raises:
-            GoalRejectedError: If the joints cannot make this motion.  In this case, the
+            GoalRejectedError: If the joints cannot make this motion, in which case the
                 copies are unchanged.
         """
 
@@ -249,7 +248,7 @@ class BatchBackend(Protocol):
             rows: The copies, at least one.
             controller: Number of the controller among the running controllers.
             joint: The number of the gripper's joint in the controller.
-            openings: Openings [m], shape (n,).  The array may be on the device.
+            openings: Openings [m], shape (n,), as an array that may be on the device.
             limits: Limits of speed and force, one entry per row.
         """
 

@@ -101,14 +101,15 @@ class Batch:
                 color of objects, and in the size of boxes, cylinders and spheres.
             dt: Length of a physics step [s].
             threads: Number of threads that step the copies (default: the number of
-                processors, but at most ``n``).  It cannot be given for a GPU.
+                processors, but at most ``n``).  The number of threads cannot be given
+                for a GPU.
             device: Device that computes: "cpu", a GPU such as "cuda" or "cuda:1", or
                 "warp:cpu".  A GPU computes in single precision.  "warp:cpu" runs the
                 GPU's code slowly on the CPU.
 
         Raises:
             ConfigError: If ``n`` or ``threads`` is out of range, the scenes differ in
-                another property, or the device does not support an argument.
+                other properties, or the device does not support an argument.
             EngineUnavailableError: If there is no such device, or MuJoCo Warp is not
                 installed.
             Tool0Error: If an option or a file is wrong.
@@ -202,7 +203,7 @@ class Batch:
 
     @cached_property
     def link_names(self) -> tuple[str, ...]:
-        """The links of the robot, including those fixed to other links."""
+        """The links of the robot, including links fixed to other links."""
         return tuple(self._model.link_by_name)
 
     def pad_names(self, gripper: str | None = None) -> tuple[str, str]:
@@ -272,9 +273,9 @@ class Batch:
 
         The position has the shape (n, 3), and the quaternion has the shape (n, 4).
 
-        The TCP is the point midway between the pads.  The y axis of its frame points
-        from one pad to the other, and the z axis points away from the gripper.  This is
-        the frame of ``Gripper.tcp``.
+        The TCP is the point midway between the pads.  The y axis of the TCP frame
+        points from one pad to the other, and the z axis points away from the gripper.
+        The TCP frame is also the frame of ``Gripper.tcp``.
 
         Args:
             gripper: Name of the gripper; may be omitted if there is only one gripper.
@@ -337,10 +338,7 @@ class Batch:
         return _frozen(found)
 
     def opening(self, gripper: str | None = None) -> Array:
-        """Return the distance between the pads [m], shape (n,).
-
-        It is 0 if they are closed.
-        """
+        """Return the distance between the pads, 0 if closed [m], shape (n,)."""
         geometry = self._gripper(gripper)
         q = self.position[:, self.joint_names.index(geometry.joint)].tolist()
         return _frozen(np.array([max(0.0, geometry.opening(value)) for value in q]))
@@ -390,10 +388,11 @@ class Batch:
     def tool_wrench(self, robot: str | None = None) -> Array:
         """Return the force [N] and torque [N·m] of contacts on the tool, shape (n, 6).
 
-        The wrench is given at the origin and in the axes of tool0.  It is the sum over
-        all contacts, in the last step, between links beyond tool0 and other bodies.  A
-        held object is one of the other bodies, so its weight and contacts contribute to
-        the wrench.  The weight and inertia of the gripper are not part of the wrench.
+        The wrench is given at the origin and in the axes of tool0.  The wrench is the
+        sum over all contacts in the last step between links beyond tool0 and other
+        bodies.  A held object is one of the other bodies, so its weight and contacts
+        contribute to the wrench.  The weight and inertia of the gripper are not part of
+        the wrench.
 
         Args:
             robot: Name of the arm; may be omitted if there is only one arm.
@@ -416,12 +415,12 @@ class Batch:
     ) -> Contacts:
         """Return the contacts in the last step, one row per pair of touching bodies.
 
-        Contacts are computed on request.  They have the same fields as in
+        Contacts are computed on request and have the same fields as in
         ``Robot.contacts``.  Pairs of bodies without a normal force are left out.
 
         Args:
-            first: Name of a link or an object, or ``ground``, or several of these.
-                This body is ``first`` in each row (default: any body).
+            first: Name of a link or an object, ``ground``, or a sequence of these
+                names, which are ``first`` in the rows (default: any body).
             second: Name of the link or object that touches ``first``, or several names
                 (default: any body).
             which: The copies.
@@ -451,11 +450,11 @@ class Batch:
     ) -> NDArray[np.bool_]:
         """Return whether two bodies touched in the last step, shape (n,).
 
-        This is faster than ``contacts``.
+        This method is faster than ``contacts``.
 
         Args:
-            first: Name of a link or an object, or ``ground``, or several of these.  A
-                contact of any one of them is sufficient.
+            first: Name of a link or an object, ``ground``, or a sequence of these
+                names, any of which may touch ``second``.
             second: Name of the body that touches ``first``, or several names (default:
                 any body).
 
@@ -477,7 +476,8 @@ class Batch:
 
         Raises:
             ModelError: If there is neither a link nor a sensor of that name.
-            ControlError: If no link is named, and the robot has no tool0 or several.
+            ControlError: If ``link`` is None, and the robot has no tool0 link or
+                several tool0 links.
         """
         if link not in self._sensors:
             sensor = BatchForceTorque(
@@ -503,9 +503,10 @@ class Batch:
         joints: Sequence[str] | None = None,
         which: Which | None = None,
     ) -> None:
-        """Move joints to ``positions``, like a message with one point to ROS.
+        """Move joints to ``positions`` within a duration.
 
-        The corresponding ROS topic is ``~/command``.
+        The motion corresponds to a message with one point on the ROS topic
+        ``~/command``.
 
         The motion starts from the current setpoint and replaces the remaining part of
         the previous motion.
@@ -514,16 +515,16 @@ class Batch:
             positions: Positions [rad | m], shape (n, k).  An array in the GPU's memory,
                 such as a PyTorch tensor, is not copied to the host, and its values are
                 not checked: values beyond a limit are clamped to the limit, and a copy
-                with a non-finite value diverges.  Such an array must be float32 and
-                have the full shape.
+                with a non-finite value diverges.  An array in the GPU's memory must be
+                float32 and must have the full shape.
             velocities: Velocities at the positions [rad/s | m/s], shape (n, k); without
                 velocities, the setpoints move linearly and then stop, like in ROS.
-            duration: Time until the joints arrive [s].
+            duration: Duration of the motion [s].
             joints: Names of the k joints (default: ``arm_joints``).
             which: The copies.
 
         Raises:
-            ControlError: If a shape, a value or a joint is wrong.  In this case, no
+            ControlError: If a shape, a value or a joint is wrong, in which case no
                 motion is started.
         """
         check = Arguments(self._n, "command")
@@ -559,7 +560,9 @@ class Batch:
         joints: Sequence[str] | None = None,
         which: Which | None = None,
     ) -> None:
-        """Move joints along trajectories, like a message on ROS's topic ``~/command``.
+        """Move joints along trajectories.
+
+        The motion corresponds to a message on the ROS topic ``~/command``.
 
         Args:
             positions: Positions of m points [rad | m], shape (n, m, k).
@@ -570,7 +573,7 @@ class Batch:
             which: The copies.
 
         Raises:
-            ControlError: If a shape, a value or a joint is wrong.  In this case, no
+            ControlError: If a shape, a value or a joint is wrong, in which case no
                 motion is started.
         """
         check = Arguments(self._n, "follow")
@@ -604,19 +607,19 @@ class Batch:
         (``motion.gripper.direct_path``); a GripperActionController uses its own motion.
 
         Args:
-            opening: Distance between the pads [m], shape (n,).  An array in the GPU's
-                memory is treated as in ``command``.
-            speed: Speed of the pads relative to each other [m/s], shape (n,); default:
-                the gripper's maximum speed.
-            force: Largest force at each pad [N], shape (n,); default: the gripper's
-                maximum force.
+            opening: Distance between the pads [m], shape (n,).  See ``command`` for an
+                array in the GPU's memory.
+            speed: Speed of the pads relative to each other [m/s], shape (n,) (default:
+                the gripper's maximum speed).
+            force: Largest force at each pad [N], shape (n,) (default: the gripper's
+                maximum force).
             gripper: Name of the gripper; may be omitted if there is only one gripper.
             which: The copies.
 
         Raises:
             ModelError: If an opening is outside the gripper's range.
             ControlError: If a shape, a speed or a force is wrong, or no running
-                controller drives the gripper.  In this case, no motion is started.
+                controller drives the gripper, in which case no motion is started.
         """
         check = Arguments(self._n, "move_gripper")
         geometry = self._gripper(gripper)
@@ -686,13 +689,13 @@ class Batch:
 
         Args:
             which: The copies.
-            position: Positions of all joints [rad | m], shape (n, n_joints); default:
-                the initial pose.  Mimic joints follow the joints that they mimic, so
+            position: Positions of all joints [rad | m], shape (n, n_joints) (default:
+                the initial pose).  Mimic joints follow the joints that they mimic, so
                 the values of mimic joints are ignored.
 
         Raises:
             ControlError: If a shape or a number is wrong.
-            LimitsError: If a position is outside a joint's limits.  In this case, the
+            LimitsError: If a position is outside a joint's limits, in which case the
                 copies are unchanged.
         """
         check = Arguments(self._n, "reset")
@@ -736,12 +739,12 @@ class Batch:
             state: State of this batch, or of a batch with the same robot, controllers
                 and objects; the objects' sizes may differ.
             which: The copies.
-            source: Number of the saved copy to restore in each copy, shape (n,);
-                default: each copy's own number.
+            source: Number of the saved copy to restore in each copy, shape (n,)
+                (default: each copy's own number).
 
         Raises:
-            ControlError: If a number is not that of a saved copy, the robot or the
-                controllers differ, or the batch runs on a GPU.
+            ControlError: If a number is not the number of a saved copy, the robot or
+                the controllers differ, or the batch runs on a GPU.
             EngineError: If the objects differ.
         """
         if self._device != CPU:
@@ -787,8 +790,8 @@ class Batch:
 
         Raises:
             ControlError: If there is no such object, the object is fixed and the batch
-                runs on a GPU, or a shape or a value is wrong.  In these cases, the
-                object is not moved.
+                runs on a GPU, or a shape or a value is wrong, in which case the object
+                is not moved.
         """
         check = Arguments(self._n, "place")
         rows = check.which(which)
@@ -811,7 +814,7 @@ class Batch:
 
         Raises:
             ControlError: If there is no such object, the object is fixed, or a mass is
-                not positive.  In these cases, no mass is changed.
+                not positive, in which case no mass is changed.
         """
         self._change_objects("set_mass", name, "mass", mass, which)
 
@@ -845,8 +848,8 @@ class Batch:
 
         Raises:
             ControlError: If there is no such object, the object has another shape, a
-                value is not positive, or the batch runs on a GPU.  In these cases, no
-                size is changed.
+                value is not positive, or the batch runs on a GPU, in which case no size
+                is changed.
         """
         shape = self._size_shape("set_size", name)
         self._change_objects("set_size", name, "size", size, which, shape=shape)
@@ -1088,7 +1091,7 @@ class Batch:
         """Return the shape of an object's size.
 
         Raises:
-            ControlError: If its size is fixed.
+            ControlError: If the object's size is fixed.
         """
         self._object(name)
         item = self._cores[0].scene.objects[self.object_names.index(name)]

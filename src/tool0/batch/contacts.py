@@ -38,8 +38,8 @@ class Contacts:
     [m], shape (m, 3)."""
     normal: Array
     """Mean normal of the contact points from ``first`` to ``second``, weighted by their
-    normal forces, shape (m, 3).  Its length is 1, or 0 where one body is clamped
-    between two sides of the other body."""
+    normal forces, shape (m, 3).  The length of the normal is 1, or 0 where one body is
+    clamped between two sides of the other body."""
     distance: Array
     """Least distance between the surfaces [m], shape (m,); it is negative if they
     overlap."""

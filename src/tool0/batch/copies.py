@@ -44,8 +44,8 @@ from tool0.simulation.core import Core
 from tool0.simulation.executor import Executor
 
 MOST_TICKS = 1000
-"""Ticks of each copy that the kernel executes per call; signals such as Ctrl-C are
-handled between calls."""
+"""Largest number of ticks of each copy that the kernel executes per call; signals such
+as Ctrl-C are handled between calls."""
 
 
 @final
@@ -88,7 +88,7 @@ class Copies:
 
     @property
     def ticks(self) -> NDArray[np.int64]:
-        """Control periods since each copy's reset."""
+        """Number of control periods since the last reset of each copy."""
         return self._ticks
 
     @property
@@ -332,7 +332,7 @@ class Copies:
         """Start motions, in the kernel if possible; see ``BatchBackend.start``.
 
         Raises:
-            GoalRejectedError: If the joints cannot make this motion.  In this case, the
+            GoalRejectedError: If the joints cannot make this motion, in which case the
                 copies are unchanged.
         """
         if lifts_limits or min(times[:, 0].tolist(), default=1.0) <= 2.0 * INSTANT:
@@ -419,7 +419,7 @@ class Copies:
     ) -> bool:
         """Start goals of a gripper in the kernel's memory; see ``BatchBackend.drive``.
 
-        There are no handles to these goals.
+        No handles are returned for these goals.
         """
         if self._kernel is None or not self.load(rows):
             return False

@@ -85,8 +85,8 @@ class CopySensor:
         """Advance copies by ``ticks``, shape (n,), and take the samples that are due.
 
         ``steps`` are the addresses of the last steps in the kernel, shape (n, 3), in
-        the form of ``ToolMeter.wrenches``.  They are 0 for a copy whose last step is in
-        its core.
+        the form of ``ToolMeter.wrenches``.  The addresses are 0 for a copy whose last
+        step is in its core.
         """
         self.left -= ticks
         rows = (self.left == 0).nonzero()[0]

@@ -209,7 +209,7 @@ class DeviceCopies:
         """Start motions and return True; see ``BatchBackend.start``.
 
         Raises:
-            GoalRejectedError: If the joints cannot make this motion.  In this case, the
+            GoalRejectedError: If the joints cannot make this motion, in which case the
                 copies are unchanged.
         """
         refused = self._control.start(

@@ -21,11 +21,12 @@ if TYPE_CHECKING:
 class BatchForceTorque:
     """Sensor of the wrench that the tool exerts on its carrying link in each copy.
 
-    It measures like ``robot.force_torque``: force [N] and torque [N·m] include the
-    tool's weight, inertia and contacts.  They are given at the origin and in the axes
-    of the link.  The sensor uses no computing time until the first reading starts it.
-    The samples of each copy are timed by the copy's own clock: when the sensor starts,
-    when the copy is reset, and every ``1 / rate`` seconds after these events.
+    The sensor measures like ``robot.force_torque``: force [N] and torque [N·m] include
+    the tool's weight, inertia and contacts.  Force and torque are given at the origin
+    and in the axes of the link.  The sensor uses no computing time until the first
+    reading starts it.  The samples of each copy are timed by the copy's own clock: when
+    the sensor starts, when the copy is reset, and every ``1 / rate`` seconds after
+    these events.
     """
 
     def __init__(
@@ -83,7 +84,7 @@ class BatchForceTorque:
         return kind.rate
 
     def stop(self) -> None:
-        """Stop sampling and discard the tare; the sensor may be stopped already."""
+        """Stop sampling and discard the tare; it may be stopped more than once."""
         with self._changing:
             self._stop()
 

@@ -15,7 +15,7 @@ def _nothing() -> None: ...
 
 @final
 class OneThread:
-    """A context that only one thread at a time may enter; re-entrant.
+    """A re-entrant context that only one thread at a time may enter.
 
     The context is a class because ``contextlib.contextmanager`` is several times
     slower.

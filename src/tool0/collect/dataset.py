@@ -1,9 +1,9 @@
 """The folder of a data set, with one file and one index row per episode.
 
 Episodes are added in order, so a data set always consists of the episodes 0 … n-1.  A
-file is renamed to its final name after it has been written to the disk.  Its row is
-appended after that.  Files without a row, which an interruption may leave, are removed
-when the folder is opened again.
+file is renamed to its final name after it has been written to the disk, and then the
+row of the file is appended to the index.  Files without a row, which an interruption
+may leave, are removed when the folder is opened again.
 """
 
 from __future__ import annotations

@@ -56,8 +56,7 @@ def export_lerobot(
         only_successes: Whether to leave out episodes that failed.
         instruction: Description of the task; the default is the description that was
             given when the episodes were recorded.
-        cameras: Cameras of the robot or the scene.  Their images are added to each
-            frame.
+        cameras: Cameras of the robot or the scene that provide images for each frame.
         width: Width of the images [pixels] (default: the width of the camera).
         height: Height of the images [pixels] (default: the height of the camera).
         progress: Callback that is called with the number of finished episodes and the

@@ -22,7 +22,7 @@ Policy = Callable[[int], Act]
 
 
 def located(policy: str | Policy) -> tuple[str, str | None]:
-    """Return the full name of a policy, and the SHA-256 of its file or None.
+    """Return the full name of a policy, and the SHA-256 of its file if there is one.
 
     Workers load the policy by this name.  Neither code nor pickled objects are sent.
 

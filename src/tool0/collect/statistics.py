@@ -92,7 +92,7 @@ def _of_colours(images: Array) -> dict[str, Numbers]:
     until = np.cumsum(counts, axis=1)
 
     def level(share: float) -> Numbers:
-        """Return the smallest level that ``share`` of the pixels do not exceed."""
+        """Return the quantile ``share`` of the levels of the pixels."""
         needed = max(share * total, 1.0)
         return np.asarray(levels[np.argmax(until >= needed, axis=1)])
 

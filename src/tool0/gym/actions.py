@@ -24,8 +24,8 @@ JOINT_SPEED = 0.5
 FASTEST = 0.9
 """Largest speed of a joint, as a fraction of its velocity limit."""
 LEAD = 0.25
-"""Largest distance between a joint's target and its measured position [rad].  It limits
-the targets of blocked joints."""
+"""Largest distance between a joint's target and its measured position, which limits the
+targets of blocked joints [rad]."""
 MARGIN = 0.02
 """Least distance between a target and the joint limits [rad]."""
 NAMES = {
@@ -105,8 +105,8 @@ class ArmActions:
         (6,)."""
         self._moves = np.array([*[self.linear] * 3, self.turn])
         self._lower, self._upper = workspace.lower + MARGIN, workspace.upper - MARGIN
-        # Below this height, the fingertips would press on the table.  A lower tool may
-        # rise.
+        # Below this height, the fingertips would press on the table, so a lower tool
+        # can only move up.
         self._lowest = workspace.lowest
 
     def openings(self, actions: Array) -> Array:

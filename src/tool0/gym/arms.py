@@ -30,7 +30,7 @@ class ArmCopies:
     ) -> None:
         """Use the arm of a workspace.
 
-        ``has_wrench`` adds the wrench on the arm's tool.
+        ``has_wrench`` adds the wrench on the arm's tool to the measurements.
         """
         self.space, self.actions = space, ArmActions(space, options)
         self._batch, self._options, self._has_wrench = batch, options, has_wrench

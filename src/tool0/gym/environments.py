@@ -110,7 +110,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         return None if self.render_mode is None else self.copies.image(0)
 
     def close(self) -> None:
-        """End the simulation; the environment may be closed already."""
+        """End the simulation; it may be closed more than once."""
         if hasattr(self, "copies"):
             self.copies.batch.close()
 
@@ -126,8 +126,8 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
     """Environment with many copies of a task, which ``gymnasium.make_vec`` returns.
 
     All copies are stepped together.  After ``reset(seed=s)``, copy i behaves, bit for
-    bit, like a single environment after ``reset(seed=s + i)``.  This does not depend on
-    the number of copies.
+    bit, like a single environment after ``reset(seed=s + i)``, regardless of the number
+    of copies.
     """
 
     def __init__(

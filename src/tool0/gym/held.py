@@ -36,7 +36,7 @@ def grasped(
         item: The object.
         space: Workspace of the arm that grasps the object and then rises to its start
             pose.
-        hold: How the gripper holds the object.
+        hold: Way in which the gripper holds the object.
         force: Force at each pad [N].
         start: Positions of all joints at the start, with open grippers [rad | m], shape
             (n_joints,).

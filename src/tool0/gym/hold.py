@@ -1,4 +1,4 @@
-"""How a gripper holds an object between its pads."""
+"""Ways in which a gripper holds an object between its pads."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tool0.kinematics.chain import Array
 
 @final
 class Hold(NamedTuple):
-    """How the pads hold an upright object from above."""
+    """Way in which the pads hold an upright object from above."""
 
     width: float | Array
     """Width of the object between the pads [m]; it is an array of shape (n,) if the

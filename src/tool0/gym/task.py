@@ -151,8 +151,7 @@ class Start(NamedTuple):
     """Goal, shape (g,), or any other shape that ``Task.desired`` converts."""
     is_held: bool = False
     """Whether the closed gripper of the first arm holds the first object in the way
-    that ``Task.hold`` defines.  In this case, the object's place and yaw are
-    ignored."""
+    that ``Task.hold`` defines.  If true, the object's place and yaw are ignored."""
 
 
 class Target(NamedTuple):
@@ -171,8 +170,9 @@ class Target(NamedTuple):
 class Task(abc.ABC):
     """A task of one arm, or of two arms that face each other.
 
-    The functions have no memory.  Their arguments are arrays with one row per copy.
-    Their results also have one row per copy, which must not depend on the other copies.
+    The functions have no memory.  The arguments and the results of the functions are
+    arrays with one row per copy.  A row of a result must not depend on the other
+    copies.
     """
 
     instruction: str = ""
@@ -247,9 +247,9 @@ class Task(abc.ABC):
     def expert(self, state: State, commanded: Frames) -> Target:
         """Return the expert's next target; ``commanded`` is the TCP's current target.
 
-        The expert has no memory and infers the progress from the state.  This function
-        is optional.  If a task does not define it, ``tool0.gym.expert`` raises an
-        error.
+        The expert has no memory and infers the progress from the state.  The function
+        is optional, but ``tool0.gym.expert`` raises an error for a task without the
+        function.
         """
         raise NotImplementedError
 

@@ -1,7 +1,7 @@
 """Next targets of experts: to grasp, lift, place or push an object.
 
-The functions have no memory.  They infer the progress from the state, so they can
-recover from disturbances.
+The functions have no memory and infer the progress from the state, so they can recover
+from disturbances.
 """
 
 from __future__ import annotations

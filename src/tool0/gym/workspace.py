@@ -63,8 +63,8 @@ used."""
 class Workspace:
     """One arm with a gripper, and the table in front of it.
 
-    Lengths on the table are proportional to the scale of the arm; the sizes of cubes
-    and the bin are not.  Poses are in the robot's root frame.
+    Lengths on the table are proportional to the scale of the arm, but the sizes of
+    cubes and the bin are constant.  Poses are in the robot's root frame.
     """
 
     def __init__(self, site: Site, arm: str, beside: Mapping[str, Workspace]) -> None:
@@ -246,7 +246,7 @@ class Workspace:
         """Return the joint positions at a TCP position [rad], or NaN if out of reach.
 
         ``position`` [m], (3,), is in the root frame.  The yaw and the posture of the
-        arm are those at the start.
+        arm are the same as at the start.
         """
         T = self._flange(position, self.start_yaw)
         with np.errstate(invalid="ignore"):

@@ -55,9 +55,9 @@ class Endpoint:
         """Return whether the header ``Host`` contains a valid name of this server.
 
         The owner of a foreign page can make the page's host name resolve to this
-        machine (DNS rebinding).  In this case, the browser sends the foreign name.  If
-        a token is required, the port may differ, because a container or a tunnel may
-        map the port.
+        machine (DNS rebinding), in which case the browser sends the foreign name.  If a
+        token is required, the port may differ, because a container or a tunnel may map
+        the port.
         """
         name, port = _split(host_header)
         is_chosen = name in _LOOPBACK_NAMES or name == self.host.lower()
@@ -74,11 +74,11 @@ def open_endpoint(
     """Start listening and return the endpoint.
 
     Args:
-        host: Name or address of this machine; default: the loopback address.
+        host: Name or address of this machine (default: the loopback address).
         port: Port number (default: the default port, or a free port if the default port
             is in use).
-        token: Token that clients must send.  If no token is given, but a host or a
-            port, the value of the environment variable is used.  If there is no value
+        token: Token that clients must send.  If a host or a port is given without a
+            token, the value of the environment variable is used.  If there is no value
             and the host is not the loopback address, a new token is generated.
 
     Raises:
@@ -107,7 +107,7 @@ def _listen(host: str, port: int) -> socket.socket:
     )[0]
     listener = socket.socket(family, kind, protocol)
     try:
-        if os.name == "posix":  # others would allow shared ports
+        if os.name == "posix":  # elsewhere, ports would be shared
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         # Connections inherit these buffer sizes.
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SEND_BUFFER)

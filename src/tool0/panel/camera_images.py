@@ -28,7 +28,7 @@ images."""
 _THREADS: Final = 4
 """Number of threads that encode images or wait for the rendering thread."""
 _LEVEL: Final = 1
-"""Compression level of zlib.  It needs a quarter of the time of the default level and
+"""Compression level of zlib, which needs a quarter of the time of the default level and
 results in 1.5 times the size."""
 
 

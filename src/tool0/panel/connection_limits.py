@@ -1,7 +1,7 @@
 """Limits of connections, so that unauthenticated connections never block others.
 
-A *stranger* is a connection without a request that requires the token.  It may be from
-a page that is loading, or one of thousands of idle connections from an attacker.
+A *stranger* is a connection without a request that requires the token.  A stranger may
+be a page that is loading, or one of thousands of idle connections from an attacker.
 """
 
 from __future__ import annotations

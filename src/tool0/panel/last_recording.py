@@ -48,7 +48,9 @@ class LastRecording:
         return file if file.is_file() else None
 
     async def replay(self, file: Path) -> str:
-        """Start to replay a file unless its replay is running, and return its address.
+        """Start to replay a file unless it is being replayed.
+
+        Return the page's address.
 
         Return the page's address.
 
@@ -63,7 +65,7 @@ class LastRecording:
             return await asyncio.to_thread(replay.address)
 
     async def close(self) -> None:
-        """End the replay, which may have ended already."""
+        """End the replay; it may be ended more than once."""
         replay, self._replay = self._replay, None
         if replay is not None:
             await asyncio.to_thread(replay.close)

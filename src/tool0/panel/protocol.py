@@ -332,7 +332,7 @@ class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
     """Whether grasped objects are fixed to the gripper, which is not physical."""
     robot: RobotInfo
     cameras: list[CameraInfo]
-    """Cameras, whose images are at ``/cameras/NAME/color?width=640`` and
+    """Cameras, with images at ``/cameras/NAME/color?width=640`` and
     ``/cameras/NAME/depth`` on this server; see ``camera_images``."""
     notices: list[Notice]
     missing: dict[str, str]

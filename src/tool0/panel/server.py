@@ -265,7 +265,7 @@ class Panel(AbstractContextManager["Panel"]):
 
         Args:
             robot: A robot in this process, a robot without physics, or a recording.
-            host: Name or address of this machine; default: the loopback address.
+            host: Name or address of this machine (default: the loopback address).
             port: Port number (default: the default port, or a free port if the default
                 port is in use).
             token: Token that pages must send; see ``open_endpoint``.
@@ -283,7 +283,7 @@ class Panel(AbstractContextManager["Panel"]):
         self._server = Server(backend, [service])
 
     def close(self) -> None:
-        """Close all connections and stop serving; the panel may be closed already."""
+        """Close all connections and stop serving; it may be closed more than once."""
         self._server.close()
 
     def __exit__(self, *_: object) -> None:

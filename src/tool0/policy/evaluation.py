@@ -145,10 +145,10 @@ def execute(
 
     Raises:
         ConfigError: If an argument is wrong, or the folder contains files.
-        ControlError: If the robot rejects an action.  In this case, the arms hold their
+        ControlError: If the robot rejects an action, in which case the arms hold their
             positions.
-        PolicyError: If the policy fails.  In this case, the arms hold their positions.
-        TransportError: If a server does not answer.  In this case, the arms hold their
+        PolicyError: If the policy fails, in which case the arms hold their positions.
+        TransportError: If a server does not answer, in which case the arms hold their
             positions.
     """
     place = None if folder is None else _Folder(Path(folder), "none")

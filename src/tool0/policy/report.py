@@ -22,11 +22,11 @@ class Report:
     """Statistics of episodes with different seeds."""
 
     n_episodes: int
-    """Number of completed episodes, without an episode that the user interrupted."""
+    """Number of completed episodes, excluding an episode that the user interrupted."""
     n_succeeded: int
     n_stopped: int
-    """Number of episodes that ended with an action beyond the limits.  These episodes
-    are failures."""
+    """Number of episodes that ended with an action beyond the limits, which are counted
+    as failures."""
     mean_steps: float
     """Mean number of actions per episode."""
     policy_time: tuple[float, float, float]

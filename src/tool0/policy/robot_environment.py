@@ -36,8 +36,8 @@ FASTEST: Final = 0.9
 """Largest speed of an arm's joint, as a fraction of its velocity limit."""
 _LOOKAHEAD: Final = 1.5
 """Lookahead of the servo motion [control periods].  A smaller lookahead reproduces the
-steps between targets.  A larger lookahead increases the lag.  At this value, the lag is
-one control period."""
+steps between targets.  A larger lookahead increases the lag.  With a lookahead of 1.5
+control periods, the lag is one control period."""
 _LOOKAHEADS: Final = (0.03, 0.2)
 """Range of the lookahead [s]."""
 _DEADBAND: Final = 0.02
@@ -113,8 +113,8 @@ class RobotEnvironment:
         speed = np.array([item.velocity for item in limits])
         self._lookahead = float(np.clip(_LOOKAHEAD / rate, *_LOOKAHEADS))
         self._largest_step = FASTEST * speed / rate
-        """Largest step of each joint in a control period [rad], shape (m,).  It is
-        infinite for grippers, which move at a separately limited speed."""
+        """Largest step of each joint in a control period [rad], shape (m,), which is
+        infinite for grippers because their speed is limited separately."""
         self._largest_step[list(self._grippers)] = np.inf
         movable = [item.name for item in snapshot.scene if item.mass is not None]
         self._objects = movable
@@ -145,7 +145,7 @@ class RobotEnvironment:
             self._robot.arms[name].motion.take(BY)
         snapshot = self._robot.snapshot
         position = np.array(snapshot.position)[self._columns]
-        self._target = position.clip(*self.limits)  # measured positions may exceed them
+        self._target = position.clip(*self.limits)  # limits may be exceeded
         self._grip = {k: float(self._target[k]) for k in self._grippers}
         self._start, self._step = snapshot.time, 0
 

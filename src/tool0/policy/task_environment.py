@@ -119,7 +119,8 @@ class TaskEnvironment:
     def hold(self) -> Array:
         """Return the action that stops the tools and keeps the grippers' openings.
 
-        In environments from other packages, this is the allowed action closest to zero.
+        In environments from other packages, the result is the allowed action closest to
+        zero.
         """
         action = np.zeros_like(self._last)
         action[self._grippers] = self._last[self._grippers]

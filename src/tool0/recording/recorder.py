@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 FLUSH_PERIOD: Final = 0.4
-"""Wall time between chunks [s].  If the process is killed, at most the data of this
-time is lost."""
+"""Wall time between chunks [s].  If the process is killed, the data of at most 0.4 s is
+lost."""
 FORCES_PERIOD: Final = 0.032
 """Simulated time between two samples of contacts and wrenches [s].  The engine computes
 contacts and wrenches only on request."""

@@ -19,7 +19,7 @@ _ENCODERS: Final = ("libx264", "libopenh264")
 """H.264 encoders in order of preference; PyAV's wheels include both encoders."""
 _OPTIONS: Final = {"libx264": {"crf": "20", "preset": "fast"}}
 _BITS_PER_PIXEL: Final = 0.15
-"""Number of bits per pixel for the encoder without a quality option.  The number is
+"""Number of bits per pixel for the encoder without a quality option, which is
 sufficient for smooth surfaces."""
 
 
@@ -44,8 +44,8 @@ class VideoWriter:
 
         Args:
             path: Path of the MP4 file, which may have any extension.
-            width: Width of each image [pixels].  It must be even, because colors are
-                encoded at half the resolution.
+            width: Width of each image [pixels].  The width must be even, because colors
+                are encoded at half the resolution.
             height: Height of each image, which must be even [pixels].
             fps: Number of images per second [Hz], 1 … 1000.
 
@@ -94,7 +94,7 @@ class VideoWriter:
         self._encode(self._av.VideoFrame.from_ndarray(rgb, format="rgb24"))
 
     def close(self) -> None:
-        """Finish the file, which may be closed already.
+        """Finish the file; the writer may be closed more than once.
 
         Raises:
             RenderError: If the end of the video cannot be encoded, or the disk is full.

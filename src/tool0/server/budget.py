@@ -3,9 +3,9 @@
 Each connection has an account, to which the work for this connection is charged.  No
 connection has to wait while all connections together use less than their share, or only
 one connection is active.  Otherwise, each connection may use an equal part of the
-share.  A connection that has used more than its part has to wait.  Its messages are not
-read during this time, so the flow control of its socket slows down the client.  A stop
-request never has to wait for the account of its connection.
+share.  A connection that has used more than its part has to wait.  The messages of a
+waiting connection are not read, so the flow control of its socket slows down the
+client.  A stop request never has to wait for the account of its connection.
 """
 
 from __future__ import annotations
@@ -93,8 +93,8 @@ class Budget:
     def n_active(self) -> int:
         """Number of accounts that were charged recently."""
         oldest = self.now() - _ACTIVE
-        # The accounts are sorted by these times, because a charged account is moved to
-        # the end.
+        # The accounts are sorted by the times of their last charges, because a charged
+        # account is moved to the end.
         while self._active:
             account, charged_at = next(iter(self._active.items()))
             if charged_at >= oldest:

@@ -110,7 +110,7 @@ class Companion:
         return None if child is None else child.pid
 
     def close(self) -> None:
-        """End the program; the companion may be closed already."""
+        """End the program; it may be closed more than once."""
         self._is_closing.set()
         child = self._child
         if child is not None:
@@ -184,8 +184,8 @@ class Companion:
                 self._child = child
                 if self._is_closing.is_set():
                     return 0
-                # The pipe stays open if the program's supervisor is killed.  This
-                # thread ends the program in this case, and thereby the output.
+                # If the program's supervisor is killed, the pipe stays open until this
+                # thread ends the program.
                 threading.Thread(target=child.wait, daemon=True).start()
                 for line in output:
                     self._take(line.rstrip("\n"))

@@ -10,8 +10,8 @@ from tool0.errors import TransportError
 from tool0.server.budget import Account
 
 MAX_LINE: Final = 1 << 23
-"""Largest size of a request [bytes].  It is sufficient for 10 000 points of 6 joints
-with velocities and accelerations."""
+"""Largest size of a request, which is sufficient for 10 000 points of 6 joints with
+velocities and accelerations [bytes]."""
 _CHUNK: Final = 1 << 15
 """Largest number of bytes in one read, and number of buffered bytes at which reading is
 paused."""

@@ -1,7 +1,7 @@
 """The server: a thread that serves a robot to all connections.
 
 The module asyncio, and the modules that use it, are imported when the first peer
-connects.  Therefore, a bring-up without peers starts faster.
+connects, so a bring-up without peers starts faster.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ class Server(contextlib.AbstractContextManager["Server"]):
         self._thread.start()
 
     def close(self) -> None:
-        """Close every connection and end the server, which may be closed already."""
+        """Close every connection and end; the server may be closed more than once."""
         if self._waker.fileno() < 0 or not self._process.is_this:
             return
         with contextlib.suppress(OSError):  # the server has failed

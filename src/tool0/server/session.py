@@ -102,7 +102,7 @@ class Transport(Protocol):
         """Return the next message; None if the peer has disconnected.
 
         Raises:
-            TransportError: If the message is too long to be read.  In this case, the
+            TransportError: If the message is too long to be read, in which case the
                 stream may be lost.
         """
 

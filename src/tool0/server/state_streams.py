@@ -46,7 +46,7 @@ _FAST_PERIOD: Final = 0.02
 """Wall time between states while simulated time runs fast [s].  Each state delays the
 tick by about 0.4 ms, because both need the interpreter's lock."""
 _COMPANION_LOGGERS: Final = ("tool0.ros2", "tool0.ur")
-"""Loggers of companions, which have already logged the messages of these loggers."""
+"""Loggers of messages that companions have already logged."""
 _ROUNDING: Final = 1e-6
 """Tolerance for comparisons of times [s]."""
 
@@ -63,8 +63,8 @@ class _Pace(NamedTuple):
     requires one system call in the tick thread, but no call if the event loop is
     already awake."""
     is_fast: bool = False
-    """Whether the newest snapshot is polled.  In this case, the stream delays the tick
-    only by the interpreter's switches to another thread."""
+    """Whether the newest snapshot is polled, which delays the tick only by the
+    interpreter's switches to another thread."""
 
     @staticmethod
     def of(request: Subscribe, speed: float | None) -> _Pace:
@@ -186,7 +186,7 @@ class StateStream:
         return subscription
 
     def _close(self, subscription: Subscription) -> None:
-        """Close a subscription in another thread, because it waits for the tick."""
+        """Close a subscription in another thread, which waits for the tick."""
 
         def close() -> None:
             with contextlib.suppress(ControlError):  # the simulation has ended

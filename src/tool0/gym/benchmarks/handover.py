@@ -31,8 +31,8 @@ NEAR, FAR, SIDE = 0.34, 0.52, 0.3
 """Limits of the initial position of the bar's center: least and largest distance in
 front of the giver, and largest distance to each side, for arms of scale 1 [m]."""
 EDGE = 0.31
-"""Least distance of the bar in front of the giver, for an arm of scale 1 [m].  At this
-distance is the table's edge."""
+"""Least distance of the bar in front of the giver, which is the distance of the table's
+edge, for an arm of scale 1 [m]."""
 CLOSE = 0.4
 """Least distance from the giver's axis to the TCP when it grasps the bar, for an arm of
 scale 1 [m].  At a shorter distance, a small arm with a long gripper would collide with
@@ -165,9 +165,9 @@ class Handover(Task):
     def _ends(self, state: State) -> _Ends:
         """Return the states as if the bar were turned so that the giver's end is at -x.
 
-        The giver's end is the end at the giver's TCP.  Otherwise, it is the end
-        opposite the taker's TCP.  If no TCP is at the bar, the giver's end is the end
-        that points away from the taker.
+        The giver's end is the end at the giver's TCP or, if the giver's TCP is not at
+        the bar, the end opposite the taker's TCP.  If no TCP is at the bar, the giver's
+        end is the end that points away from the taker.
         """
         position, quat = state.object_position[:, 0], state.object_quat[:, 0]
         yaw = yaws_of_quats(quat)
