@@ -245,7 +245,7 @@ class BatchBackend(Protocol):
         """Move a gripper along ``direct_path``; return False if this requires Python.
 
         Args:
-            rows: The copies, at least one.
+            rows: The copies, of which there must be at least one.
             controller: Number of the controller among the running controllers.
             joint: The number of the gripper's joint in the controller.
             openings: Openings [m], shape (n,), as an array that may be on the device.
@@ -265,7 +265,7 @@ class BatchBackend(Protocol):
         Return False if the goals can be started only in Python.
 
         Args:
-            rows: The copies, at least one.
+            rows: The copies, of which there must be at least one.
             controller: Number of the controller among the running controllers.
             targets: Targets of the controller's joint, within its limits, one per row
                 [rad | m].

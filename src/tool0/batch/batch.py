@@ -191,8 +191,8 @@ class Batch:
     def arm_joints(self) -> tuple[str, ...]:
         """The joints that ``command`` and ``follow`` move by default.
 
-        These are the joints of all running trajectory controllers that do not drive a
-        gripper.
+        The default joints are the joints of all running trajectory controllers that do
+        not drive a gripper.
         """
         return self._commands.arm_joints
 
@@ -604,7 +604,8 @@ class Batch:
         An object between the pads is gripped with ``force``.
 
         The driven joint moves along a single cubic that ends at rest
-        (``motion.gripper.direct_path``); a GripperActionController uses its own motion.
+        (``motion.gripper.direct_path``); a GripperActionController uses a different
+        motion.
 
         Args:
             opening: Distance between the pads [m], shape (n,).  See ``command`` for an
@@ -740,7 +741,7 @@ class Batch:
                 and objects; the objects' sizes may differ.
             which: The copies.
             source: Number of the saved copy to restore in each copy, shape (n,)
-                (default: each copy's own number).
+                (default: the number of the copy).
 
         Raises:
             ControlError: If a number is not the number of a saved copy, the robot or
@@ -829,8 +830,8 @@ class Batch:
             which: The copies.
 
         Raises:
-            ControlError: If there is no such object, or a value is negative.  In these
-                cases, no coefficient is changed.
+            ControlError: If there is no such object, or a value is negative, in which
+                case no coefficient is changed.
         """
         self._change_objects("set_friction", name, "friction", friction, which)
 
@@ -1068,7 +1069,7 @@ class Batch:
         *,
         shape: tuple[int, ...] = (),
     ) -> None:
-        """Change a field of an object, as if each copy had been made with its value."""
+        """Change a field of an object to one value per copy."""
         check = Arguments(self._n, method)
         rows = check.which(which)
         self._object(name)

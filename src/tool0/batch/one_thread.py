@@ -1,4 +1,4 @@
-"""Guards a batch against use by two threads at once."""
+"""Guards a batch against use by two threads at the same time."""
 
 from __future__ import annotations
 

@@ -215,7 +215,7 @@ class _Schedule:
                 self._report(self._progress, now - start)
 
     def _give(self) -> None:
-        """Submit chunks to free workers, limited to a window after the first gap.
+        """Submit chunks to free workers, within a window of episodes.
 
         The window starts at the first episode that is missing from the data set.
         """

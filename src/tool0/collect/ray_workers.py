@@ -64,7 +64,7 @@ class RayWorkers:
     def __init__(
         self, address: str, n_workers: int | None, settings: Settings, n_copies: int
     ) -> None:
-        """Connect to Ray at ``address``, or start Ray on this machine for ``local``.
+        """Connect to Ray at ``address``; ``local`` starts Ray on this machine.
 
         Raises:
             ConfigError: If Ray is not installed, or ``address`` is not an address.

@@ -21,9 +21,9 @@ class Resampled:
     ) -> None:
         """Choose the times up to the first gap in the snapshots.
 
-        The first time is the time of the first snapshot whose tick is a multiple of the
-        snapshots' interval.  If the interval between the times is a multiple of the
-        snapshots' interval, each time is therefore the time of a snapshot.
+        The first time is the time of the first snapshot with a tick that is a multiple
+        of the snapshots' interval.  If the interval between the times is a multiple of
+        the snapshots' interval, each time is therefore the time of a snapshot.
 
         Args:
             tick: Tick of each snapshot [control periods], shape (n,).

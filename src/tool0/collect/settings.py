@@ -105,7 +105,7 @@ def _arithmetic() -> str:
     """Return a digest of floating-point results, which depend on the processor.
 
     The C library and NumPy choose implementations for the processor when they are
-    loaded.  The last bits of the results depend on these implementations.
+    loaded, which affects the last bits of the results.
     """
     import math
 

@@ -213,7 +213,7 @@ class Copies:
 
     @property
     def resized(self) -> tuple[str, ...]:
-        """Objects whose sizes are random."""
+        """Names of the objects with random sizes."""
         return self._sizes.names
 
     def rewards(self, success: Mask) -> Array:

@@ -1,7 +1,7 @@
 """Scripted experts, which solve tasks from the full state of the simulation.
 
 ``Task.expert`` returns the next target of the tool and gripper.  This module converts
-the target to an action.
+the target of an expert to an action.
 """
 
 from __future__ import annotations

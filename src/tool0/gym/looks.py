@@ -17,7 +17,7 @@ from tool0.gym.options import Randomisation
 
 @final
 class Looks:
-    """Draws the appearance of each copy from the copy's own generator."""
+    """Draws the appearance of each copy from the copy's random generator."""
 
     def __init__(
         self,

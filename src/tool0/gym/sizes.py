@@ -45,7 +45,7 @@ class Sizes:
                     "or sphere with a mass among its objects"
                 )
         self.names = task.resizable if workspace.has_sizes else ()
-        """Objects whose sizes are random."""
+        """Names of the objects with random sizes."""
         if workspace.has_sizes and not self.names:
             raise ConfigError(
                 f"randomise.size: the sizes of the objects of {name} are fixed; leave "
@@ -104,7 +104,7 @@ class Sizes:
 
 
 def _own_size(item: SceneObject) -> Array:
-    """Return the dimensions of an object [m]; none for a mesh or a compound."""
+    """Return the dimensions of an object [m], or () for a mesh or a compound."""
     if isinstance(item.geometry, Box | Cylinder | Sphere):
         return np.array(sizes(item.geometry))
     return np.empty(0)

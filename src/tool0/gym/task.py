@@ -1,4 +1,4 @@
-"""Base class of tasks, whose functions use arrays of the state of n copies.
+"""Base class of tasks, with functions on arrays of the state of n copies.
 
 To define your own task, derive a class from ``Task`` (docs/how-to/gym.md) and register
 the class with ``tool0.gym.register``.  A *goal* is an array of shape (n, g).  The
@@ -190,14 +190,14 @@ class Task(abc.ABC):
     """The way in which the gripper holds the first object in starts with ``is_held``;
     None if the task has no starts with ``is_held``."""
     resizable: tuple[str, ...] = ()
-    """Objects whose size ``Randomisation.size`` may change: boxes, cylinders or spheres
-    with a mass.  Starts are drawn for the size in the scene.  An object of another size
-    is placed with its bottom at the same height.  The functions read the object's
-    actual size from the state."""
+    """Names of objects that ``Randomisation.size`` may resize, which must be boxes,
+    cylinders or spheres with a mass.  Starts are drawn for the size in the scene.  An
+    object of another size is placed with its bottom at the same height.  The functions
+    read the object's actual size from the state."""
     needs_wrench: bool = False
     """Whether ``State`` and observations include the wrench on the tool."""
     worst_reward: float = -1.0
-    """Reward of a copy whose physics diverged."""
+    """Reward of a copy with diverged physics."""
 
     def __init__(self, workspace: Workspace) -> None:
         """Prepare the task for an arm, a gripper and a matching table.

@@ -208,7 +208,7 @@ class Workspace:
 
     @property
     def run_up(self) -> float:
-        """Distance from a cube's center at which a tool goes down for a push [m]."""
+        """Distance from a cube's center at which a tool moves down for a push [m]."""
         return 0.71 * self.edges[1] + RUN_UP
 
     @property

@@ -52,8 +52,6 @@ class LastRecording:
 
         Return the page's address.
 
-        Return the page's address.
-
         Raises:
             RecordingError: If the replay does not start.
         """

@@ -44,7 +44,7 @@ class PacedProtocol(asyncio.BufferedProtocol):
     def buffer_updated(self, nbytes: int) -> None:
         with self._account.working():
             self.protocol.data_received(bytes(_arriving[:nbytes]))
-        is_all = nbytes < _CHUNK  # nothing more to read now
+        is_all = nbytes < _CHUNK  # no more data at present
         if not (is_all or self._is_waiting or self._account.may_go_on):
             self._is_waiting = True
             self._update()

@@ -130,7 +130,7 @@ def execute(
         policy: The policy; see ``evaluate``.
         robot: The robot that ``tool0.bringup`` or ``tool0.connect`` returned.
         rate: Actions per simulated second [Hz].
-        cameras: Cameras whose images are passed to the policy.
+        cameras: Cameras that provide images for the policy.
         run: Options for executing the policy's actions; ``max_steps`` limits the number
             of actions.
         folder: New folder for a recording of the session, with observations and

@@ -71,7 +71,7 @@ class RobotEnvironment:
         Args:
             robot: The robot, which remains open when the environment is closed.
             rate: Actions per simulated second [Hz].
-            cameras: Cameras whose images are observed, by name.
+            cameras: Names of the cameras that provide images for observations.
             instruction: Description of the task.
             should_stop: Callback that is called during a wait.  If the callback returns
                 True, the wait ends.

@@ -173,7 +173,7 @@ class _Run:
         return outcome
 
     def _take(self, step: int) -> None:
-        """Add the chunk that has been received by this step, if any."""
+        """Add a chunk that has been received by this step."""
         chunk = self._answers.arrived(step)
         if chunk is not None:
             self._chunks.add(chunk, step)

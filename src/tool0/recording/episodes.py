@@ -168,8 +168,8 @@ class Episodes:
 
         Raises:
             ControlError: If no episode is being recorded.
-            RecordingError: If the recording ended early or was divided by a reset.  In
-                this case, the episode is discarded.
+            RecordingError: If the recording ended early or was divided by a reset, in
+                which case the episode is discarded.
         """
         with self._lock:
             wall_start, file = self._wall_start, self._file()

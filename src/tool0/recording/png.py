@@ -42,12 +42,15 @@ def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16], level: int = 6) ->
 
 
 def encode_depth(depth: NDArray[np.float32]) -> bytes:
-    """Return depth [m] as a PNG in mm (REP-118); 0 if unknown or above 65.535 m."""
+    """Return depth [m] as a PNG in mm (REP-118).
+
+    A depth that is unknown or above 65.535 m is 0 in the image.
+    """
     return encode_png(depth_in_mm(depth))
 
 
 def depth_in_mm(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """Return depth [m] converted to mm; 0 if unknown or above 65.535 m."""
+    """Return depth [m] in mm; depths that are unknown or above 65.535 m are 0."""
     import numpy as np
 
     known = np.isfinite(depth) & (depth < 65.535)

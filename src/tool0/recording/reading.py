@@ -142,7 +142,7 @@ class RecordingFile:
 
     @cached_property
     def step(self) -> NDArray[np.int64]:
-        """Number of control periods since the bring-up, despite resets, shape (n,)."""
+        """Number of control periods since the bring-up, across resets, shape (n,)."""
         return np.array(self._stream(JOINT_STATES).sequence, dtype=np.int64)
 
     @cached_property

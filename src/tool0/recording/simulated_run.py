@@ -163,7 +163,7 @@ class _Run:
 
 
 def _from_here(recorded: RecordedRequest) -> RecordedRequest:
-    """Return a request whose path begins at the simulated arm's position.
+    """Return a request with a path that begins at the simulated arm's position.
 
     The recorded path began at the position of the real arm, which differs by a fraction
     of a milliradian.

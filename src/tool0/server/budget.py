@@ -51,7 +51,7 @@ class Budget:
         is_strict: bool = False,
         now: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Start with the full processor time of a burst.
+        """Initialize the budget with the processor time of a full burst.
 
         Args:
             share: Fraction of one processor that all clients together may use on

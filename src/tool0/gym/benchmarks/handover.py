@@ -205,7 +205,8 @@ class Handover(Task):
     def _give_it(
         self, ends: _Ends, commanded: Frames, own: Grasp, is_taken: Mask
     ) -> Target:
-        """Return the giver's next target, at the bar, at the handover or away."""
+        """Return the giver's next target for grasping, carrying or releasing the
+        bar."""
         state = ends.give
         bar = state.object_position[:, 0]
         is_low = bar[:, 2] < self._meeting[2] - BELOW

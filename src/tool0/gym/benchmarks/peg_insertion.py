@@ -24,7 +24,7 @@ PEG_WIDTH, PEG_LENGTH, PEG_MASS = 0.025, 0.1, 0.1
 CLEARANCE = 0.0005
 """Excess of the hole's width over the peg's width [m]."""
 OUTER, HEIGHT = 0.085, 0.04
-"""Width and height of the socket, whose hole is open at the bottom [m]."""
+"""Width and height of the socket, which has a hole that is open at the bottom [m]."""
 SLIDING = 0.3
 """Friction coefficient of the socket, which is about the coefficient of polished
 steel."""
