@@ -1,4 +1,4 @@
-"""An environment with a running robot, which is simulated, in Gazebo, or real.
+"""An environment with a running robot, which may be simulated or real.
 
 Observations and actions have the form of ``tool0 export --format lerobot``, so policies
 that were trained on demonstrations of a robot can control this robot.  An action is the

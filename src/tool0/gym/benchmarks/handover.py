@@ -205,8 +205,7 @@ class Handover(Task):
     def _give_it(
         self, ends: _Ends, commanded: Frames, own: Grasp, is_taken: Mask
     ) -> Target:
-        """Return the giver's next target for grasping, carrying or releasing the
-        bar."""
+        """Return the giver's next target to grasp, carry or release the bar."""
         state = ends.give
         bar = state.object_position[:, 0]
         is_low = bar[:, 2] < self._meeting[2] - BELOW
