@@ -870,7 +870,7 @@ class Batch:
             self._sizes[name] = _frozen(np.array(found).reshape(self._n, *shape))
         return self._sizes[name]
 
-    # ---- images and close ------------------------------------------------------
+    # ---- images and close -----------------------------------------------------------
 
     def render(self, i: int, camera: str) -> CameraImage:
         """Return an image of copy ``i``.

@@ -102,7 +102,7 @@ class RecordingFile:
             self._info = info_from(metadata)
         self._names = self._info.joint_names
 
-    # ---- recorded data ----------------------------------------------------------
+    # ---- recorded data --------------------------------------------------------------
 
     @property
     def path(self) -> Path:
@@ -352,7 +352,7 @@ class RecordingFile:
         """
         return columns_of(self)
 
-    # ---- details ---------------------------------------------------------------------
+    # ---- details --------------------------------------------------------------------
 
     def _stream(self, topic: str) -> Stream:
         return self._streams.get(topic) or Stream(topic, "")

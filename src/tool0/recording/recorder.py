@@ -122,7 +122,7 @@ class Recorder:
         self._thread.join()
         return self.status
 
-    # ---- tick thread ------------------------------------------------------
+    # ---- tick thread -----------------------------------------------------------------
 
     def _hold_time(self) -> None:
         """Wait for a shorter backlog; only real-time recordings drop data."""
@@ -130,7 +130,7 @@ class Recorder:
         while len(backlog) >= _MOST_WAITING and not self._is_over.is_set():
             time.sleep(_POLL_PERIOD)
 
-    # ---- recorder thread -------------------------------------------------------
+    # ---- recorder thread -------------------------------------------------------------
 
     def _run(self) -> None:
         try:

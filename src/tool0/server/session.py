@@ -236,7 +236,7 @@ class Session:
             if isinstance(end, Exception):
                 logger.error("a connection failed", exc_info=end)
 
-    # ---- sending ---------------------------------------------------------------
+    # ---- sending --------------------------------------------------------------------
 
     async def _write(self) -> None:
         try:
@@ -267,7 +267,7 @@ class Session:
             return [self._latest.pop(next(iter(self._latest)))]
         return []
 
-    # ---- receiving ---------------------------------------------------------------
+    # ---- receiving ------------------------------------------------------------------
 
     async def _read(self) -> None:
         try:
