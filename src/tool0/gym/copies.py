@@ -183,7 +183,7 @@ class Copies:
         self.batch.step(self.options.ticks)
         self._state = self._goals = None
 
-    # ---- state and results
+    # ---- state and results ----------------------------------------------------------
     # --------------------------------------------------------------
 
     @property

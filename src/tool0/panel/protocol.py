@@ -217,7 +217,7 @@ class PoseInfo(Struct, frozen=True, kw_only=True):
     """Positions of the joints that a move to the pose would move [rad | m]."""
 
 
-# ---- messages from the server
+# ---- messages from the server --------------------------------------------------------
 # ----------------------------------------------------------------
 
 

@@ -132,7 +132,7 @@ class Companion:
             why = self._failure or f"it is not up after {timeout:g} s"
         raise self.unavailable(f"the {self._program} did not start: {why}")
 
-    # ---- in the companion's thread
+    # ---- in the companion's thread --------------------------------------------------
     # --------------------------------------------------------------
 
     def _supervise(self) -> None:

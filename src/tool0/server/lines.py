@@ -41,7 +41,7 @@ class LineTransport(asyncio.BufferedProtocol):
         self._arrived, self._is_writable = asyncio.Event(), asyncio.Event()
         self._is_writable.set()
 
-    # ---- interface for asyncio
+    # ---- interface for asyncio ------------------------------------------------------
     # ---------------------------------------------------------
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -76,7 +76,7 @@ class LineTransport(asyncio.BufferedProtocol):
     def resume_writing(self) -> None:
         self._is_writable.set()
 
-    # ---- interface for a session
+    # ---- interface for a session ----------------------------------------------------
     # -------------------------------------------------------
 
     async def send(self, texts: Sequence[bytes]) -> None:

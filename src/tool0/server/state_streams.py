@@ -130,7 +130,7 @@ class StateStream:
         """End the stream."""
         self._task.cancel()
 
-    # ---- receiving from the bus
+    # ---- receiving from the bus ------------------------------------------------------
     # ----------------------------------------------------------------
 
     async def _run(self) -> None:
@@ -204,7 +204,7 @@ class StateStream:
             with contextlib.suppress(RuntimeError):  # the server has ended
                 self._loop.call_soon_threadsafe(self._deliver)
 
-    # ---- sending to the sessions
+    # ---- sending to the sessions -----------------------------------------------------
     # -------------------------------------------------------------
 
     def _deliver(self) -> None:

@@ -107,7 +107,7 @@ class Replay:
         self._scene = self._scene_of(0, snapshot.scene)
         self._frame = self.frame()
 
-    # ---- view for pages, used in the server's thread
+    # ---- view for pages, used in the server's thread ---------------------------------
     # ----------------------------------
 
     def scene(self) -> ViewScene:
@@ -200,7 +200,7 @@ class Replay:
                 return playhead.time
         return None
 
-    # ---- details
+    # ---- details ---------------------------------------------------------------------
     # ----------------------------------------------------------------------
 
     def _index(self) -> int:
