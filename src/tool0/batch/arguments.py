@@ -1,4 +1,4 @@
-"""Checks the arrays that callers pass: one row per copy."""
+"""Checks of the arrays that callers pass, which have one row per copy."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from tool0.errors import ControlError
 from tool0.kinematics.chain import Array
 
 Which = Sequence[int] | Sequence[bool] | NDArray[np.integer] | NDArray[np.bool_] | int
-"""Selection of copies: a mask of shape (n,), or their numbers."""
+"""Selection of copies: a mask of shape (n,), or the numbers of the copies."""
 Indices = NDArray[np.intp]
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 def are_finite(values: Array) -> bool:
-    """Return whether all values are finite; tests the sum of squares first (fast)."""
+    """Return whether all values are finite; the sum of squares is a fast first test."""
     return math.isfinite(np.vdot(values, values)) or bool(np.isfinite(values).all())
 
 
@@ -42,7 +42,7 @@ class Arguments:
         self._method = method
 
     def which(self, given: Which | None) -> Indices:
-        """Return the numbers of the chosen copies; None is all of them.
+        """Return the numbers of the chosen copies; None chooses all copies.
 
         Raises:
             ControlError: If ``given`` is neither a mask of shape (n,) nor numbers of
@@ -81,8 +81,8 @@ class Arguments:
     ) -> Array:
         """Return ``values`` for each copy, one row per copy.
 
-        A value of this ``shape``, without the axis of the copies, applies to all
-        copies.  Error messages explain the shape with ``axes``.
+        A value of shape ``shape``, without the axis of the copies, applies to all
+        copies.  ``axes`` explains the shape in error messages.
 
         Raises:
             ControlError: If the shape is wrong, or a number for a chosen copy is not
@@ -121,9 +121,9 @@ class Arguments:
         *,
         is_held: bool,
     ) -> None:
-        """Raise ControlError unless ``values`` is an array on the device, with n rows.
+        """Raise ControlError unless ``values`` is an array with n rows on the device.
 
-        ``is_held`` tells whether the array is in the device's memory.
+        ``is_held`` states whether the array is in the device's memory.
         """
         whole, found = (self._n, *shape), tuple(getattr(values, "shape", ()))
         if not is_held:
@@ -132,7 +132,7 @@ class Arguments:
             raise self._error(f"'{name}' has shape {found}; it must be {whole}{axes}")
 
     def duration(self, value: float) -> float:
-        """Return a duration longer than ``INSTANT`` [s], or raise ControlError."""
+        """Return a duration [s]; raise ControlError unless it is above ``INSTANT``."""
         name = "duration"
         if not isinstance(value, int | float | np.floating | np.integer):
             raise self._error(f"'{name}' must be a number, got {value!r:.80}")
@@ -143,7 +143,11 @@ class Arguments:
         return float(value)
 
     def times(self, values: ArrayLike) -> list[float]:
-        """Return increasing times, all after ``INSTANT`` [s], or raise ControlError."""
+        """Return times [s].
+
+        Raises:
+            ControlError: Unless the times increase and are above ``INSTANT``.
+        """
         given = np.asarray(values, dtype=np.float64)
         steps = np.diff(given, prepend=INSTANT) if given.ndim == 1 else np.zeros(0)
         if not given.size or not (steps > 0.0).all():

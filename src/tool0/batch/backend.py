@@ -1,4 +1,4 @@
-"""The backends that simulate the copies of a batch: CPU and GPU."""
+"""Interface of the backends that simulate the copies of a batch on a CPU or a GPU."""
 
 from __future__ import annotations
 
@@ -27,52 +27,55 @@ if TYPE_CHECKING:
     from tool0.simulation.executor import Executor
 
 ObjectField = Literal["mass", "friction", "size"]
-"""Field of a ``SceneObject`` that may differ between copies; ``size`` belongs to its
-geometry."""
+"""Field of a ``SceneObject`` that may differ between copies; ``size`` is the size of
+the object's geometry."""
 
 Names = frozenset[str]
-"""Names of links or objects, or ``ground``."""
+"""Names of links and objects; ``ground`` is also valid."""
 
 CPU = "cpu"
 _DEVICE = re.compile(r"cpu|cuda(:\d+)?|warp:cpu")
 
 
 class DeviceArrays(NamedTuple):
-    """The state of n copies where it is computed, in single precision.
+    """State of n copies in the memory of the computing device.
 
-    The fields are Warp arrays; ``torch.from_dlpack`` and similar functions share their
-    memory.  The arrays change as time advances, and are not to be written to.
+    The fields are Warp arrays in single precision; ``torch.from_dlpack`` and similar
+    functions share their memory.  Do not write to the arrays, which change as time
+    advances.
     """
 
     position: Any
-    """Joint positions [rad | m], shape (n, n_joints), ordered as
+    """Joint positions [rad | m], shape (n, n_joints), in the order of
     ``Batch.joint_names``."""
     velocity: Any
     """Joint velocities [rad/s | m/s], shape (n, n_joints)."""
     effort: Any
     """Efforts that the drives applied in the last step [N·m | N], (n, n_joints)."""
     object_position: Any
-    """Positions of the m movable objects in the root [m], shape (n, m, 3)."""
+    """Positions of the m movable objects in the root frame [m], shape (n, m, 3)."""
     object_quat: Any
-    """Orientations of the objects w, x, y, z, shape (n, m, 4)."""
+    """Orientations of the objects in the root frame (w, x, y, z), shape (n, m, 4)."""
     object_linear: Any
-    """Velocities of the objects in the root's axes [m/s], shape (n, m, 3)."""
+    """Linear velocities of the objects in the root's axes [m/s], shape (n, m, 3)."""
     object_angular: Any
-    """Angular velocities of the objects in their own axes [rad/s], shape (n, m, 3)."""
+    """Angular velocities of the objects, each in the object's own axes [rad/s], shape
+    (n, m, 3)."""
     diverged: Any
-    """1 for copies that stopped because their physics failed, else 0; int32, shape
-    (n,)."""
+    """1 for copies that stopped because their physics failed and 0 for all other
+    copies; int32, shape (n,)."""
 
 
 class BatchBackend(Protocol):
-    """n copies of a robot and its scene; callers have checked the arguments.
+    """n copies of a robot and its scene; callers must check the arguments first.
 
-    Arrays have one row per copy, or one per entry of ``rows`` in methods that take it.
+    Arrays have one row per copy.  In methods with the argument ``rows``, arrays have
+    one row per entry of ``rows``.
     """
 
     @property
     def time(self) -> Array:
-        """Simulated time of each copy since its reset [s]."""
+        """Simulated time since the last reset of each copy [s]."""
 
     @property
     def has_diverged(self) -> NDArray[np.bool_]:
@@ -82,61 +85,79 @@ class BatchBackend(Protocol):
         """Advance these copies, except those that have diverged."""
 
     def reset(self, rows: Indices, starts: Mapping[str, Array]) -> None:
-        """Reset copies; ``starts`` replaces initial positions of joints [rad | m]."""
+        """Reset copies to their initial states.
+
+        ``starts`` replaces the initial positions of the joints that it contains [rad |
+        m].
+        """
 
     def save(self) -> Sequence[SavedCopy]:
-        """Return the state of each copy; ControlError if one cannot be saved."""
+        """Return the state of each copy.
+
+        Raises:
+            ControlError: If a copy cannot be saved.
+        """
 
     def restore(self, rows: Indices, saved: Sequence[SavedCopy]) -> None:
         """Restore saved states of copies, one per row.
 
         Raises:
-            Tool0Error: If a state is of another robot, or has other objects or
-                controllers.
+            Tool0Error: If the robot, the objects or the controllers of a state differ
+                from those of the batch.
         """
 
     def states(self) -> tuple[Array, Array, Array]:
         """Return positions, velocities and efforts, each of shape (n, n_joints)."""
 
     def arrays(self) -> DeviceArrays:
-        """Return the state on the device that computes it; ControlError on the CPU."""
+        """Return the state in the memory of the computing device.
+
+        Raise ControlError if the copies are on the CPU.
+        """
 
     def objects(self) -> ObjectArrays:
-        """Return poses and velocities of the objects."""
+        """Return the poses and velocities of the objects."""
 
     def pad_forces(self, pads: Sequence[str]) -> Array:
         """Return the normal force on each pad in the last step [N], (n, n_pads)."""
 
     def wrenches(self, links: frozenset[str], at: str) -> Array:
-        """Return the force [N] and torque [N·m] of other bodies on links, shape (n, 6).
+        """Return the wrench that other bodies exert on links [N, N·m], shape (n, 6).
 
-        The wrench is the sum over the contacts in the last step, at the origin and in
-        the axes of the link ``at``.
+        The wrench is the sum over the contacts in the last step.  The wrench is given
+        at the origin and in the axes of the link ``at``.
         """
 
     def contacts(self, first: Names | None, second: Names | None) -> ContactArrays:
-        """Return the contacts of ``first`` with ``second``; None means any body.
+        """Return the contacts between ``first`` and ``second``; None means any body.
 
         Raises:
-            ControlError: On a GPU.
+            ControlError: If the copies are on a GPU.
         """
 
     def are_touching(self, first: Names, second: Names | None) -> NDArray[np.bool_]:
-        """Return whether ``first`` and ``second`` touch, per copy."""
+        """Return for each copy whether ``first`` and ``second`` touch.
+
+        If ``second`` is None, return whether ``first`` touches any body.
+        """
 
     def start_sensor(self, sensor: CopySensor) -> None:
-        """Sample in all copies now, and then whenever it is due."""
+        """Take a sample in all copies now, and more samples whenever they are due."""
 
     def stop_sensor(self, sensor: CopySensor) -> None:
-        """Stop sampling."""
+        """Stop the sampling of a sensor."""
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
-        """Place an object at rest, or raise ControlError if that is impossible."""
+        """Place an object at rest.
+
+        Raises:
+            ControlError: If the object cannot be placed.
+        """
 
     def change(
         self, rows: Indices, name: str, field: ObjectField, values: Array
     ) -> None:
-        """Change a field of an object, as if it had been created with these values.
+        """Change a field of an object, as if it had been created with the values.
 
         Args:
             rows: The copies.
@@ -146,11 +167,11 @@ class BatchBackend(Protocol):
                 sizes.
 
         Raises:
-            ControlError: If this is a GPU, which cannot change that field.
+            ControlError: If the copies are on a GPU, which cannot change this field.
         """
 
     def executor(self, i: int) -> Executor:
-        """Return the executor of one copy, with the copy's core up to date.
+        """Return the executor of one copy after updating the copy's core.
 
         Raises:
             ControlError: If the copies are not on the CPU.
@@ -167,26 +188,28 @@ class BatchBackend(Protocol):
         velocities: Array | None,
         lifts_limits: bool,
     ) -> bool:
-        """Start motions of r copies through points; return False if this needs Python.
+        """Start motions of r copies through points.
+
+        Return False if the motions can be started only in Python.
 
         Args:
             rows: The copies.
-            controller: Its number among the running controllers.
-            joints: Numbers of its k joints that move.
-            times: Times of the points after now [s], shape (r, m).
+            controller: Number of the controller among the running controllers.
+            joints: Numbers of the k joints that move, counted within the controller.
+            times: Times of the points, relative to now [s], shape (r, m).
             positions: Positions [rad | m], shape (r, m, k).
             velocities: Velocities [rad/s | m/s], shape (r, m, k); None for linear
-                motions.
+                interpolation.
             lifts_limits: Whether the drives may still have the limits of a gripper's
                 goal, which this motion removes.
 
         Raises:
-            GoalRejectedError: If the joints cannot make this motion; nothing has
-                changed.
+            GoalRejectedError: If the joints cannot make this motion, in which case the
+                copies are unchanged.
         """
 
     def holds(self, array: object) -> bool:
-        """Return whether ``command`` takes an array without copying it to the host."""
+        """Return whether ``command`` can use an array without a copy to the host."""
 
     def command(
         self,
@@ -196,17 +219,20 @@ class BatchBackend(Protocol):
         velocities: object | None,
         duration: float,
     ) -> None:
-        """Start motions to positions given as arrays on the device.
+        """Start motions to positions that are given as arrays on the device.
 
         Args:
             rows: The copies.
-            goals: The joints that move, by the number of their running controller.
+            goals: Goals of the joints that move, by the number of the running
+                controller.
             positions: Positions [rad | m], shape (n, k).
-            velocities: Velocities [rad/s | m/s], shape (n, k); None for linear motions.
-            duration: Duration [s].
+            velocities: Velocities [rad/s | m/s], shape (n, k); None for linear
+                interpolation.
+            duration: Duration of the motion [s].
 
         Raises:
-            ControlError: If an array is not in single precision, or this is the CPU.
+            ControlError: If an array is not in single precision, or the copies are on
+                the CPU.
         """
 
     def grip(
@@ -217,14 +243,14 @@ class BatchBackend(Protocol):
         openings: object,
         limits: Sequence[DriveLimits],
     ) -> bool:
-        """Move a gripper along ``direct_path``; return False if this needs Python.
+        """Move a gripper along ``direct_path``; return False if this requires Python.
 
         Args:
-            rows: The copies, at least one.
-            controller: Its number among the running controllers.
+            rows: The copies, of which there must be at least one.
+            controller: Number of the controller among the running controllers.
             joint: The number of the gripper's joint in the controller.
-            openings: Openings [m], shape (n,); may be an array on the device.
-            limits: Limits of speed and force, one per row.
+            openings: Openings [m], shape (n,), as an array that may be on the device.
+            limits: Limits of speed and force, one entry per row.
         """
 
     def drive(
@@ -235,15 +261,18 @@ class BatchBackend(Protocol):
         effort: float | None,
         limits: Sequence[DriveLimits],
     ) -> bool:
-        """Start goals of a GripperActionController; return False if this needs Python.
+        """Start goals of a GripperActionController.
+
+        Return False if the goals can be started only in Python.
 
         Args:
-            rows: The copies, at least one.
-            controller: Its number among the running controllers.
-            targets: Targets of its joint, within the limits, one per row [rad | m].
-            effort: Largest effort of its joint [N·m | N]; None for the controller's
-                default.
-            limits: Limits of speed and force, one per row.
+            rows: The copies, of which there must be at least one.
+            controller: Number of the controller among the running controllers.
+            targets: Targets of the controller's joint, within its limits, one per row
+                [rad | m].
+            effort: Largest effort of the controller's joint [N·m | N]; None for the
+                controller's default.
+            limits: Limits of speed and force, one entry per row.
         """
 
 
@@ -261,20 +290,20 @@ def changed_object(item: SceneObject, field: ObjectField, value: Any) -> SceneOb
 
 
 def needs_cpu(what: str, device: str) -> ControlError:
-    """Return the error for something that only the CPU can do."""
+    """Return the error for ``what``, which only the CPU supports."""
     return ControlError(f"{what} works with device='cpu' only; this is '{device}'")
 
 
 def needs_gpu(what: str) -> ControlError:
-    """Return the error for something that only a device of Warp can do."""
+    """Return the error for ``what``, which only a Warp device supports."""
     return ControlError(f"{what} works on a GPU only, with device='cuda'")
 
 
 def checked_device(device: str, threads: int | None) -> str:
-    """Return ``device``; ConfigError if it is unknown or does not take ``threads``.
+    """Return ``device`` after checking it and ``threads``.
 
     Raises:
-        EngineUnavailableError: If MuJoCo Warp is needed and not installed.
+        EngineUnavailableError: If the device needs MuJoCo Warp, which is not installed.
     """
     if not isinstance(device, str) or not _DEVICE.fullmatch(device):
         raise ConfigError(

@@ -69,14 +69,14 @@ FrozenArray = TypeVar("FrozenArray", bound=NDArray[Any])
 
 @final
 class Batch:
-    """n copies of a robot and its scene, advanced together; MuJoCo only.
+    """n copies of a robot and its scene, advanced together with MuJoCo.
 
     Each copy behaves, bit for bit, like a single ``bringup`` with ``realtime=False``
     that gets the same commands at the same ticks.  Every array has one row per copy,
-    shape (n, …), and is in SI units; an argument without this axis applies to all
-    copies.  ``which`` selects copies, by a mask of shape (n,) or by number; the rows of
-    other copies are ignored.  Returned arrays are read-only, and do not change as time
-    advances.
+    shape (n, …), and is in SI units.  An argument without the axis of the copies
+    applies to all copies.  ``which`` selects copies by a mask of shape (n,) or by
+    number (default: all copies); in arguments, the rows of other copies are ignored.
+    Returned arrays are read-only and do not change as time advances.
     """
 
     def __init__(
@@ -95,20 +95,21 @@ class Batch:
         Args:
             n: Number of copies.
             description: The robot.
-            control: Its controllers and its initial pose.
+            control: The robot's controllers and initial pose.
             scene: The objects around the robot: one scene for all copies, or one per
                 copy.  Scenes of copies may differ only in the mass, friction, pose and
-                colour of objects, and in the size of boxes, cylinders and spheres.
+                color of objects, and in the size of boxes, cylinders and spheres.
             dt: Length of a physics step [s].
-            threads: Threads that step the copies; if left out, one per processor, but
-                no more than there are copies.  Not for a GPU.
-            device: Device that computes: "cpu"; a GPU, such as "cuda" or "cuda:1",
-                which computes in single precision; or "warp:cpu", which runs the GPU's
-                code on the CPU, slowly.
+            threads: Number of threads that step the copies (default: the number of
+                processors, but at most ``n``).  The number of threads cannot be given
+                for a GPU.
+            device: Device that computes: "cpu", a GPU such as "cuda" or "cuda:1", or
+                "warp:cpu".  A GPU computes in single precision.  "warp:cpu" runs the
+                GPU's code slowly on the CPU.
 
         Raises:
-            ConfigError: If ``n`` or ``threads`` is out of range, scenes differ, or the
-                device cannot run the request.
+            ConfigError: If ``n`` or ``threads`` is out of range, the scenes differ in
+                other properties, or the device does not support an argument.
             EngineUnavailableError: If there is no such device, or MuJoCo Warp is not
                 installed.
             Tool0Error: If an option or a file is wrong.
@@ -147,14 +148,14 @@ class Batch:
         self._sizes: dict[str, Array] = {}
         """Sizes of objects by name, cached until they change."""
         self._sensors: dict[str | None, BatchForceTorque] = {}
-        """Sensors by link, and by every other name that was used to request them."""
+        """Sensors by link, and by each other name that was used to request a sensor."""
         self._is_closed = False
         self._alone = OneThread()
         """Guard that a thread enters to read the state."""
         self._changing = self._alone.then(self._forget)
         """Guard that a thread enters to change the state."""
 
-    # ---- what it is -----------------------------------------------------------------
+    # ---- properties -----------------------------------------------------------------
 
     @property
     def n(self) -> int:
@@ -168,7 +169,7 @@ class Batch:
 
     @property
     def device(self) -> str:
-        """The device that computes: "cpu", or a GPU."""
+        """The device that computes: "cpu", a GPU, or "warp:cpu"."""
         return self._device
 
     @property
@@ -178,30 +179,31 @@ class Batch:
 
     @property
     def control_period(self) -> float:
-        """Simulated time between updates of the controllers: a tick [s]."""
+        """Simulated time between two updates of the controllers (one tick) [s]."""
         return self._cores[0].control_period
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
-        """All movable joints: the order of ``position``, ``velocity``, ``effort``."""
+        """All movable joints, in the order of the arrays of joint states."""
         return self._cores[0].engine.joint_names
 
     @cached_property
     def arm_joints(self) -> tuple[str, ...]:
         """The joints that ``command`` and ``follow`` move by default.
 
-        They are the joints of all running trajectory controllers that drive no gripper.
+        The default joints are the joints of all running trajectory controllers that do
+        not drive a gripper.
         """
         return self._commands.arm_joints
 
     @cached_property
     def object_names(self) -> tuple[str, ...]:
-        """The objects of the scene, in the order of their poses."""
+        """The objects of the scene, in the order of the returned poses."""
         return tuple(item.name for item in self._cores[0].scene.objects)
 
     @cached_property
     def link_names(self) -> tuple[str, ...]:
-        """The links of the robot, including those fixed to other links."""
+        """The links of the robot, including links fixed to other links."""
         return tuple(self._model.link_by_name)
 
     def pad_names(self, gripper: str | None = None) -> tuple[str, str]:
@@ -221,7 +223,7 @@ class Batch:
 
     @property
     def time(self) -> Array:
-        """Simulated time of each copy since its reset [s], shape (n,)."""
+        """Simulated time since the last reset of each copy [s], shape (n,)."""
         with self._alone:
             return _frozen(self._copies.time)
 
@@ -242,7 +244,7 @@ class Batch:
 
     @property
     def diverged(self) -> NDArray[np.bool_]:
-        """Whether each copy's physics failed, shape (n,); it stops until its reset."""
+        """Whether each copy has stopped because its physics failed, shape (n,)."""
         found = self._diverged
         if found is None:
             with self._alone:
@@ -250,14 +252,16 @@ class Batch:
         return found
 
     def tool_pose(self, robot: str | None = None) -> tuple[Array, Array]:
-        """Return tool0's position [m], (n, 3), and quat_wxyz, (n, 4), in the root.
+        """Return tool0's position [m] and quat_wxyz in the root frame.
+
+        The position has the shape (n, 3), and the quaternion has the shape (n, 4).
 
         Args:
-            robot: Name of the arm; may be left out if there is only one.
+            robot: Name of the arm; may be omitted if there is only one arm.
 
         Raises:
-            ControlError: If there is no such arm, or there are several and none is
-                named.
+            ControlError: If there is no such arm, or there are several arms and
+                ``robot`` is None.
         """
         arms = find_arms(self._model)
         link = _named(arms, robot, "arm", self._model).flange
@@ -265,17 +269,20 @@ class Batch:
         return _frozen(frames.position), _frozen(frames.quat_wxyz)
 
     def tcp_pose(self, gripper: str | None = None) -> tuple[Array, Array]:
-        """Return the tcp's position [m], (n, 3), and quat_wxyz, (n, 4), in the root.
+        """Return the TCP's position [m] and quat_wxyz in the root frame.
 
-        The tcp is the point midway between the pads.  Its y axis points from pad to pad
-        and its z axis away from the gripper, as in ``Gripper.tcp``.
+        The position has the shape (n, 3), and the quaternion has the shape (n, 4).
+
+        The TCP is the point midway between the pads.  The y axis of the TCP frame
+        points from one pad to the other, and the z axis points away from the gripper.
+        The TCP frame is also the frame of ``Gripper.tcp``.
 
         Args:
-            gripper: Name of the gripper; may be left out if there is only one.
+            gripper: Name of the gripper; may be omitted if there is only one gripper.
 
         Raises:
-            ControlError: If there is no such gripper, or there are several and none is
-                named.
+            ControlError: If there is no such gripper, or there are several grippers and
+                ``gripper`` is None.
         """
         geometry = self._gripper(gripper)
         if geometry.name not in self._tcp_frames:
@@ -291,20 +298,21 @@ class Batch:
         robot: str | None = None,
         which: Which | None = None,
     ) -> Array:
-        """Return joint positions that take tool0 to poses in the root.
+        """Return joint positions that place tool0 at poses in the root frame.
 
-        Of the postures within the joint limits, it returns the one that the arm reaches
-        first at full speed from its current positions.
+        Of the solutions within the joint limits, the method returns the solution that
+        the arm reaches first, at full speed from its current positions.
 
         Args:
-            position: Position [m], shape (n, 3).
-            quat: w, x, y, z, shape (n, 4).
-            robot: Name of the arm; may be left out if there is only one.
+            position: Positions of tool0 [m], shape (n, 3).
+            quat: Orientations of tool0 (w, x, y, z), shape (n, 4).
+            robot: Name of the arm; may be omitted if there is only one arm.
             which: The copies.
 
         Returns:
-            Joint positions [rad], shape (n, 6), from base to flange; NaN in the rows of
-            poses that are out of reach or singular, and of copies not in ``which``.
+            Joint positions [rad], shape (n, 6), from base to flange.  The rows of poses
+            that are out of reach or singular, and of copies that are not in ``which``,
+            are NaN.
 
         Raises:
             ControlError: If a shape or a value is wrong, or there is no such arm.
@@ -330,35 +338,35 @@ class Batch:
         return _frozen(found)
 
     def opening(self, gripper: str | None = None) -> Array:
-        """Return the distance between the pads [m], shape (n,); 0 is closed."""
+        """Return the distance between the pads, 0 if closed [m], shape (n,)."""
         geometry = self._gripper(gripper)
         q = self.position[:, self.joint_names.index(geometry.joint)].tolist()
         return _frozen(np.array([max(0.0, geometry.opening(value)) for value in q]))
 
     @property
     def object_position(self) -> Array:
-        """Positions of the objects in the root [m], shape (n, n_objects, 3)."""
+        """Positions of the objects in the root frame [m], shape (n, n_objects, 3)."""
         return self._objects().position
 
     @property
     def object_quat(self) -> Array:
-        """Orientations of the objects, w, x, y, z, shape (n, n_objects, 4)."""
+        """Orientations of the objects (w, x, y, z), shape (n, n_objects, 4)."""
         return self._objects().quat
 
     @property
     def object_linear(self) -> Array:
-        """Velocities of the objects [m/s], in the root's axes, (n, n_objects, 3)."""
+        """Linear velocities of the objects in root axes [m/s], (n, n_objects, 3)."""
         return self._objects().linear
 
     @property
     def object_angular(self) -> Array:
-        """Angular velocities [rad/s], in the root's axes, shape (n, n_objects, 3)."""
+        """Angular velocities of the objects in root axes [rad/s], (n, n_objects, 3)."""
         return _frozen(self._objects().angular)
 
     def pad_forces(self, gripper: str | None = None) -> Array:
         """Return the normal force on each pad in the last step [N], shape (n, 2).
 
-        The force is the sum over all contacts of a pad, whatever touches it.
+        The force is the sum over all contacts of a pad with any body.
 
         Raises:
             ControlError: If there is no such gripper, or it does not have two pads.
@@ -369,10 +377,10 @@ class Batch:
 
     @property
     def device_arrays(self) -> DeviceArrays:
-        """The state in the memory of the GPU, without a copy to the host.
+        """The state in the memory of the GPU, which is not copied to the host.
 
         Raises:
-            ControlError: If this is the CPU.
+            ControlError: If the batch runs on the CPU.
         """
         with self._alone:
             return self._copies.arrays()
@@ -380,17 +388,18 @@ class Batch:
     def tool_wrench(self, robot: str | None = None) -> Array:
         """Return the force [N] and torque [N·m] of contacts on the tool, shape (n, 6).
 
-        The wrench is given at the origin and in the axes of tool0.  It is the sum over
-        all contacts, in the last step, between links beyond tool0 and other bodies.
-        These include a held object, so its weight and contacts count.  The weight and
-        inertia of the gripper are not part of the wrench.
+        The wrench is given at the origin and in the axes of tool0.  The wrench is the
+        sum over all contacts in the last step between links beyond tool0 and other
+        bodies.  A held object is one of the other bodies, so its weight and contacts
+        contribute to the wrench.  The weight and inertia of the gripper are not part of
+        the wrench.
 
         Args:
-            robot: Name of the arm; may be left out if there is only one.
+            robot: Name of the arm; may be omitted if there is only one arm.
 
         Raises:
-            ControlError: If there is no such arm, there are several and none is named,
-                or this is a GPU.
+            ControlError: If there is no such arm, there are several arms and ``robot``
+                is None, or the batch runs on a GPU.
         """
         arms = find_arms(self._model)
         flange = _named(arms, robot, "arm", self._model).flange
@@ -404,20 +413,21 @@ class Batch:
         second: Bodies | None = None,
         which: Which | None = None,
     ) -> Contacts:
-        """Return the contacts in the last step, one row per touching pair.
+        """Return the contacts in the last step, one row per pair of touching bodies.
 
-        Contacts are computed on request, and have the same fields as in
-        ``Robot.contacts``.  Only pairs with a normal force count.
+        Contacts are computed on request and have the same fields as in
+        ``Robot.contacts``.  Pairs of bodies without a normal force are left out.
 
         Args:
-            first: Name of a link or an object, or ``ground``, or several of these.  It
-                is ``first`` in each row.  If left out, any body.
-            second: Name of the link or object that touches ``first``; if left out, any
-                body.
+            first: Name of a link or an object, ``ground``, or a sequence of these
+                names, which are ``first`` in the rows (default: any body).
+            second: Name of the link or object that touches ``first``, or several names
+                (default: any body).
             which: The copies.
 
         Raises:
-            ControlError: If there is no such link or object, or this is a GPU.
+            ControlError: If there is no such link or object, or the batch runs on a
+                GPU.
         """
         bodies = self._bodies("contacts", first), self._bodies("contacts", second)
         rows = Arguments(self._n, "contacts").which(which)
@@ -440,12 +450,13 @@ class Batch:
     ) -> NDArray[np.bool_]:
         """Return whether two bodies touched in the last step, shape (n,).
 
-        This is faster than ``contacts``.
+        This method is faster than ``contacts``.
 
         Args:
-            first: Name of a link or an object, or ``ground``; of several, any one
-                counts.
-            second: Name of the body that touches ``first``; if left out, any body.
+            first: Name of a link or an object, ``ground``, or a sequence of these
+                names, any of which may touch ``second``.
+            second: Name of the body that touches ``first``, or several names (default:
+                any body).
 
         Raises:
             ControlError: If there is no such link or object.
@@ -457,7 +468,7 @@ class Batch:
 
     @property
     def force_torque(self) -> BatchForceTorque:
-        """The force-torque sensor at the robot's only tool0, in each copy."""
+        """The force-torque sensor at the robot's only tool0 link, in each copy."""
         return self.force_torque_of(None)
 
     def force_torque_of(self, link: str | None) -> BatchForceTorque:
@@ -465,7 +476,8 @@ class Batch:
 
         Raises:
             ModelError: If there is neither a link nor a sensor of that name.
-            ControlError: If no link is named, and the robot has no tool0 or several.
+            ControlError: If ``link`` is None, and the robot has no tool0 link or
+                several tool0 links.
         """
         if link not in self._sensors:
             sensor = BatchForceTorque(
@@ -491,25 +503,29 @@ class Batch:
         joints: Sequence[str] | None = None,
         which: Which | None = None,
     ) -> None:
-        """Move joints to ``positions``, like one point on ROS's topic ``~/command``.
+        """Move joints to ``positions`` within a duration.
 
-        The motion starts from the current setpoint, and replaces the rest of the
-        previous motion.
+        The motion corresponds to a message with one point on the ROS topic
+        ``~/command``.
+
+        The motion starts from the current setpoint and replaces the remaining part of
+        the previous motion.
 
         Args:
             positions: Positions [rad | m], shape (n, k).  An array in the GPU's memory,
                 such as a PyTorch tensor, is not copied to the host, and its values are
-                not checked: those beyond a limit are clamped to it, and a copy with a
-                non-finite value diverges.  Such an array must be float32 and have the
-                full shape.
-            velocities: Velocities at the positions [rad/s | m/s], shape (n, k); if left
-                out, the setpoints move linearly and then rest, as in ROS.
-            duration: Time until the joints arrive [s].
-            joints: Names of the k joints; if left out, ``arm_joints``.
+                not checked: values beyond a limit are clamped to the limit, and a copy
+                with a non-finite value diverges.  An array in the GPU's memory must be
+                float32 and must have the full shape.
+            velocities: Velocities at the positions [rad/s | m/s], shape (n, k); without
+                velocities, the setpoints move linearly and then stop, like in ROS.
+            duration: Duration of the motion [s].
+            joints: Names of the k joints (default: ``arm_joints``).
             which: The copies.
 
         Raises:
-            ControlError: If a shape, a value or a joint is wrong; nothing has moved.
+            ControlError: If a shape, a value or a joint is wrong, in which case no
+                motion is started.
         """
         check = Arguments(self._n, "command")
         duration = check.duration(duration)
@@ -544,18 +560,21 @@ class Batch:
         joints: Sequence[str] | None = None,
         which: Which | None = None,
     ) -> None:
-        """Move joints along trajectories, like a message on ROS's topic ``~/command``.
+        """Move joints along trajectories.
+
+        The motion corresponds to a message on the ROS topic ``~/command``.
 
         Args:
             positions: Positions of m points [rad | m], shape (n, m, k).
-            times: Increasing times of the points from now [s], shape (m,).
-            velocities: Velocities at the points [rad/s | m/s], shape (n, m, k); if left
-                out, the setpoints move linearly between the points.
-            joints: Names of the k joints; if left out, ``arm_joints``.
+            times: Times of the points from now, in increasing order [s], shape (m,).
+            velocities: Velocities at the points [rad/s | m/s], shape (n, m, k); without
+                velocities, the setpoints move linearly between the points.
+            joints: Names of the k joints (default: ``arm_joints``).
             which: The copies.
 
         Raises:
-            ControlError: If a shape, a value or a joint is wrong; nothing has moved.
+            ControlError: If a shape, a value or a joint is wrong, in which case no
+                motion is started.
         """
         check = Arguments(self._n, "follow")
         names, parts = self._commands.parts(joints)
@@ -580,25 +599,28 @@ class Batch:
         gripper: str | None = None,
         which: Which | None = None,
     ) -> None:
-        """Move the pads to ``opening``; grip an object on the way with ``force``.
+        """Move the pads to ``opening``.
+
+        An object between the pads is gripped with ``force``.
 
         The driven joint moves along a single cubic that ends at rest
-        (``motion.gripper.direct_path``); a GripperActionController uses its own motion.
+        (``motion.gripper.direct_path``); a GripperActionController uses a different
+        motion.
 
         Args:
-            opening: Distance between the pads [m], shape (n,).  An array in the GPU's
-                memory is treated as in ``command``.
-            speed: Speed of the pads relative to each other [m/s], shape (n,); the
-                gripper's maximum if left out.
-            force: Largest force at each pad [N], shape (n,); the gripper's maximum if
-                left out.
-            gripper: Name of the gripper; may be left out if there is only one.
+            opening: Distance between the pads [m], shape (n,).  See ``command`` for an
+                array in the GPU's memory.
+            speed: Speed of the pads relative to each other [m/s], shape (n,) (default:
+                the gripper's maximum speed).
+            force: Largest force at each pad [N], shape (n,) (default: the gripper's
+                maximum force).
+            gripper: Name of the gripper; may be omitted if there is only one gripper.
             which: The copies.
 
         Raises:
-            ModelError: If an opening is out of reach.
+            ModelError: If an opening is outside the gripper's range.
             ControlError: If a shape, a speed or a force is wrong, or no running
-                controller drives the gripper; nothing has moved.
+                controller drives the gripper, in which case no motion is started.
         """
         check = Arguments(self._n, "move_gripper")
         geometry = self._gripper(gripper)
@@ -639,7 +661,8 @@ class Batch:
 
         Args:
             ticks: Number of ticks.
-            which: The copies to advance; all if left out.  Time stops in the others.
+            which: The copies to advance (default: all copies).  Time does not advance
+                in the other copies.
 
         Raises:
             ControlError: If ``ticks`` is negative or not a whole number, or if
@@ -663,17 +686,18 @@ class Batch:
     def reset(
         self, which: Which | None = None, position: ArrayLike | None = None
     ) -> None:
-        """Return copies to their start: time, objects, controllers and pose.
+        """Reset the time, objects, controllers and pose of copies.
 
         Args:
             which: The copies.
-            position: Positions of all joints [rad | m], shape (n, n_joints); if left
-                out, the initial pose.  Mimic joints follow the joints that they mimic;
-                their values are ignored.
+            position: Positions of all joints [rad | m], shape (n, n_joints) (default:
+                the initial pose).  Mimic joints follow the joints that they mimic, so
+                the values of mimic joints are ignored.
 
         Raises:
             ControlError: If a shape or a number is wrong.
-            LimitsError: If a position is outside a joint's limits; nothing has changed.
+            LimitsError: If a position is outside a joint's limits, in which case the
+                copies are unchanged.
         """
         check = Arguments(self._n, "reset")
         rows = check.which(which)
@@ -692,14 +716,14 @@ class Batch:
     def save(self) -> BatchState:
         """Return an immutable state of all copies.
 
-        It contains everything that determines how the copies continue: joints; objects
-        with their sizes, masses and frictions; warm start and contacts of the physics;
-        motions; integrals of the controllers; grippers; and time.  It also contains the
-        appearance of the copies in images.
+        The state contains all variables that affect how the copies continue: joints;
+        objects with their sizes, masses and friction coefficients; warm start and
+        contacts of the physics; motions; integrals of the controllers; grippers; and
+        time.  The state also contains the appearance of the copies in images.
 
         Raises:
             ControlError: If a goal of a GripperActionController is active in a copy, or
-                this is a GPU.
+                the batch runs on a GPU.
         """
         with self._changing:
             return BatchState(self._copies.save(), self._images.save(), self._dt)
@@ -710,18 +734,18 @@ class Batch:
         which: Which | None = None,
         source: ArrayLike | None = None,
     ) -> None:
-        """Return copies to saved states; they continue from there bit for bit.
+        """Restore saved states of copies, which then continue bit for bit from them.
 
         Args:
             state: State of this batch, or of a batch with the same robot, controllers
                 and objects; the objects' sizes may differ.
             which: The copies.
-            source: Number of the saved copy to restore in each copy, shape (n,); if
-                left out, its own number.
+            source: Number of the saved copy to restore in each copy, shape (n,)
+                (default: the number of the copy).
 
         Raises:
-            ControlError: If a number is not that of a saved copy, the robot or the
-                controllers differ, or this is a GPU.
+            ControlError: If a number is not the number of a saved copy, the robot or
+                the controllers differ, or the batch runs on a GPU.
             EngineError: If the objects differ.
         """
         if self._device != CPU:
@@ -755,18 +779,20 @@ class Batch:
         quat: ArrayLike | None = None,
         which: Which | None = None,
     ) -> None:
-        """Place an object at rest; a reset returns it to its initial pose.
+        """Place an object at rest; a reset returns the object to its initial pose.
 
         Args:
             name: The object.
-            position: Position of its origin in the root [m], shape (n, 3).
-            quat: Orientation of the object w, x, y, z, shape (n, 4); if left out,
-                aligned with the root's axes.
+            position: Position of the object's origin in the root frame [m], shape (n,
+                3).
+            quat: Orientation of the object in the root frame (w, x, y, z), shape (n, 4)
+                (default: aligned with the root's axes).
             which: The copies.
 
         Raises:
-            ControlError: If there is no such object, it is a fixed object on a GPU, or
-                a shape or a value is wrong; nothing has changed.
+            ControlError: If there is no such object, the object is fixed and the batch
+                runs on a GPU, or a shape or a value is wrong, in which case the object
+                is not moved.
         """
         check = Arguments(self._n, "place")
         rows = check.which(which)
@@ -780,7 +806,7 @@ class Batch:
             self._copies.place(rows, name, xyz, quats)
 
     def set_mass(self, name: str, mass: ArrayLike, which: Which | None = None) -> None:
-        """Change the mass of a movable object; its shape stays the same.
+        """Change the mass of a movable object without changing its shape.
 
         Args:
             name: The object.
@@ -788,8 +814,8 @@ class Batch:
             which: The copies.
 
         Raises:
-            ControlError: If there is no such object, it is fixed, or a mass is not
-                positive; nothing has changed.
+            ControlError: If there is no such object, the object is fixed, or a mass is
+                not positive, in which case no mass is changed.
         """
         self._change_objects("set_mass", name, "mass", mass, which)
 
@@ -800,20 +826,20 @@ class Batch:
 
         Args:
             name: The object.
-            friction: Friction coefficient, as in ``SceneObject.friction``, shape (n,).
+            friction: Friction coefficient (see ``SceneObject.friction``), shape (n,).
             which: The copies.
 
         Raises:
-            ControlError: If there is no such object, or a value is negative; nothing
-                has changed.
+            ControlError: If there is no such object, or a value is negative, in which
+                case no coefficient is changed.
         """
         self._change_objects("set_friction", name, "friction", friction, which)
 
     def set_size(self, name: str, size: ArrayLike, which: Which | None = None) -> None:
-        """Change the size of a box, a cylinder or a sphere; its mass stays the same.
+        """Change the size of a box, a cylinder or a sphere without changing its mass.
 
-        The object's origin, which is its centre, does not move: place the object so
-        that it overlaps nothing.  A reset keeps the size.
+        The object's origin, which is its center, does not move.  Place the object so
+        that it does not overlap other bodies.  A reset does not change the size.
 
         Args:
             name: The object.
@@ -822,17 +848,18 @@ class Batch:
             which: The copies.
 
         Raises:
-            ControlError: If there is no such object, it has another shape, a value is
-                not positive, or this is a GPU; nothing has changed.
+            ControlError: If there is no such object, the object has another shape, a
+                value is not positive, or the batch runs on a GPU, in which case no size
+                is changed.
         """
         shape = self._size_shape("set_size", name)
         self._change_objects("set_size", name, "size", size, which, shape=shape)
 
     def object_size(self, name: str) -> Array:
-        """Return the size of a box, cylinder or sphere [m], shaped as in ``set_size``.
+        """Return the size of a box, cylinder or sphere [m] in the form of ``set_size``.
 
         Raises:
-            ControlError: If there is no such object, or it has another shape.
+            ControlError: If there is no such object, or the object has another shape.
         """
         shape = self._size_shape("object_size", name)
         if name not in self._sizes:
@@ -843,14 +870,14 @@ class Batch:
             self._sizes[name] = _frozen(np.array(found).reshape(self._n, *shape))
         return self._sizes[name]
 
-    # ---- pictures, and the end ------------------------------------------------------
+    # ---- images and close -----------------------------------------------------------
 
     def render(self, i: int, camera: str) -> CameraImage:
         """Return an image of copy ``i``.
 
         Raises:
             ControlError: If there is no such copy.
-            RenderError: If there is no such camera, or no OpenGL here.
+            RenderError: If there is no such camera, or OpenGL is not available.
         """
         if not 0 <= i < self._n:
             raise ControlError(
@@ -861,14 +888,14 @@ class Batch:
     def render_all(
         self, camera: str, which: Which | None = None
     ) -> tuple[CameraImage, ...]:
-        """Return an image of each copy, drawn by as many threads as step the copies.
+        """Return an image of each copy, rendered by the threads that step the copies.
 
         Args:
             camera: A camera of the robot or of the scene.
-            which: The copies; all, if left out.
+            which: The copies (default: all copies).
 
         Raises:
-            RenderError: If there is no such camera, or no OpenGL here.
+            RenderError: If there is no such camera, or OpenGL is not available.
         """
         rows = Arguments(self._n, "render_all").which(which)
         with self._alone:
@@ -880,14 +907,14 @@ class Batch:
         """Return a segmentation image per copy, each of shape (height, width).
 
         Each pixel is the index of an object in ``object_names``, -1 for the robot, -2
-        for the ground, or -3 for the background.
+        for the ground or -3 for the background.
 
         Args:
             camera: A camera of the robot or of the scene.
-            which: The copies; all, if left out.
+            which: The copies (default: all copies).
 
         Raises:
-            RenderError: If there is no such camera, or no OpenGL here.
+            RenderError: If there is no such camera, or OpenGL is not available.
         """
         rows = Arguments(self._n, "segment_all").which(which)
         with self._alone:
@@ -900,12 +927,12 @@ class Batch:
         quat: ArrayLike,
         which: Which | None = None,
     ) -> None:
-        """Move a camera of each copy, relative to the link that carries it.
+        """Move a camera of copies, relative to the link that carries the camera.
 
         Args:
             name: A camera of the robot or of the scene.
             position: Position of the optical frame [m], shape (n, 3).
-            quat: Orientation of that frame, w, x, y, z, shape (n, 4).
+            quat: Orientation of the optical frame (w, x, y, z), shape (n, 4).
             which: The copies.
 
         Raises:
@@ -925,8 +952,8 @@ class Batch:
         """Change the light in the images of copies.
 
         Args:
-            lamp: Position of the lamp in the root [m], shape (n, 3).
-            brightness: Brightness of all light, relative to the usual one, shape (n,).
+            lamp: Position of the lamp in the root frame [m], shape (n, 3).
+            brightness: Brightness of all light, relative to the default, shape (n,).
             which: The copies.
 
         Raises:
@@ -939,7 +966,7 @@ class Batch:
     def set_colour(
         self, name: str, rgba: ArrayLike, which: Which | None = None
     ) -> None:
-        """Change the colour of an object in the images of copies.
+        """Change the color of an object in the images of copies.
 
         Args:
             name: The object.
@@ -954,7 +981,7 @@ class Batch:
             self._images.set_colour(name, rgba, which)
 
     def close(self) -> None:
-        """End the batch; closing twice is allowed."""
+        """Close the batch; it may be closed more than once."""
         with self._alone:
             self._is_closed = True
             self._images.close()
@@ -991,7 +1018,7 @@ class Batch:
         self._diverged = self._joints = self._object_arrays = None
 
     def __reduce__(self) -> NoReturn:
-        """Raise an error: a batch cannot be pickled or copied."""
+        """Raise an error, because a batch cannot be pickled or copied."""
         raise TypeError(
             "a Batch cannot be pickled or copied: it is memory of the physics and "
             "threads of this process; make one where it is needed, from the same "
@@ -999,7 +1026,7 @@ class Batch:
         )
 
     def _states(self) -> tuple[Array, Array, Array]:
-        """Return positions, velocities and efforts of the joints."""
+        """Return the positions, velocities and efforts of the joints."""
         found = self._joints
         if found is None:
             with self._alone:
@@ -1042,7 +1069,7 @@ class Batch:
         *,
         shape: tuple[int, ...] = (),
     ) -> None:
-        """Change a field of an object, as if each copy had been made with it."""
+        """Change a field of an object to one value per copy."""
         check = Arguments(self._n, method)
         rows = check.which(which)
         self._object(name)
@@ -1062,7 +1089,11 @@ class Batch:
             self._sizes.pop(name, None)
 
     def _size_shape(self, method: str, name: str) -> tuple[int, ...]:
-        """Return the shape of an object's size; ControlError if the object has none."""
+        """Return the shape of an object's size.
+
+        Raises:
+            ControlError: If the object's size is fixed.
+        """
         self._object(name)
         item = self._cores[0].scene.objects[self.object_names.index(name)]
         match item.geometry:
@@ -1087,7 +1118,7 @@ class Batch:
             )
 
     def _snapshot(self, i: int) -> Snapshot:
-        """Return the state of one copy, to render it."""
+        """Return the state of one copy for rendering."""
         core = self._cores[i if self._device == CPU else 0]
         arrays, time = self._objects(), float(self.time[i])
         states = (arrays.position, arrays.quat, arrays.linear, arrays.angular)
@@ -1115,7 +1146,7 @@ class Batch:
 def _named(
     parts: Mapping[str, Item], name: str | None, kind: str, model: RobotModel
 ) -> Item:
-    """Return a part by name, or the only one if unnamed; ControlError otherwise."""
+    """Return a part by name, or the only part if ``name`` is None."""
     if name is None:
         return only_part(parts, kind, model)
     if name not in parts:

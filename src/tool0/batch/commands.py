@@ -1,4 +1,4 @@
-"""Starts motions of the copies: all at once in the kernel, or one by one in Python."""
+"""Starts motions of the copies, all together in the kernel or one by one in Python."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ from tool0.simulation.paths import trajectory_points
 
 
 class ControllerJoints(NamedTuple):
-    """Joints of one running trajectory controller."""
+    """The commanded joints of one running trajectory controller."""
 
     controller: str
     joints: tuple[str, ...]
     columns: list[int]
     """Columns of these joints in an array of all commanded joints."""
     number: int
-    """The controller's number among the running ones."""
+    """The controller's number among the running controllers."""
     numbers: IntArray
     """Numbers of the joints in the controller."""
     lifts_limits: bool
-    """Whether a gripper's goal may limit the drives of the joints."""
+    """Whether the drives of the joints may be limited by a gripper's goal."""
 
     def chosen(self, values: Array) -> Array:
         """Return the columns of these joints in ``values``, shape (…, k)."""
@@ -53,7 +53,7 @@ class Commands:
     """Checks and starts motions; ``rows`` are the numbers of the chosen copies."""
 
     def __init__(self, model: RobotModel, copies: BatchBackend, first: Core) -> None:
-        """Command ``copies``; all have the same controllers as the core ``first``."""
+        """Command ``copies``, which all have the controllers of the core ``first``."""
         self._model = model
         self._copies = copies
         self._first = Executor(first)
@@ -69,7 +69,7 @@ class Commands:
 
     @cached_property
     def arm_joints(self) -> tuple[str, ...]:
-        """The joints of every running trajectory controller that drives no gripper."""
+        """The joints of all running trajectory controllers without a gripper."""
         return tuple(
             joint
             for joints in self._trajectory_controllers.values()
@@ -80,7 +80,7 @@ class Commands:
     def parts(
         self, joints: Sequence[str] | None
     ) -> tuple[tuple[str, ...], list[ControllerJoints]]:
-        """Return the joints to move, in total and by controller."""
+        """Return the names of all joints to move, and these joints by controller."""
         names = self.arm_joints if joints is None else tuple(joints)
         if names not in self._parts:
             self._parts[names] = self._found_parts(names)
@@ -201,10 +201,10 @@ class Commands:
         *,
         has_force: bool,
     ) -> None:
-        """Move the pads, with one speed [m/s] and force [N] per row.
+        """Move the pads with one speed [m/s] and one force [N] per row.
 
-        ``openings`` [m] have shape (n,), and may be in the device's memory.  Without
-        ``has_force``, a GripperActionController applies its own effort.
+        ``openings`` [m] has shape (n,) and may be in the device's memory.  If
+        ``has_force`` is False, a GripperActionController applies its default effort.
         """
         old, bounds = self._drive_limits, []
         self._drive_limits = {}
@@ -261,7 +261,7 @@ class Commands:
             executor.command_gripper(name, target, effort, bound)
 
     def _limited(self, names: Sequence[str]) -> list[Joint]:
-        """Return the joints, with their limits replaced by those of their drives."""
+        """Return the joints, with the limits of their drives as limits."""
         limits = self._limits
         return [
             replace(joint, limits=limits.get(joint.name, joint.limits))
@@ -276,7 +276,7 @@ class Commands:
         velocities: Array | None,
         times: Sequence[float],
     ) -> bool:
-        """Start motions without Python; return False if this needs Python."""
+        """Start motions in the backend; return False if only Python can start them."""
         return self._copies.start(
             rows,
             part.number,
@@ -302,7 +302,7 @@ class Commands:
 
     @cached_property
     def _running(self) -> dict[str, tuple[int, tuple[str, ...]]]:
-        """Number and joints of each running controller, in load order."""
+        """The number and joints of each running controller, in load order."""
         names = [s.name for s in self._manager.list() if s.is_running]
         return {
             name: (number, self._manager.spec(name).joints)

@@ -15,13 +15,13 @@ from tool0.description.transform_arrays import Array
 from tool0.errors import ControlError, did_you_mean
 
 Bodies = str | Sequence[str]
-"""Name of a link or an object, or ``ground``, or several of these."""
+"""Name of a link or an object, ``ground``, or several of these names."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Contacts:
-    """Contacts of all copies in the last step: m rows, sorted by copy.
+    """Contacts of all copies in the last step, as m rows that are sorted by copy.
 
     Each row is a ``Contact`` of one copy: the resultant of all contact points between
     two links or objects.  Vectors are in the axes of the root.
@@ -34,13 +34,15 @@ class Contacts:
     second: NDArray[np.str_]
     """Name of the touched link or object, shape (m,)."""
     point: Array
-    """Mean of the contact points, weighted by their normal forces [m], (m, 3)."""
+    """Mean of the contact points in the root frame, weighted by their normal forces
+    [m], shape (m, 3)."""
     normal: Array
-    """Mean normal of the contact points from ``first`` to ``second``, with the same
-    weights.  Its length is 1, or 0 where one body is clamped between two sides of the
-    other; shape (m, 3)."""
+    """Mean normal of the contact points from ``first`` to ``second``, weighted by their
+    normal forces, shape (m, 3).  The length of the normal is 1, or 0 where one body is
+    clamped between two sides of the other body."""
     distance: Array
-    """Least distance of the surfaces, below 0 if they overlap [m], shape (m,)."""
+    """Least distance between the surfaces [m], shape (m,); it is negative if they
+    overlap."""
     force: Array
     """Force that ``first`` exerts on ``second`` [N], shape (m, 3)."""
     torque: Array
@@ -57,7 +59,7 @@ class Contacts:
 def checked_bodies(
     what: str, given: Bodies | None, model: RobotModel, objects: Sequence[str]
 ) -> frozenset[str] | None:
-    """Return the names as a set; None, which stands for any body, stays None.
+    """Return the names as a set; for any body, ``given`` and the result are None.
 
     Raises:
         ControlError: If a name is not a link, an object or ``ground``.

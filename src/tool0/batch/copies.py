@@ -1,4 +1,4 @@
-"""The cores of a batch: the kernel executes all of them at once."""
+"""The cores of a batch, which the kernel executes together."""
 
 from __future__ import annotations
 
@@ -44,21 +44,21 @@ from tool0.simulation.core import Core
 from tool0.simulation.executor import Executor
 
 MOST_TICKS = 1000
-"""Ticks of each copy that the kernel executes per call; signals such as Ctrl-C are
-handled between calls."""
+"""Largest number of ticks of each copy that the kernel executes per call; signals such
+as Ctrl-C are handled between calls."""
 
 
 @final
 class Copies:
-    """Cores of one robot, with their state in the kernel's memory.
+    """Cores of copies of one robot, with their state in the kernel's memory.
 
-    While a copy is loaded into the kernel, its core is out of date; ``executor`` brings
-    the core up to date.  Python runs the copies that the kernel cannot run, and the
-    ticks that the kernel leaves to it.
+    While a copy is loaded into the kernel, its core is out of date; ``executor``
+    updates the core.  Python runs the copies that the kernel cannot run, and the ticks
+    that the kernel cannot execute.
     """
 
     def __init__(self, cores: Sequence[Core], threads: int) -> None:
-        """Take over the cores; the kernel runs them in this number of threads."""
+        """Use these cores; the kernel runs them in ``threads`` threads."""
         self._cores = tuple(cores)
         self._period = cores[0].control_period
         self._executors = tuple(map(Executor, cores))
@@ -68,8 +68,9 @@ class Copies:
         self._n_joints = len(self._engines[0].joint_names)
         compiled = library.load()
         self._left, self._ticks, self._untold = np.zeros((3, n), dtype=np.int64)
-        """Numbers of ticks, by copy: to execute, since the reset, and executed by the
-        kernel but not yet known to the core."""
+        """Numbers of ticks of each copy: the ticks to execute, the ticks since the
+        reset, and the ticks that the kernel has executed but the core has not yet
+        counted."""
         self._kernel: BatchKernel | None = None
         if compiled is not None:
             counts = {"left": self._left, "ticks": self._ticks, "untold": self._untold}
@@ -78,20 +79,21 @@ class Copies:
         self._programs: list[TickProgram | None] = [None] * n
         self._has_diverged = np.zeros(n, dtype=np.bool_)
         self._last_steps: Addresses = np.zeros((n, 3), dtype=np.uintp)
-        """Addresses of the last steps of copies that are loaded into the kernel, else
-        0."""
+        """Addresses of the last steps of copies that are loaded into the kernel; 0 for
+        other copies."""
         self._sensors: list[CopySensor] = []
         self._laws: dict[int, Addresses] = {}
-        """Addresses of the control laws of each running controller, by its number."""
+        """Addresses of the control laws of each running controller, by controller
+        number."""
 
     @property
     def ticks(self) -> NDArray[np.int64]:
-        """Control periods since each copy's reset."""
+        """Number of control periods since the last reset of each copy."""
         return self._ticks
 
     @property
     def time(self) -> Array:
-        """Simulated time of each copy [s]."""
+        """Simulated time since the last reset of each copy [s]."""
         return np.asarray(self._ticks * self._period)
 
     @property
@@ -117,7 +119,7 @@ class Copies:
                 return
 
     def _run(self, kernel: BatchKernel) -> bool:
-        """Let the kernel execute some or all remaining ticks, and handle the results.
+        """Execute some or all remaining ticks in the kernel, and handle the results.
 
         Return whether ticks may remain.
         """
@@ -133,7 +135,10 @@ class Copies:
         return True
 
     def _load_left(self) -> list[int]:
-        """Load the copies with ticks to do; return those that Python must execute."""
+        """Load the copies with remaining ticks.
+
+        Return the copies that Python must execute.
+        """
         if np.count_nonzero(self._is_loaded) == len(self._left):
             return []
         self.load(rows := self._left.nonzero()[0])
@@ -141,7 +146,10 @@ class Copies:
         return others
 
     def _tick(self, i: int, event: Ended | None, left: int) -> int:
-        """Execute a tick of one copy in Python; return how many fewer ticks remain."""
+        """Execute a tick of one copy in Python.
+
+        Return the number by which the copy's remaining ticks have decreased.
+        """
         core, untold = self._cores[i], int(self._untold[i])
         self._untold[i] = 0
         try:
@@ -179,7 +187,7 @@ class Copies:
         return bool(self._is_loaded[rows].all())
 
     def executor(self, i: int) -> Executor:
-        """Return the executor of one copy, with the copy's core up to date."""
+        """Return the executor of one copy after updating the copy's core."""
         self.observed(i).sync_from_kernel()
         self._unload(i)
         return self._executors[i]
@@ -237,7 +245,7 @@ class Copies:
                     sensor.restart(rows[rows == i])
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
-        """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4)."""
+        """Place an object; see ``BatchBackend.place``."""
         poses = zip(rows.tolist(), position.tolist(), quat.tolist(), strict=True)
         for i, (x, y, z), (qw, qx, qy, qz) in poses:
             state = ObjectState(name, (x, y, z), (qw, qx, qy, qz))
@@ -262,7 +270,7 @@ class Copies:
             self._kernel.robots[i] = 0
 
     def states(self) -> tuple[Array, Array, Array]:
-        """Return positions, velocities and efforts, each of shape (n, n_joints)."""
+        """Return the positions, velocities and efforts, each of shape (n, n_joints)."""
         is_native = self._is_loaded & ~self._has_diverged
         if self._kernel is not None:
             found = self._kernel.read(is_native, self._n_joints)
@@ -275,7 +283,7 @@ class Copies:
         return position, velocity, effort
 
     def objects(self) -> ObjectArrays:
-        """Return poses and velocities of the objects."""
+        """Return the poses and velocities of the objects."""
         return read_objects(self._objects, self._engines)
 
     def pad_forces(self, pads: Sequence[str]) -> Array:
@@ -291,18 +299,21 @@ class Copies:
         return contact_arrays([each.world for each in self._engines], first, second)
 
     def are_touching(self, first: Names, second: Names | None) -> NDArray[np.bool_]:
-        """Return whether bodies touch, per copy; see ``BatchBackend.are_touching``."""
+        """Return for each copy whether bodies touch.
+
+        See ``BatchBackend.are_touching``.
+        """
         return are_touching([each.world for each in self._engines], first, second)
 
     def start_sensor(self, sensor: CopySensor) -> None:
-        """Sample in all copies now, and then whenever it is due."""
+        """Take a sample in all copies now, and more samples whenever they are due."""
         for i in range(len(self._cores)):
-            self.executor(i)  # its core is up to date then
+            self.executor(i)  # updates the copy's core
         sensor.restart(np.arange(len(self._cores)))
         self._sensors.append(sensor)
 
     def stop_sensor(self, sensor: CopySensor) -> None:
-        """Stop sampling."""
+        """Stop the sampling of a sensor."""
         self._sensors.remove(sensor)
 
     # ---- commands to copies that are loaded ----------------------------------------
@@ -321,8 +332,8 @@ class Copies:
         """Start motions, in the kernel if possible; see ``BatchBackend.start``.
 
         Raises:
-            GoalRejectedError: If the joints cannot make this motion; nothing has
-                changed.
+            GoalRejectedError: If the joints cannot make this motion, in which case the
+                copies are unchanged.
         """
         if lifts_limits or min(times[:, 0].tolist(), default=1.0) <= 2.0 * INSTANT:
             return False
@@ -345,11 +356,11 @@ class Copies:
         return started is StartResult.YES
 
     def arrays(self) -> DeviceArrays:
-        """Raise ControlError: there is no device."""
+        """Raise ControlError, because there is no device."""
         raise needs_gpu("Batch.device_arrays")
 
     def holds(self, array: object) -> bool:
-        """Return False: every array is in the host's memory."""
+        """Return False, because every array is in the host's memory."""
         return False
 
     def command(
@@ -360,7 +371,7 @@ class Copies:
         velocities: object | None,
         duration: float,
     ) -> None:
-        """Raise ControlError: there is no device."""
+        """Raise ControlError, because there is no device."""
         raise needs_gpu("Batch.command with an array on a device")
 
     def grip(
@@ -408,7 +419,7 @@ class Copies:
     ) -> bool:
         """Start goals of a gripper in the kernel's memory; see ``BatchBackend.drive``.
 
-        Nobody holds handles to these goals.
+        No handles are returned for these goals.
         """
         if self._kernel is None or not self.load(rows):
             return False

@@ -1,4 +1,4 @@
-"""One force-torque sensor in all copies of a batch: its samples, filter and tare."""
+"""Samples, filter and tare of one force-torque sensor in all copies of a batch."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class SensorKind(NamedTuple):
 
 
 class SavedSensor(NamedTuple):
-    """State of the sensor in one copy at one instant, without its tare."""
+    """State of the sensor in one copy at one instant, without the tare."""
 
     left: int
     raw: Array
@@ -42,7 +42,7 @@ class SavedSensor(NamedTuple):
 
 @final
 class CopySensor:
-    """One sensor in all n copies, each with its own ``ForceTorqueSensor``."""
+    """One sensor in all n copies, with separate samples, filter states and tares."""
 
     def __init__(self, kind: SensorKind, cores: Sequence[Core]) -> None:
         """Create the sensor without taking a sample."""
@@ -59,31 +59,34 @@ class CopySensor:
 
     @property
     def raw(self) -> Array:
-        """The newest samples, unfiltered and tared, shape (n, 6)."""
+        """The newest unfiltered samples [N, N·m] after the tare, shape (n, 6)."""
         return self._raw - self._offset
 
     @property
     def passed(self) -> Array:
-        """The newest samples, filtered and tared, shape (n, 6)."""
+        """The newest filtered samples [N, N·m] after the tare, shape (n, 6)."""
         return self._passed - self._offset
 
     def zero(self, rows: Indices) -> None:
-        """Tare these copies: subtract the current filtered sample from now on."""
+        """Tare copies: subtract the current filtered sample from all later samples."""
         self._offset[rows] = self._passed[rows]
 
     def restart(self, rows: Indices) -> None:
-        """Restart the filter of copies, whose cores are up to date, with a sample."""
+        """Restart the filter of copies with a new sample.
+
+        The copies' cores must be up to date.
+        """
         raw = self._measured(rows, None)
         b0, _, a2 = self._filter
         self._memory[rows] = np.stack([(1.0 - b0) * raw, (b0 - a2) * raw], axis=-1)
         self._take(rows, raw)
 
     def tick(self, ticks: NDArray[np.int64], steps: Addresses) -> None:
-        """Sample the copies that are due after ``ticks`` of each copy, shape (n,).
+        """Advance copies by ``ticks``, shape (n,), and take the samples that are due.
 
-        ``steps`` are the addresses of the last steps in the kernel, as for
-        ``ToolMeter.wrenches``, shape (n, 3); 0 for a copy whose last step is in its
-        core.
+        ``steps`` are the addresses of the last steps in the kernel, shape (n, 3), in
+        the form of ``ToolMeter.wrenches``.  The addresses are 0 for a copy whose last
+        step is in its core.
         """
         self.left -= ticks
         rows = (self.left == 0).nonzero()[0]
@@ -111,7 +114,7 @@ class CopySensor:
         self.left[rows] = self.kind.ticks
 
     def _measured(self, rows: Indices, steps: Addresses | None) -> Array:
-        """Return the wrenches in the last steps of these copies, (len(rows), 6)."""
+        """Return the wrenches [N, N·m] in the last steps of these copies, (k, 6)."""
         found = np.empty((len(rows), 6))
         is_native = np.zeros(len(rows), dtype=np.bool_)
         if steps is not None:

@@ -27,14 +27,15 @@ from tool0.simulation.executor import Executor
 
 @final
 class DeviceCopies:
-    """Copies of one core, with state, controllers and drives on a Warp device."""
+    """Copies of one core, with their state, controllers and drives on a Warp device."""
 
     def __init__(self, core: Core, model: RobotModel, n: int, device: str) -> None:
-        """Copy the state of ``core``; the core itself is never stepped.
+        """Copy the state of ``core``, which is never stepped.
 
         Raises:
             ConfigError: If the device cannot run a controller.
-            EngineError: If there is no such device, or it cannot simulate the scene.
+            EngineError: If there is no such device, or the device cannot simulate the
+                scene.
         """
         name = check_device(device)
         self._device, self._name = device, name
@@ -69,7 +70,7 @@ class DeviceCopies:
 
     @property
     def time(self) -> Array:
-        """Simulated time of each copy [s]."""
+        """Simulated time since the last reset of each copy [s]."""
         ticks = self._worlds.steps.numpy() // self._steps_per_tick
         return np.asarray(ticks * self._period)
 
@@ -79,7 +80,10 @@ class DeviceCopies:
         return self._worlds.has_diverged
 
     def step(self, ticks: int, rows: Indices) -> None:
-        """Advance all copies, except those that have diverged; ``rows`` must be all."""
+        """Advance the copies that have not diverged.
+
+        ``rows`` must contain all copies.
+        """
         self._control.upload()
         if self._layout != self._control.layout:
             self._launch, self._layout = None, self._control.layout
@@ -110,15 +114,15 @@ class DeviceCopies:
         self._control.restart(rows, position)
 
     def save(self) -> NoReturn:
-        """Raise ControlError: the copies have no cores."""
+        """Raise ControlError, because the copies have no cores."""
         raise needs_cpu("Batch.save", self._device)
 
     def restore(self, rows: Indices, saved: Sequence[object]) -> NoReturn:
-        """Raise ControlError: the copies have no cores."""
+        """Raise ControlError, because the copies have no cores."""
         raise needs_cpu("Batch.restore", self._device)
 
     def states(self) -> tuple[Array, Array, Array]:
-        """Return positions, velocities and efforts, each of shape (n, n_joints)."""
+        """Return the positions, velocities and efforts, each of shape (n, n_joints)."""
         return (*self._worlds.joints(), self._control.effort)
 
     def arrays(self) -> DeviceArrays:
@@ -132,7 +136,7 @@ class DeviceCopies:
         )
 
     def objects(self) -> ObjectArrays:
-        """Return poses and velocities of the objects."""
+        """Return the poses and velocities of the objects."""
         return self._worlds.objects()
 
     def pad_forces(self, pads: Sequence[str]) -> Array:
@@ -140,26 +144,29 @@ class DeviceCopies:
         return self._worlds.normal_forces(pads)
 
     def wrenches(self, links: frozenset[str], at: str) -> NoReturn:
-        """Raise ControlError: contacts on a device have no torques."""
+        """Raise ControlError, because contacts on a device have no torques."""
         raise needs_cpu("Batch.tool_wrench", self._device)
 
     def contacts(self, first: Names | None, second: Names | None) -> NoReturn:
-        """Raise ControlError: contacts on a device have no torques."""
+        """Raise ControlError, because contacts on a device have no torques."""
         raise needs_cpu("Batch.contacts", self._device)
 
     def are_touching(self, first: Names, second: Names | None) -> NDArray[np.bool_]:
-        """Return whether bodies touch, per copy; see ``BatchBackend.are_touching``."""
+        """Return for each copy whether bodies touch.
+
+        See ``BatchBackend.are_touching``.
+        """
         return self._worlds.are_touching(first, second)
 
     def start_sensor(self, sensor: CopySensor) -> NoReturn:
-        """Raise ControlError: contacts on a device have no torques."""
+        """Raise ControlError, because contacts on a device have no torques."""
         raise needs_cpu("Batch.force_torque", self._device)
 
     def stop_sensor(self, sensor: CopySensor) -> None:
-        """Do nothing: a device has no sensors to stop."""
+        """Do nothing, because a device has no sensors."""
 
     def place(self, rows: Indices, name: str, position: Array, quat: Array) -> None:
-        """Place an object at positions (len(rows), 3) and quat_wxyz (len(rows), 4).
+        """Place an object at positions [m] with quat_wxyz; see ``BatchBackend.place``.
 
         Raises:
             ControlError: If the object is fixed.
@@ -172,8 +179,8 @@ class DeviceCopies:
         """Change a field of an object; see ``BatchBackend.change``.
 
         Raises:
-            ControlError: If the field is the size: on a device, all copies have the
-                same shapes.
+            ControlError: If the field is the size, because all copies on a device have
+                the same shapes.
         """
         if field == "size":
             raise needs_cpu("Batch.set_size", self._device)
@@ -185,7 +192,7 @@ class DeviceCopies:
     # ---- commands -------------------------------------------------------------------
 
     def executor(self, i: int) -> Executor:
-        """Raise ControlError: the copies have no cores."""
+        """Raise ControlError, because the copies have no cores."""
         raise needs_cpu(f"what moves copy {i}", self._device)
 
     def start(
@@ -197,13 +204,13 @@ class DeviceCopies:
         times: Array,
         positions: Array,
         velocities: Array | None,
-        lifts_limits: bool,  # it always does
+        lifts_limits: bool,  # ignored: the limits are always removed
     ) -> bool:
         """Start motions and return True; see ``BatchBackend.start``.
 
         Raises:
-            GoalRejectedError: If the joints cannot make this motion; nothing has
-                changed.
+            GoalRejectedError: If the joints cannot make this motion, in which case the
+                copies are unchanged.
         """
         refused = self._control.start(
             rows,
@@ -222,7 +229,7 @@ class DeviceCopies:
         return True
 
     def holds(self, array: object) -> bool:
-        """Return whether an array is in the device's memory; NumPy arrays are not."""
+        """Return whether an array, unlike a NumPy array, is in the device's memory."""
         return not isinstance(array, np.ndarray) and is_on_device(array, self._name)
 
     def command(
@@ -275,5 +282,5 @@ class DeviceCopies:
         effort: float | None,
         limits: Sequence[DriveLimits],
     ) -> bool:
-        """Return False: GripperActionControllers run on the CPU only."""
+        """Return False, because GripperActionControllers run only on the CPU."""
         return False

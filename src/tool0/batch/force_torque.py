@@ -1,4 +1,4 @@
-"""Force-torque sensors of a batch's copies: the interface for programs."""
+"""Programming interface of the force-torque sensors of a batch."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ if TYPE_CHECKING:
 
 @final
 class BatchForceTorque:
-    """Measures the wrench that a tool exerts on the link that carries it, in each copy.
+    """Sensor of the wrench that the tool exerts on its carrying link in each copy.
 
-    It measures like ``robot.force_torque``: force [N] and torque [N·m] include the
-    tool's weight, inertia and contacts, and are given in the axes of the link, at its
-    origin.  The sensor costs nothing until the first reading starts it.  Each copy is
-    sampled by its own clock: when the sensor starts, when the copy is reset, and every
-    ``1 / rate`` after that.
+    The sensor measures like ``robot.force_torque``: force [N] and torque [N·m] include
+    the tool's weight, inertia and contacts.  Force and torque are given at the origin
+    and in the axes of the link.  The sensor uses no computing time until the first
+    reading starts it.  The samples of each copy are timed by the clock of the copy: A
+    sample is taken when the sensor starts, when the copy is reset, and every ``1 /
+    rate`` seconds after these events.
     """
 
     def __init__(
@@ -38,7 +39,9 @@ class BatchForceTorque:
         alone: OneThread,
         changing: OneThread,
     ) -> None:
-        """Measure at a link, given its or a sensor's name; see ``measured_link``.
+        """Measure at a link, given the link's or a sensor's name.
+
+        See ``measured_link``.
 
         ``alone`` and ``changing`` are the guards of the ``Batch``.
         """
@@ -64,11 +67,11 @@ class BatchForceTorque:
 
         Args:
             rate: Samples per simulated second [Hz], 50 … 1000 and a divisor of the
-                control rate.  If left out, 125 or the next lower divisor.
+                control rate.  The default is 125 Hz or the next lower divisor.
             cutoff: Cutoff frequency of the low-pass filter [Hz], below half the rate.
 
         Raises:
-            ControlError: If an argument is out of range, or this is a GPU.
+            ControlError: If an argument is out of range, or the batch runs on a GPU.
         """
         period = self._cores[0].control_period
         ticks = ticks_between_samples(rate, period)
@@ -81,7 +84,7 @@ class BatchForceTorque:
         return kind.rate
 
     def stop(self) -> None:
-        """Stop sampling and forget the tare; stopping twice is allowed."""
+        """Stop sampling and discard the tare; it may be stopped more than once."""
         with self._changing:
             self._stop()
 
@@ -92,12 +95,12 @@ class BatchForceTorque:
             self._running().zero(rows)
 
     def read(self) -> Array:
-        """Return the newest force and torque samples, filtered, shape (n, 6).
+        """Return the newest filtered force [N] and torque [N·m], shape (n, 6).
 
         The first call starts the sensor with its defaults.
 
         Raises:
-            ControlError: If this is a GPU.
+            ControlError: If the batch runs on a GPU.
         """
         with self._alone:
             found = self._running().passed
@@ -105,7 +108,7 @@ class BatchForceTorque:
         return found
 
     def read_raw(self) -> Array:
-        """Return the newest force and torque samples, unfiltered, shape (n, 6)."""
+        """Return the newest unfiltered force [N] and torque [N·m], shape (n, 6)."""
         with self._alone:
             found = self._running().raw
         found.flags.writeable = False

@@ -1,4 +1,4 @@
-"""The frame between the pads of a gripper in many copies of a robot at once."""
+"""The frame between the pads of a gripper in many copies of a robot."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ from tool0.description.transform_arrays import Array, Frames
 class GripperFrames:
     """The frame midway between the pads of one gripper, for n copies.
 
-    As in ``Gripper.tcp``, y points from pad to pad, and z away from the gripper.
+    Like in ``Gripper.tcp``, the y axis points from one pad to the other, and the z axis
+    points away from the gripper.
     """
 
     def __init__(self, model: RobotModel, gripper: ParallelGripper) -> None:
-        """Find the pads; ControlError unless there are two."""
+        """Find the pads; raise ControlError unless there are two pads."""
         self._gripper = gripper
         base = model.joint(gripper.joint).parent
         self._flange = flange_of(model, gripper)
@@ -30,9 +31,10 @@ class GripperFrames:
         self._fingers = LinkFrames(model, [self._flange, *self._links])
 
     def poses(self, position: Mapping[str, Array], n: int) -> Frames:
-        """Return the frame in the root, at measured joint positions of shape (n,)."""
+        """Return the frame in the root frame, at measured joint positions (n,)."""
         q = position[self._gripper.joint]
-        # The fingers follow their drive here, as they do in ``Gripper.tcp``.
+        # The fingers are assumed to follow their drive exactly, like in
+        # ``Gripper.tcp``.
         fingers = {self._gripper.joint: self._within_range(q)}
         poses = self._fingers.poses(fingers, n)
         to_carrier = poses[self._flange].inverse()
@@ -46,7 +48,7 @@ class GripperFrames:
         return carrier @ Frames(middle, rotation)
 
     def _within_range(self, position: Array) -> Array:
-        """Return joint positions [rad | m] with openings within the gripper's range."""
+        """Return joint positions [rad | m], clamped to the range of the openings."""
         gripper = self._gripper
         closed, opened = gripper.position(0.0), gripper.position(gripper.max_opening)
         return position.clip(min(closed, opened), max(closed, opened))

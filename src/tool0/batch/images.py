@@ -26,18 +26,18 @@ from tool0.sensing.cameras import Cameras, View
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CopyLook:
-    """Appearance of one copy, where it differs from the default."""
+    """Appearance of one copy, as the differences from the default appearance."""
 
     cameras: Mapping[str, Camera] = field(default_factory=dict)
-    """Cameras that were moved, by name."""
+    """Moved cameras, by name."""
     light: Look = Look()
     colours: Mapping[str, RGBA] = field(default_factory=dict)
-    """Changed colours of objects, by name."""
+    """Changed colors of objects, by name of the object."""
 
 
 @final
 class Images:
-    """Renders copies.  A batch checks that they can be rendered."""
+    """Renderer of the copies.  The batch checks that the copies can be rendered."""
 
     def __init__(
         self,
@@ -49,13 +49,16 @@ class Images:
         n: int,
         threads: int,
     ) -> None:
-        """Prepare without starting OpenGL; ``snapshot`` returns the state of a copy."""
+        """Prepare rendering without starting OpenGL.
+
+        ``snapshot`` returns a copy's state.
+        """
         self._cameras = Cameras(model, cameras, ground, lambda: snapshot(0), threads)
         self._n, self._snapshot = n, snapshot
         self._looks = [CopyLook()] * n
 
     def render(self, camera: str, rows: Indices) -> tuple[CameraImage, ...]:
-        """Return an image of each copy; raises RenderError like ``Batch.render``."""
+        """Return an image of each copy; see ``Batch.render_all``."""
         return tuple(self._cameras.render_all(self._views(camera, rows)))
 
     def segment(self, camera: str, rows: Indices) -> tuple[NDArray[np.int32], ...]:
@@ -95,7 +98,7 @@ class Images:
             self._looks[i] = replace(self._looks[i], light=light)
 
     def set_colour(self, name: str, rgba: ArrayLike, which: Which | None) -> None:
-        """Change the colour of an object; see ``Batch.set_colour``."""
+        """Change the color of an object; see ``Batch.set_colour``."""
         check = Arguments(self._n, "set_colour")
         rows = check.which(which)
         given = check.rows("rgba", rgba, (4,), rows)[rows]
@@ -130,7 +133,7 @@ class Images:
         ]
 
     def _coloured(self, i: int) -> Snapshot:
-        """Return the state of a copy, with its own colours of objects."""
+        """Return the state of a copy, with the colors of objects in this copy."""
         state, colours = self._snapshot(i), self._looks[i].colours
         if not colours:
             return state

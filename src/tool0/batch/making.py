@@ -1,4 +1,4 @@
-"""Makes the cores of a batch: their number, threads and scenes."""
+"""Makes the cores of a batch and checks their number, threads and scenes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def checked_count(n: int) -> int:
 
 
 def checked_threads(threads: int | None, n: int) -> int:
-    """Return the number of threads for ``n`` copies; by default one per processor."""
+    """Return the number of threads for ``n`` copies (default: one per processor)."""
     if threads is None:
         return min(n, os.cpu_count() or 1)
     if not isinstance(threads, int | np.integer) or not 1 <= threads <= n:
@@ -41,14 +41,22 @@ def checked_threads(threads: int | None, n: int) -> int:
 def copied_scenes(
     robot: RobotDescription, scene: Scene | File | Sequence[Scene] | None, n: int
 ) -> list[Scene]:
-    """Return the scene of each copy; ConfigError if the scenes differ too much."""
+    """Return the scene of each copy.
+
+    Raises:
+        ConfigError: If the scenes differ too much.
+    """
     if scene is None or isinstance(scene, Scene | str | Path):
         return [chosen_scene(robot, scene)] * n
     return _checked_scenes([chosen_scene(robot, one) for one in scene], n)
 
 
 def only_scene(scenes: Sequence[Scene]) -> Scene:
-    """Return the common scene of all copies on a GPU; ConfigError if they differ."""
+    """Return the common scene of all copies on a GPU.
+
+    Raises:
+        ConfigError: If they differ.
+    """
     if any(scene != scenes[0] for scene in scenes):
         raise ConfigError(
             "on a GPU, all copies have the same scene; place their objects with "
@@ -63,7 +71,7 @@ def make_cores(
     scenes: Sequence[Scene],
     dt: float,
 ) -> list[Core]:
-    """Return cores at their initial pose, with physics steps of ``dt`` [s]."""
+    """Return a core for each scene, with physics steps of ``dt`` [s]."""
     options = SimulationConfig(engine=batch_engine(), dt=dt, scene=scenes[0])
     setup = Setup.of(robot, control, options)
     setups = [replace(setup, scene=scene) for scene in scenes]

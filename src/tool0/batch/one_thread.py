@@ -1,4 +1,4 @@
-"""Guards a batch against use by two threads at once."""
+"""Guards a batch against use by two threads at the same time."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ def _nothing() -> None: ...
 
 @final
 class OneThread:
-    """A context that only one thread at a time may enter; re-entrant.
+    """A re-entrant context that only one thread at a time may enter.
 
-    It is a class because ``contextlib.contextmanager`` takes several times as long.
+    The context is a class because ``contextlib.contextmanager`` is several times
+    slower.
     """
 
     def __init__(
@@ -25,7 +26,7 @@ class OneThread:
         lock: threading.RLock | None = None,
         begin: Callable[[], None] = _nothing,
     ) -> None:
-        """Share the given ``lock``, or make one; call ``begin`` on entering."""
+        """Use the given ``lock`` or a new lock; call ``begin`` on entering."""
         self._lock = threading.RLock() if lock is None else lock
         self._begin = begin
 
@@ -34,7 +35,7 @@ class OneThread:
         return OneThread(self._lock, begin)
 
     def __enter__(self) -> None:
-        """Enter the context; ControlError if another thread is in it."""
+        """Enter the context; raise ControlError if another thread is in the context."""
         if not self._lock.acquire(blocking=False):
             raise ControlError(
                 "another thread is using this batch; give each thread a batch of its "

@@ -28,10 +28,10 @@ class SavedCopy:
 @final
 @dataclass(frozen=True, slots=True)
 class BatchState:
-    """Result of ``Batch.save``: the state of n copies, for use with ``restore``."""
+    """State of n copies, returned by ``Batch.save`` for use with ``Batch.restore``."""
 
     copies: Sequence[SavedCopy] = field(repr=False)
-    """State of each copy, for use with ``restore``."""
+    """State of each copy."""
     looks: Sequence[CopyLook] = field(repr=False)
     """Appearance of the copies in images."""
     dt: float

@@ -1,4 +1,4 @@
-"""Collect episodes of a task into a folder, with many processes or machines.
+"""Collect episodes of a task in a folder, with many processes or machines.
 
 ::
 

@@ -1,4 +1,4 @@
-"""Schedule of a collection: it hands out chunks and stores the finished episodes."""
+"""Schedule of a collection, which distributes chunks and stores finished episodes."""
 
 from __future__ import annotations
 
@@ -27,14 +27,15 @@ logger = logging.getLogger(__name__)
 
 N_COPIES: Final = 8
 _ROUNDS: Final = 2
-"""Largest number of episodes in a chunk per copy."""
+"""Largest number of episodes per copy in a chunk."""
 _WINDOW: Final = 4
-"""Number of chunks per worker by which work may run ahead of the first missing
-chunk."""
+"""Largest number of chunks per worker in the range from the first missing chunk to the
+last submitted chunk."""
 _SHARES: Final = 8
-"""Number of chunks per worker, if each copy then still gets at least one episode."""
+"""Largest number of chunks per worker, unless each copy would get less than one episode
+per chunk."""
 _ATTEMPTS: Final = 3
-"""Number of workers that may die on the same chunk before the collection fails."""
+"""Number of workers that must end during the same chunk for the collection to fail."""
 _POLL: Final = 0.5
 """Interval between progress reports [wall s]."""
 
@@ -66,34 +67,35 @@ def collect(
     copies: int = N_COPIES,
     progress: Callable[[Progress], None] | None = None,
 ) -> Manifest:
-    """Collect episodes of a task into a folder, or continue an earlier collection.
+    """Collect episodes of a task in a folder, or continue an earlier collection.
 
-    Episode i depends only on the task, the policy, ``seed`` and i.
+    Episode i depends only on the task, its options, the policy, ``seed`` and i.
 
     Args:
-        task: ``Reach``, ``Lift``, …, or the id of a Gymnasium environment.  If a module
-            or a file registers the environment, write ``module:id`` or ``file.py:id``.
+        task: Name of a built-in task, such as ``Lift``, or the id of a Gymnasium
+            environment.  If a module or a file registers the environment, write
+            ``module:id`` or ``file.py:id``.
         episodes: Number of episodes that the folder should contain.
-        folder: A new or empty folder, or one that already contains some of these
+        folder: A new or empty folder, or a folder that already contains some of these
             episodes.
         options: Keyword arguments of the environment, such as ``{"arm": "ur5e"}``.
-        workers: Number of processes; one per processor if left out.
-        ray: Address of a Ray cluster, ``host:port``, or ``local`` for a Ray that ends
-            with this call.  If left out, the workers are processes on this machine,
-            without Ray.
+        workers: Number of worker processes (default: one per processor).
+        ray: Address of a Ray cluster, ``host:port``, or ``local`` for a Ray instance
+            that ends with this call.  By default, the workers are processes on this
+            machine, without Ray.
         policy: Callable that takes the seed of an episode and returns a function from
-            observation to action.  It is a function or class at the top level of a
-            module, or its name as ``module:name`` or ``file.py:name``.  If left out,
-            the task's expert is used.
+            observation to action.  The policy is a function or class at the top level
+            of a module, or the name of this function or class as ``module:name`` or
+            ``file.py:name``.  By default, the task's expert is used.
         seed: Base from which the episodes' seeds are derived.
         format: Format of the data set: ``parquet`` or ``lerobot``.
-        instruction: Description of the task for LeRobot's format; if left out, the
-            task's own description.
-        copies: Number of simulations that each worker steps in turn.
-        progress: Callback for progress, called about twice a second.
+        instruction: Description of the task for LeRobot's format; the default is the
+            description in the task's definition.
+        copies: Number of simulated copies that each worker steps.
+        progress: Callback that is called about twice per second with the progress.
 
     Raises:
-        ConfigError: If a parameter is wrong, or differs from the one with which the
+        ConfigError: If a parameter is wrong, or differs from the value with which the
             folder was collected.
         CollectError: If a worker or the policy fails, or the disk is full.
         TransportError: If the Ray cluster cannot be reached.
@@ -166,7 +168,7 @@ def _executor(
 
 @final
 class _Schedule:
-    """Gives chunks to workers, and adds the results to the data set in order."""
+    """Scheduler that gives chunks to workers and adds the results in order."""
 
     def __init__(
         self,
@@ -203,7 +205,7 @@ class _Schedule:
                 if item.message is not None:
                     self._messages[item.chunk.first] = item.message
             lost = [item for item in finished if item.message is None]
-            for item in reversed(lost):  # keeps the original order
+            for item in reversed(lost):  # restores the original order
                 self._return(item)
             self._add()
             now = time.monotonic()
@@ -213,7 +215,10 @@ class _Schedule:
                 self._report(self._progress, now - start)
 
     def _give(self) -> None:
-        """Keep the workers busy, but not far ahead of the first missing episode."""
+        """Submit chunks to free workers, within a window of episodes.
+
+        The window starts at the first episode that is missing from the data set.
+        """
         end = self._dataset.manifest.n_episodes + self._window
         while self._waiting and self._waiting[0].first < end and self._executor.n_free:
             self._executor.submit(self._waiting.popleft())
@@ -231,7 +236,7 @@ class _Schedule:
             )
 
     def _add(self) -> None:
-        """Add all chunks that are next in order, with a single wait for the disk."""
+        """Add all chunks that are next in order, in a single write operation."""
         index = self._dataset.manifest.n_episodes
         episodes: list[tuple[dict[str, Any], bytes]] = []
         problem = None

@@ -1,9 +1,9 @@
-"""The folder of a data set: one file and one index row per episode.
+"""The folder of a data set, with one file and one index row per episode.
 
 Episodes are added in order, so a data set always consists of the episodes 0 … n-1.  A
-file gets its final name once it is on the disk, and only then is its row appended.
-Files that an interruption leaves without a row are removed when the folder is opened
-again.
+file is renamed to its final name after it has been written to the disk, and then the
+row of the file is appended to the index.  Files without a row, which an interruption
+may leave, are removed when the folder is opened again.
 """
 
 from __future__ import annotations
@@ -57,10 +57,10 @@ class Manifest:
 
 @final
 class Dataset:
-    """A folder to which only this process adds episodes."""
+    """Folder of a data set to which only this process adds episodes."""
 
     def __init__(self, folder: Path, settings: Settings, n_requested: int) -> None:
-        """See ``opened``."""
+        """Recover the folder; see ``opened``."""
         self._folder = folder
         self._settings = settings
         self._n_requested = n_requested
@@ -68,11 +68,11 @@ class Dataset:
         self.recover()
 
     def recover(self) -> None:
-        """Keep the complete episodes, and remove leftovers of an interruption.
+        """Keep the complete episodes, and remove incomplete files.
 
         Raises:
-            CollectError: If the file of a complete episode is missing or has another
-                size.
+            CollectError: If the file of a complete episode is missing, or its size
+                differs from the size in its row.
         """
         rows = self._recovered()
         self._lengths = [row["length"] for row in rows]
@@ -82,7 +82,7 @@ class Dataset:
 
     @property
     def manifest(self) -> Manifest:
-        """The present content of the folder."""
+        """The current content of the folder."""
         return Manifest(
             folder=self._folder,
             n_episodes=len(self._lengths),
@@ -96,8 +96,8 @@ class Dataset:
         """Append the next episodes.
 
         Raises:
-            OSError: If the disk is full, for example; ``recover`` removes incomplete
-                files.
+            OSError: If a file cannot be written, such as on a full disk.  ``recover``
+                removes incomplete files.
         """
         rows, files, first_frame = [], {}, self._n_frames
         for row, sent in episodes:
@@ -121,9 +121,9 @@ class Dataset:
     def _write(
         self, rows: Sequence[Mapping[str, Any]], files: Mapping[Path, bytes]
     ) -> None:
-        """Write the files, then the rows; each step waits for the disk."""
+        """Write the files and then the rows, and flush both to the disk."""
         parts = [_part(path) for path in files]
-        with ThreadPoolExecutor(_WRITERS) as pool:  # a disk flushes them together
+        with ThreadPoolExecutor(_WRITERS) as pool:  # one flush for many files
             writes = [
                 pool.submit(_write, part, file)
                 for part, file in zip(parts, files.values(), strict=True)
@@ -134,7 +134,7 @@ class Dataset:
             _part(path).replace(path)
         for folder in {path.parent for path in files}:
             _flush_folder(folder)
-            _flush_folder(folder.parent)  # it may contain a new folder
+            _flush_folder(folder.parent)  # its parent may contain a new folder
         lines = "".join(f"{json.dumps(row)}\n" for row in rows)
         with (self._folder / EPISODES).open("ab") as stream:
             stream.write(lines.encode())
@@ -191,8 +191,8 @@ def opened(folder: Path, settings: Settings, n_requested: int) -> Iterator[Datas
     """Create or reopen the folder of a data set, and write its manifest at the end.
 
     Raises:
-        ConfigError: If the folder contains other episodes or unrelated files, or is in
-            use.
+        ConfigError: If the folder contains other episodes or unrelated files, or
+            another process uses the folder.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -220,7 +220,7 @@ def opened(folder: Path, settings: Settings, n_requested: int) -> Iterator[Datas
         try:
             yield dataset
         except BaseException:
-            with contextlib.suppress(OSError):  # a full disk, for example
+            with contextlib.suppress(OSError):  # such as on a full disk
                 dataset.recover()
                 dataset.describe()
             raise
@@ -270,7 +270,7 @@ def _row(log: Path, index: int, line: bytes) -> dict[str, Any]:
 
 
 def _lines(path: Path) -> list[bytes]:
-    """Return the complete lines of a log; the last one may have been cut off."""
+    """Return the complete lines of a log; an incomplete last line is ignored."""
     text = path.read_bytes() if path.exists() else b""
     return text.split(b"\n")[:-1]
 
@@ -288,7 +288,7 @@ def _write(path: Path, content: bytes) -> None:
 
 
 def _replace(path: Path, content: bytes) -> None:
-    """Replace a file atomically: either the old or the new version exists."""
+    """Replace a file atomically, so that either the old or the new version exists."""
     _write(_part(path), content)
     _part(path).replace(path)
     _flush_folder(path.parent)

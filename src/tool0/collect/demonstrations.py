@@ -1,10 +1,10 @@
-"""Conversion of demonstrations, recorded as episodes, to a LeRobot data set.
+"""Conversion of recorded demonstrations to a LeRobot data set.
 
-The state consists of the positions of the driven joints, followed by their velocities.
-The action is the position that is commanded at the next frame.  For joints that follow
-a stream no setpoint is recorded, so their action is the measured position at that
-frame.  The poses of objects are the environment state.  Images are rendered from the
-snapshots.
+The state consists of the positions of the driven joints, followed by the velocities of
+these joints.  The action is the position that is commanded at the next frame.  No
+setpoint is recorded for joints that follow a stream, so the action of these joints is
+the measured position at the next frame.  The poses of objects are the environment
+state.  Images are rendered from the snapshots.
 """
 
 from __future__ import annotations
@@ -49,24 +49,25 @@ def export_lerobot(
     """Write the episodes of a folder as a LeRobot data set in version 3.0.
 
     Args:
-        folder: Folder written by ``tool0 record --episodes``.
-        target: A new folder.
-        rate: Frames per simulated second [Hz]: a whole number that does not exceed the
-            recordings' rate.
+        folder: Folder that ``tool0 record --episodes`` has written.
+        target: A new folder for the data set.
+        rate: Frames per simulated second [Hz].  The rate must be a whole number that
+            does not exceed the recordings' rate.
         only_successes: Whether to leave out episodes that failed.
-        instruction: Description of the task; if left out, the one that was given when
-            the episodes were recorded.
-        cameras: Cameras of the robot or its scene whose images are added to each frame.
-        width: Width of the images [pixels]; the camera's own width if left out.
-        height: Height of the images [pixels]; the camera's own height if left out.
-        progress: Called with the number of finished episodes and their total number.
+        instruction: Description of the task; the default is the description that was
+            given when the episodes were recorded.
+        cameras: Cameras of the robot or the scene that provide images for each frame.
+        width: Width of the images [pixels] (default: the width of the camera).
+        height: Height of the images [pixels] (default: the height of the camera).
+        progress: Callback that is called with the number of finished episodes and the
+            total number of episodes.
 
     Raises:
         RecordingError: If the folder has no index, or a file is damaged.
         ConfigError: If the target contains other files, the rate is out of range, or
             the extra ``collect`` is not installed.
         CollectError: If there are no episodes, or they have different tasks or joints.
-        RenderError: If there is no OpenGL or no such camera.
+        RenderError: If OpenGL is not available, or there is no such camera.
     """
     require_extra()
     whole_rate(rate)
@@ -126,7 +127,7 @@ def export_lerobot(
 
 
 def driven_joints(model: RobotModel, names: Sequence[str]) -> tuple[str, ...]:
-    """Return the joints among ``names`` that have a motor, in the same order."""
+    """Return the joints in ``names`` that have a motor, in the same order."""
     driven = {item.joint for item in model.transmissions}
     return tuple(name for name in names if name in driven)
 
@@ -137,7 +138,7 @@ def number_names(
     """Return the component names of a robot's observations and of its action.
 
     ``position``, ``velocity`` and ``action`` have one component per driven joint;
-    ``object.NAME`` consists of position and quaternion.
+    ``object.NAME`` consists of a position and a quaternion.
     """
     positions = tuple(f"{name}.position" for name in joints)
     return {
@@ -183,9 +184,9 @@ def episode_of(
     Numbers are interpolated between two snapshots; images show the nearest snapshot.
 
     Raises:
-        ConfigError: If the recording has fewer snapshots per second.
+        ConfigError: If the recording has fewer than ``rate`` snapshots per second.
         CollectError: If the episode is too short.
-        RenderError: If there is no OpenGL, or no such camera.
+        RenderError: If OpenGL is not available, or there is no such camera.
     """
     frames = Resampled(recording.tick, recording.info.control_period, rate, row.file)
     joints = driven_joints(recording.description.model, recording.joint_names)
@@ -225,7 +226,7 @@ def _images(
     width: int | None,
     height: int | None,
 ) -> dict[str, Array]:
-    """Return the images of each camera, shape (n_frames, height, width, 3), uint8."""
+    """Return each camera's images, uint8, shape (n_frames, height, width, 3)."""
     if not names:
         return {}
     cameras, snapshots = cameras_of(recording), recording.snapshots()

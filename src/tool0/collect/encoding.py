@@ -1,4 +1,4 @@
-"""Episodes as files, with the columns of the formats ``parquet`` and LeRobot."""
+"""Encoding of episodes as files in the formats ``parquet`` and ``lerobot``."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from tool0.collect.settings import Format
 def encoded(episode: Episode, index: int, form: Format) -> tuple[dict[str, Any], bytes]:
     """Return an episode's row in the index, and the content of its file.
 
-    In LeRobot's format the file numbers its frames from 0; see ``lerobot.placed``.
+    In LeRobot's format, the frames in the file are numbered from 0; see
+    ``lerobot.placed``.
 
     Raises:
-        ConfigError: If the format does not support this rate.
+        ConfigError: If the format does not support the episode's rate.
     """
     row: dict[str, Any] = {
         "episode_index": index,

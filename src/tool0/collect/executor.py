@@ -9,23 +9,23 @@ from typing import Final, Protocol, final
 from tool0.collect.worker import Chunk
 
 QUEUED: Final = 2
-"""Number of chunks that a worker holds: it works on one while the next one waits."""
+"""Largest number of chunks of a worker: the current chunk and the next chunk."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """A chunk, and the message of the worker that it was given to."""
+    """A chunk, and the message from the worker that processed the chunk."""
 
     chunk: Chunk
     message: bytes | None
-    """Message of the worker; None if the worker ended without sending one."""
+    """Message of the worker; None if the worker ended without a message."""
     trouble: str = ""
-    """Reason for the worker's end; empty if it had not started the chunk."""
+    """Reason why the worker ended; empty if the worker had not started the chunk."""
 
 
 def lost(chunks: Iterable[Chunk], trouble: str) -> list[Finished]:
-    """Return the chunks of a worker that ended while it worked on the first of them."""
+    """Return the chunks of a worker that ended while it processed the first chunk."""
     return [
         Finished(chunk, None, "" if number else trouble)
         for number, chunk in enumerate(chunks)
@@ -41,18 +41,19 @@ class Executor(Protocol):
 
     @property
     def n_free(self) -> int:
-        """Number of chunks that the workers would accept now."""
+        """Number of additional chunks that the workers accept now."""
 
     def submit(self, chunk: Chunk) -> None:
         """Give a chunk to the worker with the fewest chunks."""
 
     def finished(self, timeout: float) -> Sequence[Finished]:
-        """Wait at most ``timeout`` [wall s], and return the chunks that came back.
+        """Wait for up to ``timeout`` [wall s], and return the finished and lost chunks.
 
-        A worker that ended is replaced.
+        A worker that has ended is replaced.
 
         Raises:
-            CollectError: If workers do not start, or would produce different episodes.
+            CollectError: If workers do not start, or would produce different episodes
+                because their programs differ.
         """
 
     def close(self) -> None:

@@ -1,9 +1,9 @@
-"""LeRobot data sets, version 3.0: files of episodes, and descriptions in ``meta``.
+"""LeRobot data sets in version 3.0, with files of episodes and descriptions.
 
-The format is that of lerobot 0.6.1 (lerobot/datasets/utils.py, feature_utils.py and
-dataset_metadata.py, https://github.com/huggingface/lerobot).  Each episode has its own
-file, which also contains its features and statistics, so that the descriptions in
-``meta`` can be generated from these files alone.
+The format is the format of lerobot 0.6.1 (lerobot/datasets/utils.py, feature_utils.py
+and dataset_metadata.py, https://github.com/huggingface/lerobot).  Each episode has a
+separate file.  The file also contains the features and statistics of the episode, so
+the descriptions in the folder ``meta`` can be generated from these files alone.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def whole_rate(rate: float) -> int:
 
 
 def encoded(episode: Episode, index: int) -> bytes:
-    """Return the content of an episode's file; its frames are numbered from 0.
+    """Return the content of an episode's file, with frames that are numbered from 0.
 
     Raises:
         ConfigError: If the episode's rate is not a whole number.
@@ -86,7 +86,7 @@ def encoded(episode: Episode, index: int) -> bytes:
 
 
 def placed(file: bytes, first_frame: int) -> bytes:
-    """Return an episode's file with its frames renumbered from ``first_frame`` on."""
+    """Return an episode's file with frames that are numbered from ``first_frame``."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -107,10 +107,11 @@ def observation_columns(
     """Return the columns of observations, and the names of their components.
 
     Args:
-        observations: Name → values of n frames, shape (n, …).
-        names: Name of an observation → names of its components, if they have names.
-        surroundings: Names of the components that describe the robot's surroundings
-            instead of the robot.
+        observations: Values of n frames, shape (n, …), by name of the observation.
+        names: Names of the components by name of the observation, if the components
+            have names.
+        surroundings: Names of the components that describe the surroundings of the
+            robot.
 
     Raises:
         CollectError: If LeRobot's format has no column for an observation.
@@ -169,7 +170,10 @@ def _names(names: Mapping[str, Sequence[str]], key: str, values: Array) -> list[
 
 
 def _narrow(values: Array) -> Array:
-    """Return values in single precision; one of width 1 becomes one-dimensional."""
+    """Return values in single precision.
+
+    An array of width 1 becomes one-dimensional.
+    """
     values = values.astype(np.float32)
     return values[:, 0] if values.shape[1] == 1 else values
 
@@ -184,7 +188,7 @@ def _feature(values: Array, names: list[str] | None) -> dict[str, Any]:
 
 
 def _hub_feature(feature: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the description of a column in the form of the library ``datasets``."""
+    """Return the description of a column in the format of the library ``datasets``."""
     if feature["dtype"] == "image":
         return {"_type": "Image"}
     value = {"dtype": feature["dtype"], "_type": "Value"}
@@ -200,7 +204,7 @@ def _hub_feature(feature: Mapping[str, Any]) -> dict[str, Any]:
 def descriptions(
     folder: Path, lengths: Sequence[int], instruction: str
 ) -> Iterator[tuple[str, bytes]]:
-    """Yield the path and the content of each file in ``meta`` that has to be written.
+    """Yield the path and the content of each file that must be written to ``meta``.
 
     Args:
         folder: A data set with at least one episode.
@@ -306,7 +310,7 @@ def _combined_rows(
 
 
 def _tasks(instruction: str) -> bytes:
-    """Return the table of tasks; pandas uses its column ``task`` as the index."""
+    """Return the table of tasks; pandas uses the column ``task`` as the index."""
     import pyarrow as pa
 
     columns = [

@@ -1,4 +1,4 @@
-"""Program of a worker process: it answers its driver on a Unix socket."""
+"""Program of a worker process, which answers requests on a Unix socket."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _RECEIVED: Final = 1 << 16
 
 
 def main() -> None:
-    """Answer requests on the socket that the first argument names, until it closes."""
+    """Answer requests on the socket in the first argument until it is closed."""
     path, number, values = sys.argv[1:]
     worker = Worker(**json.loads(values))
     with socket.socket(socket.AF_UNIX) as connection:

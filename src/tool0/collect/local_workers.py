@@ -29,7 +29,7 @@ _ONE_THREAD: Final = dict.fromkeys(
 
 @final
 class _Process:
-    """A worker's process, its connection (once established) and its chunks."""
+    """Process of a worker, with its chunks and its connection, which may be None."""
 
     def __init__(self, child: ChildProcess) -> None:
         self.child = child
@@ -46,7 +46,7 @@ class _Process:
 
 @final
 class LocalWorkers:
-    """Worker processes, which end when this process ends, for whatever reason."""
+    """Worker processes, which always end when this process ends."""
 
     def __init__(self, n_workers: int, settings: Settings, n_copies: int) -> None:
         """Start the processes without waiting for them."""
@@ -54,7 +54,7 @@ class LocalWorkers:
         self._folder = tempfile.TemporaryDirectory(prefix="tool0-")
         self._path = str(Path(self._folder.name, "workers"))
         self._listener = socket.socket(socket.AF_UNIX)
-        self._listener.bind(self._path)  # the folder lets nobody else in
+        self._listener.bind(self._path)  # only this user can open the folder
         self._listener.listen()
         self._listener.setblocking(False)
         self._selector = selectors.DefaultSelector()
@@ -68,7 +68,7 @@ class LocalWorkers:
 
     @property
     def n_free(self) -> int:
-        """Number of chunks that the workers would accept now."""
+        """Number of additional chunks that the workers accept now."""
         ready = [process for process in self._processes if process.is_ready]
         return sum(QUEUED - len(process.chunks) for process in ready)
 
@@ -79,7 +79,7 @@ class LocalWorkers:
         process.chunks.append(chunk)
         assert process.connection is not None
         message = framed(json.dumps([chunk.first, chunk.end]).encode())
-        with contextlib.suppress(OSError):  # it has ended, as `finished` will notice
+        with contextlib.suppress(OSError):  # `finished` detects that it has ended
             process.connection.sendall(message)
 
     def finished(self, timeout: float) -> Sequence[Finished]:
@@ -113,14 +113,14 @@ class LocalWorkers:
         )
 
     def _accept(self) -> None:
-        """Accept the connection of a worker, which first identifies itself."""
+        """Accept the connection of a worker and read its identification."""
         connection, _ = self._listener.accept()
         connection.setblocking(True)
         with connection.makefile("rb", buffering=0) as stream:
             buffer = bytearray()
             while (message := take_frame(buffer)) is None:
                 if not (byte := stream.read(1)):
-                    return  # it has ended
+                    return  # the worker has ended
                 buffer += byte
         process = self._processes[unpacked(message)[0]["worker"]]
         process.connection = connection
@@ -147,7 +147,7 @@ class LocalWorkers:
         return found
 
     def _replaced(self, process: _Process) -> list[Finished]:
-        """Start another process in place of one that ended."""
+        """Start another process in place of a process that has ended."""
         assert process.connection is not None
         self._selector.unregister(process.connection)
         process.child.wait()

@@ -1,6 +1,7 @@
-"""Messages between driver and workers: a JSON header and blocks of bytes.
+"""Messages between the driver and workers: a JSON header and blocks of bytes.
 
-Ray and sockets carry the same messages, which contain neither code nor pickles.
+Ray and sockets transfer the same messages, which contain neither code nor pickled
+objects.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ _LENGTH: Final = struct.Struct("<Q")
 
 
 def packed(header: dict[str, Any], blocks: Sequence[bytes] = ()) -> bytes:
-    """Return a message; ``unpacked`` is the inverse."""
+    """Return a message; ``unpacked`` is the inverse function."""
     lengths = [len(block) for block in blocks]
     text = json.dumps({**header, "blocks": lengths}).encode()
     return b"".join((_LENGTH.pack(len(text)), text, *blocks))
@@ -32,12 +33,12 @@ def unpacked(message: bytes) -> tuple[dict[str, Any], list[bytes]]:
 
 
 def framed(message: bytes) -> bytes:
-    """Return the message preceded by its length, for a stream."""
+    """Return a message for a stream, with the length before the content."""
     return _LENGTH.pack(len(message)) + message
 
 
 def take_frame(buffer: bytearray) -> bytes | None:
-    """Remove the first complete message from ``buffer`` and return it, or None."""
+    """Remove and return the first complete message in ``buffer``, or return None."""
     if len(buffer) < _LENGTH.size:
         return None
     end = _LENGTH.size + _LENGTH.unpack_from(buffer)[0]

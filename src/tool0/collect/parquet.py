@@ -16,18 +16,18 @@ Array = NDArray[Any]
 Table = Any
 """A ``pyarrow.Table``; pyarrow has no type annotations."""
 _NOTE: Final = b"tool0"
-"""Key of a note in a file's metadata."""
+"""Key of the note in a file's metadata."""
 
 
 def is_image(values: Array) -> bool:
-    """Return whether values are images, shape (n_frames, height, width, 3), uint8."""
+    """Return whether values are images: uint8, shape (n_frames, height, width, 3)."""
     return values.dtype == np.uint8 and values.ndim == 4 and values.shape[-1] == 3
 
 
 def table(
     columns: Mapping[str, Array], metadata: Mapping[bytes, bytes] | None = None
 ) -> Table:
-    """Return a table of columns of shape (n_rows, …); images become PNG."""
+    """Return a table of columns of shape (n_rows, …); images are stored as PNG."""
     import pyarrow as pa
 
     arrays = {name: _array(values) for name, values in columns.items()}
@@ -39,19 +39,19 @@ def file_of(content: Table, note: bytes | None = None) -> bytes:
     import pyarrow.parquet as pq
 
     metadata = dict(content.schema.metadata or {})
-    metadata.pop(_NOTE, None)  # of the file that the table was read from
+    metadata.pop(_NOTE, None)  # removes the note of the source file
     content = content.replace_schema_metadata(metadata)
     buffer = io.BytesIO()
     with pq.ParquetWriter(buffer, content.schema, compression="zstd") as writer:
         writer.write_table(content)
-        if note is not None:  # other readers want texts
+        if note is not None:  # other readers require text
             text = base64.b64encode(zlib.compress(note))
             writer.add_key_value_metadata({_NOTE: text})
     return buffer.getvalue()
 
 
 def note_in(file: Path | io.BytesIO) -> bytes:
-    """Return the note in a file that ``file_of`` made, without reading the table."""
+    """Return the note in a file from ``file_of`` without reading the table."""
     import pyarrow.parquet as pq
 
     return zlib.decompress(base64.b64decode(pq.read_metadata(file).metadata[_NOTE]))
@@ -70,7 +70,7 @@ def nested(values: Array) -> Any:
 
 
 def numbers(column: Any, shape: Sequence[int]) -> Array:
-    """Return a column that ``nested`` made as an array of shape (n_rows, *shape)."""
+    """Return a column from ``nested`` as an array of shape (n_rows, *shape)."""
     array = column.combine_chunks()
     while hasattr(array, "flatten") and hasattr(array.type, "value_type"):
         array = array.flatten()

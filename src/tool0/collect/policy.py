@@ -1,8 +1,8 @@
-"""Policies by name: functions or classes in modules or files.
+"""Policies that are named functions or classes in modules or files.
 
 A policy is called with an episode's seed and returns a function from an observation to
-an action.  A policy can thus keep state during an episode, but not from one episode to
-the next.
+an action.  A policy can therefore keep a state during an episode, but not between
+episodes.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from tool0.collect.user_files import cannot_load, is_file, located_file, run_fil
 from tool0.errors import ConfigError, did_you_mean
 
 Act = Callable[[Any], Any]
-"""Maps the observation of one environment to an action."""
+"""Function from the observation of one environment to an action."""
 Policy = Callable[[int], Act]
-"""Maps the seed of an episode to the function that chooses its actions."""
+"""Callable that returns the function ``Act`` for the seed of an episode."""
 
 
 def located(policy: str | Policy) -> tuple[str, str | None]:
-    """Return the full name of a policy, and the SHA-256 of its file if it is in a file.
+    """Return the full name of a policy, and the SHA-256 of its file if there is one.
 
-    Workers load the policy by this name; neither code nor pickles are sent.
+    Workers load the policy by this name.  Neither code nor pickled objects are sent.
 
     Raises:
-        ConfigError: If there is no such policy, or if a callable cannot be found by its
+        ConfigError: If there is no such policy, or a callable cannot be found by its
             name.
     """
     name = policy if isinstance(policy, str) else _name_of(policy)
@@ -48,7 +48,7 @@ def loaded(name: str, digest: str | None) -> Policy:
     """Load the policy that ``located`` found.
 
     Raises:
-        ConfigError: If there is no such policy, or if its file has another digest.
+        ConfigError: If there is no such policy, or the digest of its file differs.
     """
     place, _, attribute = name.rpartition(":")
     try:
@@ -58,7 +58,7 @@ def loaded(name: str, digest: str | None) -> Policy:
             values = run_file(name, digest, "policy")
     except ConfigError:
         raise
-    except Exception as error:  # raised by the user's own code
+    except Exception as error:  # raised by the user's code
         raise cannot_load(name, "policy", error) from error
     if not callable(policy := values.get(attribute)):
         names = [key for key, value in values.items() if callable(value)]

@@ -1,4 +1,4 @@
-"""Program that starts Ray on this machine, writes its address to a file, and stays."""
+"""Program that starts Ray on this machine and writes Ray's address to a file."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def main() -> None:
-    """Start Ray with a given folder for its files and a given number of processors."""
+    """Start Ray with the folder and the number of processors in the arguments."""
     folder, n_processors = Path(sys.argv[1]), int(sys.argv[2])
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
     import ray

@@ -1,7 +1,8 @@
-"""Workers that are Ray actors, on one machine or many.
+"""Workers that are Ray actors on one or several machines.
 
-Ray transfers bytes, numbers and strings, but wraps them in its own pickles.  Anyone who
-can reach a cluster can therefore run programs on it: the cluster must be trusted.
+Only bytes, numbers and strings are sent, but Ray serializes them with pickle.  Anyone
+who can connect to a cluster can therefore execute code on it, so the network of the
+cluster must be trusted.
 """
 
 from __future__ import annotations
@@ -33,20 +34,21 @@ LOCAL: Final = "local"
 _CONNECT_TIMEOUT: Final = 5.0
 """Longest wait for a connection to the cluster [wall s]."""
 _ANSWER_TIMEOUT: Final = 30.0
-"""Longest wait for the cluster's answer [wall s]; it has to start a Python process."""
+"""Longest wait for the cluster's answer [wall s], for which the cluster must start a
+Python process."""
 _START_TIMEOUT: Final = 120.0
-"""Longest time that a local Ray may take to start, and longest time without any ready
+"""Longest start-up time of a local Ray instance, and longest time without a ready
 worker [wall s].  On a busy machine, Ray's twelve processes start slowly."""
 _POLL_PERIOD: Final = 0.05
-"""Interval between checks of a Ray that is starting [wall s]."""
+"""Interval between checks of a Ray instance that is starting [wall s]."""
 _LOOPBACK: Final = "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"
-"""Environment variable that Ray reads on import; if it is 0, Ray only uses
-127.0.0.1."""
+"""Environment variable that Ray reads when it is imported; if its value is 0, Ray uses
+only 127.0.0.1."""
 
 
 @final
 class _Actor:
-    """A worker, its answer about its programs, and its chunks."""
+    """A worker, with its message about its programs, and its chunks."""
 
     def __init__(self, handle: Any) -> None:
         self.handle = handle
@@ -57,16 +59,16 @@ class _Actor:
 
 @final
 class RayWorkers:
-    """Ray actors with one processor each, which end with this process."""
+    """Ray actors, each with one processor, which end when this process ends."""
 
     def __init__(
         self, address: str, n_workers: int | None, settings: Settings, n_copies: int
     ) -> None:
-        """Connect to ``host:port``, or start Ray on this machine for ``local``.
+        """Connect to Ray at ``address``; ``local`` starts Ray on this machine.
 
         Raises:
             ConfigError: If Ray is not installed, or ``address`` is not an address.
-            TransportError: If no cluster answers.
+            TransportError: If no cluster answers at the address.
         """
         self._exits = contextlib.ExitStack()
         with contextlib.ExitStack() as exits:
@@ -86,7 +88,7 @@ class RayWorkers:
 
     @property
     def n_free(self) -> int:
-        """Number of chunks that the workers would accept now."""
+        """Number of additional chunks that the workers accept now."""
         return sum(QUEUED - len(actor.chunks) for actor in self._ready())
 
     def submit(self, chunk: Chunk) -> None:
@@ -140,7 +142,7 @@ class RayWorkers:
         return []
 
     def _replaced(self, actor: _Actor, trouble: str) -> list[Finished]:
-        """Start another worker in place of one that ended."""
+        """Start another worker in place of a worker that has ended."""
         trouble = last_lines(trouble)
         if not actor.is_ready:
             raise CollectError(
@@ -166,7 +168,7 @@ class RayWorkers:
 
 @contextlib.contextmanager
 def _connected(address: str, n_workers: int | None) -> Iterator[Any]:
-    """Connect to a cluster, or start one, and yield the module ``ray``."""
+    """Connect to a cluster or start a cluster, and yield the module ``ray``."""
     with contextlib.ExitStack() as exits:
         if address == LOCAL:
             n_processors = n_workers or len(os.sched_getaffinity(0))
@@ -187,21 +189,23 @@ def _connected(address: str, n_workers: int | None) -> Iterator[Any]:
                 configure_logging=False,
                 logging_level="error",
             )
-        except (Exception, SystemExit) as error:  # Ray's own are of many types
+        except (Exception, SystemExit) as error:  # Ray raises many types of errors
             raise TransportError(f"Ray at {address}: {error}") from error
         yield ray
 
 
 @contextlib.contextmanager
 def own_cluster(n_processors: int) -> Iterator[str]:
-    """Start a Ray that listens only on this machine and ends with this process.
+    """Start a Ray instance that is reachable only from this machine.
 
-    Its processes form a process group, which a supervisor ends.  Other users cannot
-    connect, since they do not know its token.
+    The instance ends when this process ends: Ray's processes form a process group,
+    which a supervisor ends.  Other users cannot connect to the instance because they do
+    not have its token.
 
     Raises:
-        ConfigError: If Ray was imported for clusters of several machines.
-        TransportError: If it does not start.
+        ConfigError: If Ray has already been imported with support for clusters of
+            several machines.
+        TransportError: If Ray does not start.
     """
     if sys.modules.get("ray") is not None and os.environ.get(_LOOPBACK) != "0":
         raise ConfigError(
@@ -233,7 +237,7 @@ def own_cluster(n_processors: int) -> Iterator[str]:
 
 @cache
 def _token() -> str:
-    """Return a token that keeps other users out; Ray reads it only once."""
+    """Return a token that excludes other users; Ray reads the token only once."""
     return secrets.token_hex(32)
 
 
@@ -245,7 +249,7 @@ def _imported() -> Any:
 
 
 def _require_ray() -> None:
-    """Raise ConfigError if Ray is not installed, without importing it.
+    """Raise ConfigError if Ray is not installed, without importing Ray.
 
     A process that has already imported Ray can no longer start ``own_cluster``.
     """
@@ -254,7 +258,7 @@ def _require_ray() -> None:
 
 
 def _reach(address: str) -> None:
-    """Raise an error if no cluster answers; Ray itself would try for minutes."""
+    """Raise an error if no cluster answers; Ray would retry for minutes."""
     host, colon, port = address.rpartition(":")
     if not (host and colon and port.isdecimal()) or "/" in address:
         raise ConfigError(

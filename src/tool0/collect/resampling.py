@@ -14,27 +14,27 @@ Numbers = NDArray[np.float64]
 
 @final
 class Resampled:
-    """Times at a constant interval, and the values of a recording at these times."""
+    """Times at a constant interval, and values of a recording at these times."""
 
     def __init__(
         self, tick: NDArray[np.int64], period: float, rate: float, name: str
     ) -> None:
-        """Choose the times, up to the first gap in the snapshots.
+        """Choose the times up to the first gap in the snapshots.
 
-        The first time is that of the first regular snapshot.  If the interval is a
-        multiple of the snapshots' interval, each time is therefore the time of a
-        snapshot.
+        The first time is the time of the first snapshot with a tick that is a multiple
+        of the snapshots' interval.  If the interval between the times is a multiple of
+        the snapshots' interval, each time is therefore the time of a snapshot.
 
         Args:
             tick: Tick of each snapshot [control periods], shape (n,).
             period: Period of the control loop [s].
-            rate: Times per simulated second [Hz].
-            name: Name of the recording, for errors.
+            rate: Number of times per simulated second [Hz].
+            name: Name of the recording in error messages.
 
         Raises:
             ConfigError: If ``rate`` is higher than the snapshots' rate, or is not a
                 number > 0.
-            CollectError: If the recording is too short for two times.
+            CollectError: If the recording is too short to contain two times.
         """
         if not (np.isfinite(rate) and rate > 0.0):
             raise ConfigError(f"rate must be above 0 Hz, got {rate:g}")
@@ -74,16 +74,16 @@ class Resampled:
         """Return values at each time, interpolated linearly between snapshots.
 
         Args:
-            values: Values of each snapshot, shape (n, m); between NaN and a number, the
-                result is NaN.
+            values: Values of each snapshot, shape (n, m).  The result between NaN and a
+                number is NaN.
         """
         return self._interpolated(values[self._rows])
 
     def poses_between(self, poses: Numbers) -> Numbers:
-        """Return x, y, z, qw, qx, qy, qz at each time, from poses of shape (n, 7)."""
+        """Return the poses (x, y, z, qw, qx, qy, qz) at each time from poses (n, 7)."""
         rows = poses[self._rows]
         turns = rows[:, 3:]
-        is_flipped = (turns[1:] * turns[:-1]).sum(axis=1) < 0.0  # q and -q are the same
+        is_flipped = (turns[1:] * turns[:-1]).sum(axis=1) < 0.0  # q and -q are equal
         signs = np.cumprod(np.concatenate([[1.0], np.where(is_flipped, -1.0, 1.0)]))
         rows = np.hstack([rows[:, :3], turns * signs[:, None]])
         found = self._interpolated(rows)

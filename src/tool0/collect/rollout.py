@@ -1,4 +1,4 @@
-"""Episodes of a task, from copies of its environment that run side by side."""
+"""Episodes of a task, from copies of its environment that are stepped together."""
 
 from __future__ import annotations
 
@@ -20,27 +20,26 @@ Array = NDArray[Any]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Episode:
-    """One episode from its reset to its end, one row per action."""
+    """One episode from its reset to its end, with one row per action."""
 
     seed: int
     observations: Mapping[str, Array]
-    """Name → observations before each action, shape (n_frames, …); ``""`` if there is
-    only one."""
+    """Observations before each action, shape (n_frames, …), by name; the name is ``""``
+    if there is only one observation."""
     actions: Array
     """Actions, shape (n_frames, n)."""
     rewards: Array
     """Rewards, shape (n_frames,)."""
     terminated: bool
-    """Whether the task ended the episode; otherwise its time ran out."""
+    """Whether the task ended the episode; otherwise, the time limit was reached."""
     success: bool
     rate: float
     """Actions per simulated second [Hz]."""
     names: Mapping[str, Sequence[str]] = field(default_factory=dict)
-    """Name of an observation, or ``action`` → names of its components, if they have
-    names."""
+    """Names of the components by name of the observation, or by ``action``, if the
+    components have names."""
     surroundings: frozenset[str] = frozenset()
-    """Names of the components that describe the robot's surroundings instead of the
-    robot."""
+    """Names of the components that describe the surroundings of the robot."""
 
     @property
     def n_frames(self) -> int:
@@ -49,7 +48,7 @@ class Episode:
 
 @final
 class Rollout(AbstractContextManager["Rollout"]):
-    """Copies of a task's environment.  No episode depends on the others."""
+    """Copies of a task's environment, which execute independent episodes."""
 
     def __init__(
         self,
@@ -60,12 +59,14 @@ class Rollout(AbstractContextManager["Rollout"]):
         *,
         digest: str | None = None,
     ) -> None:
-        """Create the environments; if ``policy`` is None, the task's expert acts.
+        """Create the environments; if ``policy`` is None, the task's expert is used.
 
-        ``digest`` is the SHA-256 of the file that defines the task, if there is one.
+        ``digest`` is the SHA-256 of the file that defines the task, or None if there is
+        no such file.
 
         Raises:
-            ConfigError: If there is no such task, or no expert for it.
+            ConfigError: If there is no such task, or the required expert does not
+                exist.
         """
         import gymnasium
 
@@ -74,7 +75,7 @@ class Rollout(AbstractContextManager["Rollout"]):
         spec = environment_spec(task, digest)
         given = dict(options)
         if task_of(spec) is not None:
-            given.setdefault("threads", 1)  # others use the other processors
+            given.setdefault("threads", 1)  # other workers use the other processors
         mode = {"autoreset_mode": gymnasium.vector.AutoresetMode.DISABLED}
         given |= mode if spec.vector_entry_point else {"vector_kwargs": mode}
         self._envs: Any = gymnasium.make_vec(spec, num_envs=n_copies, **given)
@@ -92,9 +93,9 @@ class Rollout(AbstractContextManager["Rollout"]):
         self._envs.close()
 
     def episodes(self, seeds: Iterable[int]) -> Iterator[Episode]:
-        """Yield the episode of each seed, in the order in which they end.
+        """Yield the episode of each seed, in the order in which the episodes end.
 
-        A copy whose episode has ended takes the next seed.
+        A copy whose episode has ended starts an episode with the next seed.
         """
         waiting = iter(seeds)
         running: dict[int, Recorder] = {}
@@ -130,7 +131,7 @@ class Rollout(AbstractContextManager["Rollout"]):
                     yield self._named(episode)
 
     def _named(self, episode: Episode) -> Episode:
-        """Return an episode with the environment's names for components."""
+        """Return an episode with the environment's names of the components."""
         if self._names is None:
             return episode
         return replace(
@@ -172,7 +173,7 @@ def _of(observations: Any, copy: int) -> Any:
 
 
 def flat(observation: Any, name: str = "") -> Iterator[tuple[str, Array]]:
-    """Yield the arrays of an observation with their names; a dot joins nested names."""
+    """Yield the names and arrays of an observation; nested names are joined by dots."""
     if not isinstance(observation, dict):
         yield name, observation
         return
@@ -182,7 +183,7 @@ def flat(observation: Any, name: str = "") -> Iterator[tuple[str, Array]]:
 
 @final
 class Recorder:
-    """The frames of one episode until it ends."""
+    """Recorder of the frames of one episode."""
 
     def __init__(self, seed: int, act: Act | None) -> None:
         self.seed = seed

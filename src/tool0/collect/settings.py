@@ -1,4 +1,4 @@
-"""Inputs that determine an episode's bytes: task, seed, policy, format, programs."""
+"""Settings and programs that determine the content of an episode's file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import numpy as np
 from tool0.errors import ConfigError
 
 Format = Literal["parquet", "lerobot"]
-"""Format of a data set, which determines its columns and further files."""
+"""Format of a data set, which determines the columns and the additional files."""
 
 _LIBRARIES: Final = ("gymnasium", "pyarrow")
 
@@ -23,7 +23,7 @@ _LIBRARIES: Final = ("gymnasium", "pyarrow")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """The parameters of a data set, which together with an index define an episode."""
+    """The parameters of a data set, which define an episode together with its index."""
 
     task: str
     """Name of the task, or id of a Gymnasium environment with its module or file."""
@@ -39,10 +39,10 @@ class Settings:
     """SHA-256 of the file that defines the policy; None if there is no such file."""
     format: Format
     instruction: str
-    """Description of the task; only LeRobot's format contains it."""
+    """Description of the task, which only LeRobot's format contains."""
 
     def to_json(self) -> dict[str, Any]:
-        """Return the settings as JSON values; ``from_json`` is the inverse."""
+        """Return the settings as JSON values; ``from_json`` is the inverse function."""
         return asdict(self)
 
     @classmethod
@@ -51,7 +51,7 @@ class Settings:
         return cls(**values)
 
     def recorded(self) -> dict[str, Any]:
-        """Return the manifest's values, with digests of user files instead of paths."""
+        """Return the values for the manifest, in which digests replace file paths."""
         policy, task = self.policy, self.task
         if self.digest is not None and policy is not None:
             policy = f"{policy.rpartition(':')[2]}@sha256:{self.digest}"
@@ -70,7 +70,7 @@ class Settings:
 
 
 def episode_seed(base: int, index: int) -> int:
-    """Return the seed of an episode, below 2**63; it depends on nothing else."""
+    """Return the seed of an episode, below 2**63, from ``base`` and ``index`` alone."""
     state = np.random.SeedSequence([base, index]).generate_state(1, np.uint64)
     return int(state[0]) >> 1
 
@@ -87,9 +87,10 @@ def require_extra() -> None:
 
 @cache
 def programs() -> dict[str, str]:
-    """Return the versions and the arithmetic that determine this machine's episodes.
+    """Return versions and an arithmetic digest that determine this machine's episodes.
 
-    If they are equal on two machines, the same seeds give the same bytes on both.
+    If these values are equal on two machines, the same seeds give the same bytes on
+    both machines.
     """
     from importlib.metadata import version
 
@@ -101,9 +102,10 @@ def programs() -> dict[str, str]:
 
 
 def _arithmetic() -> str:
-    """Return a digest of elementary functions, whose last bit depends on the processor.
+    """Return a digest of floating-point results, which depend on the processor.
 
-    The C library and NumPy choose between implementations when they are loaded.
+    The C library and NumPy choose implementations for the processor when they are
+    loaded, which affects the last bits of the results.
     """
     import math
 

@@ -1,7 +1,8 @@
-"""LeRobot's statistics for normalisation, per episode and for a whole data set.
+"""LeRobot's statistics for normalization, per episode and for a whole data set.
 
-Names and meanings are those of lerobot 0.6.1 (lerobot/datasets/compute_stats.py), but
-an episode's quantiles are exact, whereas lerobot estimates them from histograms.
+The names and meanings follow lerobot 0.6.1 (lerobot/datasets/compute_stats.py).
+However, the quantiles of an episode are exact, whereas lerobot estimates quantiles from
+histograms.
 """
 
 from __future__ import annotations
@@ -16,22 +17,22 @@ from tool0.collect.parquet import Array, is_image
 
 Numbers = NDArray[np.float64]
 Statistics = dict[str, Array]
-"""Name of a statistic → its value for each component, or for each colour, scaled to 0 …
-1.  ``count`` is the number of frames."""
+"""Values of each statistic by name.  A statistic has one value per component or, scaled
+to 0 … 1, per color.  ``count`` is the number of frames."""
 
 _QUANTILES: Final = {"q01": 0.01, "q10": 0.1, "q50": 0.5, "q90": 0.9, "q99": 0.99}
 NAMES: Final = ("min", "max", "mean", "std", "count", *_QUANTILES)
 
 
 def shape_of(values: Array) -> tuple[int, ...]:
-    """Return the shape of a column's statistics, except for ``count``."""
+    """Return the shape of a column's statistics other than ``count``."""
     if is_image(values):
         return (3, 1, 1)
     return values.shape[1:] or (1,)
 
 
 def statistics(values: Array) -> Statistics:
-    """Return the statistics of a column, shape (n_frames, …)."""
+    """Return the statistics of a column of shape (n_frames, …)."""
     shape, n = shape_of(values), len(values)
     found = _of_colours(values) if is_image(values) else _of_numbers(values)
     statistic = {name: value.reshape(shape) for name, value in found.items()}
@@ -41,11 +42,12 @@ def statistics(values: Array) -> Statistics:
 def combined(parts: Mapping[str, Array]) -> Statistics:
     """Return the combined statistics of several parts.
 
-    As in LeRobot, a combined quantile is the mean of the parts' quantiles, weighted by
-    their numbers of frames.
+    Like in LeRobot, a combined quantile is the mean of the parts' quantiles, weighted
+    by their numbers of frames.
 
     Args:
-        parts: Name of a statistic → its values for k parts, shape (k, …).
+        parts: Values of each statistic for k parts, shape (k, …), by name of the
+            statistic.
     """
     count = parts["count"].sum(axis=0)
     weights = parts["count"].reshape(-1, *(1 for _ in parts["mean"].shape[1:]))
@@ -78,7 +80,7 @@ def _of_numbers(values: Array) -> dict[str, Numbers]:
 
 
 def _of_colours(images: Array) -> dict[str, Numbers]:
-    """Return the statistics of each colour, from a histogram of its 256 values."""
+    """Return the statistics of each color, from a histogram of the 256 color values."""
     levels = np.arange(256) / 255.0
     counts = np.zeros((3, 256), np.int64)
     for image in images:
@@ -90,7 +92,7 @@ def _of_colours(images: Array) -> dict[str, Numbers]:
     until = np.cumsum(counts, axis=1)
 
     def level(share: float) -> Numbers:
-        """Return the smallest level that this share of the pixels does not exceed."""
+        """Return the quantile ``share`` of the levels of the pixels."""
         needed = max(share * total, 1.0)
         return np.asarray(levels[np.argmax(until >= needed, axis=1)])
 

@@ -1,6 +1,6 @@
-"""Tasks by name: tool0's own, or environments that a module or a file registers.
+"""Tasks by name: built-in tasks, or environments that a module or file registers.
 
-Workers find an environment by these names; neither code nor pickles are sent.
+Workers find an environment by these names.  Neither code nor pickled objects are sent.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _VERSION: Final = re.compile(r"-v\d+$")
 
 
 def located_task(task: str) -> tuple[str, str | None]:
-    """Return the full name of a task, and the SHA-256 of its file if it is in a file.
+    """Return the full name of a task, and the SHA-256 of its file if there is one.
 
     Raises:
         ConfigError: If there is no such task.
@@ -37,9 +37,9 @@ def environment_spec(task: str, digest: str | None) -> EnvSpec:
     """Return Gymnasium's specification of a task.
 
     Args:
-        task: One of tool0's tasks, the id of an environment, ``module:id``, or
-            ``file.py:id`` in the form that ``located_task`` returns.
-        digest: SHA-256 of the file; None without a file.
+        task: Name of a built-in task, the id of an environment, ``module:id``, or
+            ``file.py:id``, in the form that ``located_task`` returns.
+        digest: SHA-256 of the file; None if no file defines the task.
 
     Raises:
         ConfigError: If there is no such task.
@@ -65,7 +65,7 @@ def environment_spec(task: str, digest: str | None) -> EnvSpec:
 
 @cache
 def _run_file(task: str, digest: str) -> None:
-    """Run the file that registers a task, but only once."""
+    """Run the file that registers a task unless it has already been run."""
     try:
         with warnings.catch_warnings():
             # the calling program may already have registered the environment
@@ -73,7 +73,7 @@ def _run_file(task: str, digest: str) -> None:
             run_file(task, digest, "task")
     except ConfigError:
         raise
-    except Exception as error:  # raised by the user's own code
+    except Exception as error:  # raised by the user's code
         raise cannot_load(task, "task", error) from error
 
 

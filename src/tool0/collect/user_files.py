@@ -1,6 +1,7 @@
 """User files that define policies and tasks: ``file.py:name``.
 
-Workers run the file at its path; the SHA-256 shows whether it is the same file.
+Workers run the file at its path and compare its SHA-256 with the digest that the driver
+sends.
 """
 
 from __future__ import annotations
@@ -14,14 +15,14 @@ from tool0.errors import ConfigError
 
 
 def is_file(name: str) -> bool:
-    """Return whether a name refers to something in a file."""
+    """Return whether a name refers to a function, class or task in a file."""
     return name.rpartition(":")[0].endswith(".py")
 
 
 def located_file(name: str, what: str) -> tuple[str, str]:
     """Return the name with the absolute path, and the SHA-256 of the file.
 
-    ``what`` is the word for it in messages: ``policy`` or ``task``.
+    ``what`` is the kind of the object in messages: ``policy`` or ``task``.
 
     Raises:
         ConfigError: If the file cannot be read.
@@ -35,8 +36,8 @@ def run_file(name: str, digest: str, what: str) -> dict[str, Any]:
     """Run a file, and return the names that it defines.
 
     Raises:
-        ConfigError: If the file cannot be read, or has another digest.
-        Exception: Whatever the file raises.
+        ConfigError: If the file cannot be read, or its digest differs from ``digest``.
+        Exception: Any exception that the file raises.
     """
     text, place = _text(name, what), name.rpartition(":")[0]
     if hashlib.sha256(text).hexdigest() != digest:
@@ -49,7 +50,7 @@ def run_file(name: str, digest: str, what: str) -> dict[str, Any]:
 
 
 def cannot_load(name: str, what: str, error: Exception) -> ConfigError:
-    """Return the error for an exception that a user's own code raised."""
+    """Return the error for an exception that the user's code raised."""
     reason = f"{type(error).__name__}: {error}"
     return ConfigError(f"{what} '{name}' cannot be loaded: {reason}")
 

@@ -20,7 +20,7 @@ from tool0.errors import Tool0Error
 @final
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """A range of consecutive episodes, the unit of work."""
+    """A range of consecutive episodes, which is the unit of work."""
 
     first: int
     end: int
@@ -39,16 +39,18 @@ def arguments(settings: Settings, n_copies: int) -> dict[str, Any]:
 
 @final
 class Worker:
-    """Collects chunks, all with the same environments."""
+    """Collects chunks of episodes with the same environments."""
 
     def __init__(
         self, settings: Mapping[str, Any], n_copies: int, paths: Sequence[str]
     ) -> None:
-        """Take the settings; the driver compares the programs before anything runs.
+        """Store the settings.
+
+        The driver compares the programs before any episode is run.
 
         Args:
             settings: Values that ``Settings.to_json`` returned.
-            n_copies: Number of simulations that are stepped in turn.
+            n_copies: Number of simulated copies that are stepped.
             paths: Folders in which the driver finds modules.
         """
         sys.path += [path for path in paths if path not in sys.path]
@@ -57,16 +59,16 @@ class Worker:
         self._rollout: Rollout | None = None
 
     def hello(self) -> bytes:
-        """Return a message with the versions of this machine's programs."""
+        """Return a message with the values of ``programs`` on this machine."""
         return packed({"programs": programs()})
 
     def collect(self, first: int, end: int) -> bytes:
-        """Return a message with the episodes in order, or with the error."""
+        """Return a message with the episodes in order, or with an error."""
         try:
             rows, files = self._episodes(Chunk(first, end))
         except Tool0Error as error:
             return packed({"error": str(error)})
-        except Exception as error:  # raised by the policy, or a bug
+        except Exception as error:  # raised by the policy or by a bug
             frames = traceback.extract_tb(error.__traceback__)
             where = f"{frames[-1].filename}:{frames[-1].lineno}"
             return packed({"error": f"{where}: {type(error).__name__}: {error}"})

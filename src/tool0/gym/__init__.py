@@ -13,7 +13,7 @@ from __future__ import annotations
 from tool0.errors import GymUnavailableError
 
 try:
-    import gymnasium  # noqa: F401  # the message is for people who lack it
+    import gymnasium  # noqa: F401  # checks that it is installed
 except ImportError:
     raise GymUnavailableError(
         "tool0.gym needs Gymnasium, which is not installed; run pip install '.[gym]'"

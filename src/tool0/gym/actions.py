@@ -17,18 +17,18 @@ from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
 LINEAR_SPEED = 0.4
-"""Speed of the tcp at an action of 1, for an arm of scale 1 [m/s]."""
+"""Speed of the TCP at an action of 1, for an arm of scale 1 [m/s]."""
 TURN_SPEED = 1.5
-"""Angular velocity of the tool at an action of 1 [rad/s]."""
+"""Angular speed of the tool at an action of 1 [rad/s]."""
 JOINT_SPEED = 0.5
 """Speed of a joint at an action of 1, as a fraction of its velocity limit."""
 FASTEST = 0.9
 """Largest speed of a joint, as a fraction of its velocity limit."""
 LEAD = 0.25
-"""Largest distance of a joint's target from its position [rad], so that the target of a
-blocked joint does not run away."""
+"""Largest distance between a joint's target and its measured position, which limits the
+targets of blocked joints [rad]."""
 MARGIN = 0.02
-"""Least distance of targets from the joint limits [rad]."""
+"""Least distance between a target and the joint limits [rad]."""
 NAMES = {
     "joint": (),
     "cartesian": ("x", "y", "z", "yaw"),
@@ -38,11 +38,11 @@ NAMES = {
 
 @final
 class Actions:
-    """Actions of n copies: numbers within -1 … 1, arm by arm."""
+    """Actions of n copies: numbers within -1 … 1, grouped by arm."""
 
     def __init__(self, arms: Sequence[ArmActions]) -> None:
         self.names = tuple(name for arm in arms for name in arm.names)
-        """Names of the numbers, after the things that they move."""
+        """Names of the numbers, such as joint or axis names."""
         ends = np.cumsum([len(arm.names) for arm in arms]).tolist()
         self._parts = [slice(*part) for part in itertools.pairwise([0, *ends])]
         self.grippers = tuple(end - 1 for end in ends)
@@ -76,13 +76,13 @@ class Actions:
         return np.asarray(np.minimum(np.maximum(given, -1.0), 1.0))
 
     def of_arms(self, actions: Array) -> list[Array]:
-        """Split checked actions by arm; each part has shape (n, m)."""
+        """Split checked actions by arm into arrays of shape (n, m)."""
         return [actions[:, part] for part in self._parts]
 
 
 @final
 class ArmActions:
-    """The meaning of one arm's actions; the last number is for its gripper."""
+    """The meaning of one arm's actions; the last number is for the arm's gripper."""
 
     def __init__(self, workspace: Workspace, options: EnvOptions) -> None:
         self._workspace = workspace
@@ -92,23 +92,26 @@ class ArmActions:
             *([prefix + axis for axis in axes] or workspace.chain.joint_names),
             f"{prefix}gripper",
         )
-        """Names of the numbers, after the things that they move."""
+        """Names of the numbers, such as joint or axis names."""
         period = options.period
         self.linear = LINEAR_SPEED * workspace.scale * period
-        """Distance that the tcp moves per action of 1 [m]."""
+        """Distance that the TCP moves in one control period at an action of 1 [m]."""
         self.turn = TURN_SPEED * period
-        """Angle that the tool turns per action of 1 [rad]."""
+        """Angle that the tool turns in one control period at an action of 1 [rad]."""
         self.joint = JOINT_SPEED * workspace.fastest * period
-        """Angle that each joint moves per action of 1 [rad], shape (6,)."""
+        """Angle that each joint moves in one control period at an action of 1 [rad],
+        shape (6,)."""
         self.limit = FASTEST * workspace.fastest * period
-        """Largest angle that each joint moves per action [rad], shape (6,)."""
+        """Largest angle that each joint moves in one control period [rad], shape
+        (6,)."""
         self._moves = np.array([*[self.linear] * 3, self.turn])
         self._lower, self._upper = workspace.lower + MARGIN, workspace.upper - MARGIN
-        # Below, the fingertips would press on the table; rising from there is allowed.
+        # Below this height, the fingertips would press on the table, so a lower tool
+        # can only move up.
         self._lowest = workspace.lowest
 
     def openings(self, actions: Array) -> Array:
-        """Return the gripper's openings [m], shape (n,): -1 is closed, 1 open."""
+        """Return the gripper's openings [m], shape (n,), for actions from -1 to 1."""
         return (actions[:, -1] + 1.0) / 2.0 * self._workspace.gripper.max_opening
 
     def positions(self, actions: Array, target: Array, q: Array) -> Array:
@@ -127,13 +130,14 @@ class ArmActions:
             found = tool.steered(target, moves, self._lowest, self.limit)
         else:
             found = self.approach(target, self._tool_target(actions, target))
-        # A joint that a contact has pushed beyond a limit is commanded to the limit.
+        # If a contact has pushed a joint beyond a limit, the joint is commanded to the
+        # limit.
         low = np.minimum(np.maximum(q - LEAD, self._lower), self._upper)
         high = np.maximum(np.minimum(q + LEAD, self._upper), self._lower)
         return np.asarray(np.minimum(np.maximum(found, low), high))
 
     def approach(self, target: Array, pose: Frames) -> Array:
-        """Return joint targets one step closer to a pose of the tool [rad], (n, 6)."""
+        """Return joint targets [rad], (n, 6), one step closer to a pose of the tool."""
         return self._workspace.tool.approach(target, pose, self.limit)
 
     def _tool_target(self, actions: Array, target: Array) -> Frames:

@@ -15,7 +15,7 @@ from tool0.gym.workspace import Workspace
 from tool0.kinematics.chain import Array
 
 GRIP_FORCE = 60.0
-"""Grip force at each pad [N], clamped to the range of the gripper."""
+"""Grip force at each pad [N], clamped to the force range of the gripper."""
 DEADBAND = 0.02
 """Least change of a gripper's target that is commanded, as a fraction of its stroke."""
 
@@ -27,7 +27,10 @@ class ArmCopies:
     def __init__(
         self, batch: Batch, space: Workspace, options: EnvOptions, *, has_wrench: bool
     ) -> None:
-        """Take the arm of a workspace; ``has_wrench`` adds the wrench on its tool."""
+        """Use the arm of a workspace.
+
+        ``has_wrench`` adds the wrench on the arm's tool to the measurements.
+        """
         self.space, self.actions = space, ArmActions(space, options)
         self._batch, self._has_wrench = batch, has_wrench
         self._period = options.period
@@ -55,16 +58,17 @@ class ArmCopies:
         )
 
     def restart(self, which: Mask, q: Array, is_held: Mask) -> None:
-        """Start episodes of ``which``: targets ``q`` [rad], (n, 6), open grippers.
+        """Start episodes of copies with joint targets ``q`` [rad], (n, 6).
 
-        Grippers of the copies in ``is_held`` start closed.
+        The grippers start open, except in the copies in ``is_held``, where they start
+        closed.
         """
         self._opening_target[which] = self.space.gripper.max_opening
         self._opening_target[is_held] = 0.0
         self.target[which] = q[which]
 
     def settle(self, which: Mask) -> None:
-        """Take the current openings of ``which`` as those before the first action."""
+        """Store the current openings as the openings before the first action."""
         opening = self._batch.opening(self.space.gripper_name)
         self._last_opening[which] = opening[which]
 
@@ -112,7 +116,7 @@ class ArmCopies:
             )
 
     def measure(self) -> ArmState:
-        """Return the current measurements."""
+        """Return the current measurements of the arm and its gripper."""
         batch = self._batch
         read = reading(batch.diverged)
         q = read(batch.position[:, self._joints])

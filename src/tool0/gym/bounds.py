@@ -11,15 +11,15 @@ from tool0.batch.arguments import are_finite
 from tool0.kinematics.chain import Array
 
 FARTHEST = 10.0
-"""Largest absolute value of coordinates [m]."""
+"""Largest absolute value of a coordinate [m]."""
 FASTEST_OBJECT = 20.0
-"""Largest velocity of objects [m/s]."""
+"""Largest absolute value of a velocity component of an object [m/s]."""
 STRONGEST, MOST_TORQUE = 1000.0, 100.0
-"""Largest force [N] and torque [N·m] of wrenches."""
+"""Largest absolute values of a force component [N] and a torque component [N·m]."""
 
 
 def finite(values: Array) -> Array:
-    """Return a copy with finite numbers in place of diverged values."""
+    """Return a copy of an array in which finite numbers replace all other values."""
     if are_finite(values):
         return values.copy()
     return np.nan_to_num(values, nan=0.0, posinf=FARTHEST, neginf=-FARTHEST)
@@ -34,7 +34,7 @@ def reading(diverged: NDArray[np.bool_]) -> Callable[[Array], Array]:
 
 
 def columns(numbers: list[int]) -> slice | list[int]:
-    """Return an index for columns: a slice, which is faster, if they are contiguous."""
+    """Return an index for columns, which is a faster slice if they are contiguous."""
     first = numbers[0] if numbers else 0
     row = slice(first, first + len(numbers))
     return row if numbers == list(range(row.start, row.stop)) else numbers

@@ -31,7 +31,7 @@ def check_start(task: Task, start: object) -> Start:
     """Return the start that a task drew.
 
     Raises:
-        ConfigError: If it is not a valid start of this task.
+        ConfigError: If ``start`` is not a valid start of this task.
     """
     if not isinstance(start, Start):
         raise _wrong(task, "draw", f"a {type(start).__name__}", "a tool0.gym.Start")
@@ -47,11 +47,11 @@ def check_start(task: Task, start: object) -> Start:
 
 
 def check_functions(task: Task, state: State) -> None:
-    """Check the shapes of what the functions return for a state.
+    """Check the shapes of the arrays that the task's functions return for a state.
 
     Raises:
-        ConfigError: If a shape is wrong; the message has the function and the right
-            shape.
+        ConfigError: If a shape is wrong.  The message contains the function and the
+            correct shape.
     """
     n, g = len(state.goal), len(task.goal_names)
     achieved, desired = task.achieved(state), task.desired(state)

@@ -26,15 +26,15 @@ from tool0.gym.workspace import workspaces
 from tool0.kinematics.chain import Array
 
 MOVING = 0.4
-"""Duration of the move to a random start for an arm that holds an object [s]."""
+"""Duration of the motion to a random start pose if the arm holds an object [s]."""
 
 
 @final
 class Copies:
-    """n copies of one task, each with its own random generator."""
+    """n copies of one task."""
 
     def __init__(self, task: str | type[Task], n: int, options: EnvOptions) -> None:
-        """Make the copies; each must be reset before it acts.
+        """Make the copies; each copy must be reset before its first action.
 
         Raises:
             Tool0Error: If an option is wrong.
@@ -83,7 +83,7 @@ class Copies:
         )
 
     def __deepcopy__(self, memo: dict[int, object]) -> Copies:
-        """Return other copies in the same state."""
+        """Return new copies in the same state."""
         twin = Copies(self._task_class, self.n, self.options)
         twin.batch.restore(self.batch.save())
         twin._sizes.extents = self._sizes.extents.copy()
@@ -98,8 +98,8 @@ class Copies:
     def reset(self, which: Mask, generators: Sequence[np.random.Generator]) -> None:
         """Start new episodes of the copies in ``which``, shape (n,).
 
-        All random values of a copy come from its own generator, so that an episode does
-        not depend on the other copies.
+        All random values of copy i come from generator i, so an episode does not depend
+        on the other copies.
         """
         n, count = self.n, len(self.task.objects)
         q = [np.tile(arm.space.start, (n, 1)) for arm in self.arms]
@@ -144,7 +144,7 @@ class Copies:
         self._state = self._goals = None
 
     def _disturbances(self, rng: np.random.Generator) -> tuple[Array, Array]:
-        """Return random masses and frictions of the objects."""
+        """Return random masses [kg] and friction coefficients of the objects."""
         ranges = self.options.ranges
         assert ranges is not None
         count = len(self._items)
@@ -155,7 +155,7 @@ class Copies:
         return mass, friction
 
     def _put_arms(self, which: Mask, q: Sequence[Array]) -> None:
-        """Reset copies, each arm at its ``q`` [rad], (n, 6), with open grippers."""
+        """Reset copies, with the arms at ``q`` [rad], (n, 6), and open grippers."""
         position = np.tile(self._start, (self.n, 1))
         for arm, each in zip(self.arms, q, strict=True):
             arm.put(position, each)
@@ -176,7 +176,7 @@ class Copies:
             )
 
     def act(self, actions: Array) -> None:
-        """Advance all copies by one control period; ``actions`` are checked ones."""
+        """Advance all copies by one control period with checked ``actions``."""
         measured = self.state.arms.values()
         given = self.actions.of_arms(actions)
         for arm, each, state in zip(self.arms, given, measured, strict=True):
@@ -184,7 +184,8 @@ class Copies:
         self.batch.step(self._ticks)
         self._state = self._goals = None
 
-    # ---- what there is --------------------------------------------------------------
+    # ---- state and results ----------------------------------------------------------
+    # --------------------------------------------------------------
 
     @property
     def state(self) -> State:
@@ -194,7 +195,7 @@ class Copies:
         return self._state
 
     def goals(self) -> tuple[Array, Array]:
-        """Return the currently achieved and the desired goals, shape (n, g) each."""
+        """Return the achieved goals and the desired goals, each of shape (n, g)."""
         if self._goals is None:
             task, state = self.task, self.state
             self._goals = task.achieved(state), task.desired(state)
@@ -214,7 +215,7 @@ class Copies:
 
     @property
     def resized(self) -> tuple[str, ...]:
-        """Objects whose sizes are random."""
+        """Names of the objects with random sizes."""
         return self._sizes.names
 
     def rewards(self, success: Mask) -> Array:
@@ -231,7 +232,7 @@ class Copies:
         return np.where(self.batch.diverged, task.worst_reward, found)
 
     def goal_rewards(self, achieved: Array, desired: Array) -> Array:
-        """Return the rewards computed from goals alone, shape (…)."""
+        """Return the rewards that are computed from the goals alone, shape (…)."""
         success = self.task.is_success(achieved, desired)
         if self.options.reward == "sparse":
             return np.where(success, 0.0, -1.0)
@@ -239,13 +240,13 @@ class Copies:
         return np.where(success, 0.0, -np.tanh(5.0 * distance))
 
     def successes(self) -> Mask:
-        """Return whether the task is done, shape (n,)."""
+        """Return for each copy whether the task is done, shape (n,)."""
         task = self.task
         done = task.is_success(*self.goals())
         return done & ~self.batch.diverged
 
     def checked(self, actions: ArrayLike) -> Array:
-        """Return actions as an array, shape (n, m), or raise ControlError."""
+        """Return actions as an array of shape (n, m), or raise ControlError."""
         return self.actions.checked(actions, self.n)
 
     def image(self, i: int) -> NDArray[np.uint8]:
@@ -255,11 +256,12 @@ class Copies:
     def images(self) -> dict[str, NDArray[Any]]:
         """Return the cameras' images of all copies.
 
-        Keys are ``rgb``, uint8 of shape (n, height, width, 3); if enabled, ``depth``
-        [m], float32 of shape (n, height, width), at most ``FARTHEST``; and if enabled,
-        ``segmentation``, int32 of the same shape, with values as in
-        ``Batch.segment_all``.  With several cameras, keys end with the camera's name,
-        such as ``rgb_scene``.
+        The key ``rgb`` contains uint8 values of shape (n, height, width, 3).  If depth
+        images are enabled, the key ``depth`` contains float32 values of shape (n,
+        height, width), which are at most ``FARTHEST`` [m].  If segmentation is enabled,
+        the key ``segmentation`` contains int32 values of shape (n, height, width),
+        which are defined in ``Batch.segment_all``.  If there are several cameras, the
+        camera's name follows each key, such as ``rgb_scene``.
         """
         found = {}
         for name, keys in self.options.image_keys.items():

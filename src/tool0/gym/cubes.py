@@ -1,4 +1,4 @@
-"""Tasks with cubes: their scenes, starts and conditions of success."""
+"""Scenes, starts and conditions of success of the tasks with cubes."""
 
 from __future__ import annotations
 
@@ -18,29 +18,33 @@ from tool0.kinematics.chain import Array
 
 CUBE, LOWER = "cube", "lower_cube"
 REACHED = 0.02
-"""Distance from the goal within which a tcp counts as having reached it [m]."""
+"""Distance from the goal below which a TCP has reached the goal [m]."""
 LIFTED = 0.08
-"""Height above which a cube counts as lifted [m]."""
+"""Least height of a lifted cube above its initial height [m]."""
 PUSHED = 0.03
-"""Distance from the goal within which a pushed cube counts as having arrived [m]."""
+"""Distance from the goal below which a pushed cube has reached the goal [m]."""
 ON_LOWER = 0.4
-"""Largest offset of a cube stacked on another, as a fraction of the smaller edge."""
+"""Largest horizontal offset of a stacked cube, as a fraction of the edge of the
+smallest cube."""
 LEVEL = 0.006
 """Largest height error of a cube at rest [m]."""
 RELEASED = 0.006
-"""Opening beyond a cube's edge from which the cube counts as released [m]."""
+"""Excess of the gripper's opening over the cube's edge above which the cube is released
+[m]."""
 APART = 0.13
-"""Least distance between two cubes at the start [m]: the open gripper fits in
-between."""
+"""Least distance between two cubes at the start [m].  The open gripper fits between
+cubes at this distance."""
 SLIDING = 0.4
-"""Friction coefficient of a cube to push; with 1, the cube would tip over."""
+"""Friction coefficient of a cube that is pushed.  With a coefficient of 1, the cube
+would tip over."""
 PUSH_WAY = (0.08, 0.20)
-"""Range of the distance to push, for an arm of scale 1 [m]."""
+"""Range of the distance between the cube and the goal of a push, for an arm of scale 1
+[m]."""
 
 
 @final
 class Reach(Task):
-    """Move the tcp to a point."""
+    """Task of moving the TCP to a point."""
 
     instruction = "Move the tool to the goal."
     goal_names = ("x", "y", "z")
@@ -72,7 +76,7 @@ class Reach(Task):
 
 @final
 class Lift(Task):
-    """Grasp a cube and lift it."""
+    """Task of grasping a cube and lifting the cube."""
 
     instruction = "Lift the cube."
     objects = (CUBE,)
@@ -107,7 +111,7 @@ class Lift(Task):
 
 @final
 class PickPlace(Task):
-    """Place a cube in a bin, and release it."""
+    """Task of placing a cube in a bin and releasing the cube."""
 
     instruction = "Put the cube into the bin."
     objects = (CUBE,)
@@ -119,7 +123,8 @@ class PickPlace(Task):
         x, y, z = workspace.bin_centre
         self._goal = np.array([x, y, z + DEFAULT_WALL + workspace.edge / 2.0, 1.0])
         self._room = BIN_HALF_WIDTH - DEFAULT_WALL - 0.4 * workspace.edges[0]
-        """Largest offset of a cube in the bin from its middle, in x and y [m]."""
+        """Largest offset of a cube in the bin from the bin's center, along x and y
+        [m]."""
 
     def scene(self) -> Scene:
         return self.workspace.scene(self.objects, with_bin=True)
@@ -153,7 +158,7 @@ class PickPlace(Task):
 
 @final
 class Stack(Task):
-    """Place a cube on another cube, and release it."""
+    """Task of placing a cube on another cube and releasing the placed cube."""
 
     instruction = "Stack the cube on the other cube."
     objects = (CUBE, LOWER)
@@ -201,7 +206,7 @@ class Stack(Task):
 
 @final
 class Push(Task):
-    """Push a cube to a place on the table."""
+    """Task of pushing a cube to a place on the table."""
 
     instruction = "Push the cube to the goal."
     objects = (CUBE,)
@@ -264,14 +269,14 @@ def _raised(state: State, space: Workspace) -> Array:
 
 
 def _place_and_release(state: State, space: Workspace) -> Array:
-    """Return the first object's position, and 1 if it is released, shape (n, 4)."""
+    """Return the first object's position [m] and 1 if it is released, (n, 4)."""
     edge, _ = Cube.of(space, state.object_size)
     released = state.opening > edge + RELEASED
     return np.concatenate([state.object_position[:, 0], released[:, None]], axis=1)
 
 
 def _same(achieved: Array, desired: Array) -> Mask:
-    """Return whether the object is released, if the goal requires it."""
+    """Return whether the object is released, or the goal does not require a release."""
     return np.asarray(achieved[..., 3] >= desired[..., 3])
 
 

@@ -1,4 +1,4 @@
-"""Gymnasium environments with a single copy, or with many copies, of a task."""
+"""Gymnasium environments with a single copy or many copies of a task."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ RENDER_MODES = ["rgb_array"]
 
 @final
 class TaskEnv(gymnasium.Env[Any, Any]):
-    """One copy of a task: the environment inside the wrappers of ``gymnasium.make``."""
+    """Environment with one copy of a task, inside Gymnasium's wrappers."""
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES}  # noqa: RUF012  # theirs
 
@@ -38,9 +38,10 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         """Make the environment.
 
         Args:
-            task: Name of a built-in task, such as ``Lift``, or your own class.
+            task: Name of a built-in task, such as ``Lift``, or a class derived from
+                ``Task``.
             render_mode: ``rgb_array``, or None.
-            options: Options of ``EnvOptions``.
+            options: Fields of ``EnvOptions``.
 
         Raises:
             Tool0Error: If an option is wrong.
@@ -56,12 +57,12 @@ class TaskEnv(gymnasium.Env[Any, Any]):
 
     @property
     def state_slices(self) -> Mapping[str, slice]:
-        """Slice of each part in the flat state."""
+        """The slice of each part in the flat state."""
         return self._observer.slices
 
     @property
     def number_names(self) -> NumberNames:
-        """Names of the numbers of observations and actions."""
+        """The names of the numbers of observations and actions."""
         return self._observer.names
 
     def reset(
@@ -74,11 +75,11 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         return row(self._observer.observe(), 0), self._info(self.copies.successes())
 
     def step(self, action: ArrayLike) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Act for one control period.
+        """Apply an action for one control period.
 
         Raises:
-            ControlError: If the action has a wrong shape or contains NaN, or before a
-                reset.
+            ControlError: If the action has a wrong shape or contains NaN, or the
+                environment has not been reset.
         """
         if not self._is_reset:
             raise ControlError("the environment must be reset before its first step")
@@ -101,7 +102,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
     def compute_reward(
         self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: object
     ) -> Array | np.float64:
-        """Return the rewards of goals, shape (…); ``info`` is ignored."""
+        """Return the rewards of achieved goals, shape (…); ``info`` is ignored."""
         return _goal_rewards(self.copies, achieved_goal, desired_goal)
 
     def render(self) -> NDArray[np.uint8] | None:
@@ -109,7 +110,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         return None if self.render_mode is None else self.copies.image(0)
 
     def close(self) -> None:
-        """End the simulation; closing twice is allowed."""
+        """End the simulation; it may be closed more than once."""
         if hasattr(self, "copies"):
             self.copies.batch.close()
 
@@ -122,10 +123,11 @@ class TaskEnv(gymnasium.Env[Any, Any]):
 
 @final
 class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
-    """Many copies of a task, stepped together: the result of ``gymnasium.make_vec``.
+    """Environment with many copies of a task, which ``gymnasium.make_vec`` returns.
 
-    After ``reset(seed=s)``, copy i behaves, bit for bit, like a single environment
-    after ``reset(seed=s + i)``, however many copies there are.
+    All copies are stepped together.  After ``reset(seed=s)``, copy i behaves, bit for
+    bit, like a single environment after ``reset(seed=s + i)``, regardless of the number
+    of copies.
     """
 
     def __init__(
@@ -140,12 +142,14 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
         """Make the environments.
 
         Args:
-            task: Name of a built-in task, such as ``Lift``, or your own class.
+            task: Name of a built-in task, such as ``Lift``, or a class derived from
+                ``Task``.
             num_envs: Number of copies.
             render_mode: ``rgb_array``, or None.
             max_episode_steps: Number of actions after which an episode is truncated.
-            autoreset_mode: Time at which a copy is reset after its episode has ended.
-            options: Options of ``EnvOptions``.
+            autoreset_mode: When to reset a copy after its episode has ended: NEXT_STEP,
+                SAME_STEP or DISABLED.
+            options: Fields of ``EnvOptions``.
 
         Raises:
             Tool0Error: If an option is wrong.
@@ -176,12 +180,12 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
 
     @property
     def state_slices(self) -> Mapping[str, slice]:
-        """Slice of each part in the flat state."""
+        """The slice of each part in the flat state."""
         return self._observer.slices
 
     @property
     def number_names(self) -> NumberNames:
-        """Names of the numbers of observations and actions."""
+        """The names of the numbers of observations and actions."""
         return self._observer.names
 
     def reset(
@@ -193,12 +197,13 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
         """Start an episode of each copy.
 
         Args:
-            seed: Copy i gets ``seed + i``, or entry i of a sequence.  For None, the
-                copy's generator continues.
+            seed: Copy i gets ``seed + i``, or entry i of a sequence.  If the value is
+                None, the copy's random generator continues.
             options: ``reset_mask``, shape (num_envs,), selects the copies to reset.
 
         Raises:
-            ControlError: If a seed is missing, or the mask has a wrong shape.
+            ControlError: If the number of seeds is wrong, or the mask has a wrong
+                shape.
         """
         n = self.num_envs
         seeds = _seeds(seed, n)
@@ -215,14 +220,15 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
     def step(
         self, actions: ArrayLike
     ) -> tuple[Any, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
-        """Act for one control period in each copy.
+        """Apply an action for one control period in each copy.
 
         If ``autoreset_mode`` is NEXT_STEP, a copy whose episode ended in the previous
-        step ignores its action and starts a new episode instead.
+        step ignores its action and starts a new episode.
 
         Raises:
-            ControlError: If the actions have a wrong shape or contain NaN, before a
-                reset, or if an episode has ended and was not reset.
+            ControlError: If the actions have a wrong shape or contain NaN, the
+                environment has not been reset, or a copy whose episode has ended was
+                not reset.
         """
         if not self._generators:
             raise ControlError("the environment must be reset before its first step")
@@ -256,7 +262,7 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
     def compute_reward(
         self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: object
     ) -> Array | np.float64:
-        """Return the rewards of goals, shape (…); ``info`` is ignored."""
+        """Return the rewards of achieved goals, shape (…); ``info`` is ignored."""
         return _goal_rewards(self.copies, achieved_goal, desired_goal)
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
@@ -288,7 +294,7 @@ class TaskVectorEnv(gymnasium.vector.VectorEnv[Any, Any, NDArray[Any]]):
 def _final(
     observation: Observation, infos: Mapping[str, Any], ended: Mask
 ) -> dict[str, Any]:
-    """Return the final observations and infos of episodes in Gymnasium's format."""
+    """Return the final observations and infos of ended episodes for Gymnasium."""
     final = np.full(len(ended), None, dtype=object)
     for i in np.flatnonzero(ended).tolist():
         final[i] = row(observation, i)

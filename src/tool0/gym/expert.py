@@ -1,7 +1,7 @@
 """Scripted experts, which solve tasks from the full state of the simulation.
 
-A task returns the next target of the tool and gripper (``Task.expert``); this module
-converts the target to an action.
+``Task.expert`` returns the next target of the tool and gripper.  This module converts
+the target of an expert to an action.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from tool0.kinematics.chain import Array
 from tool0.kinematics.geometry import wrapped
 
 GAIN = 0.6
-"""Fraction of the distance to a target that one action covers."""
+"""Fraction of the remaining distance to a target that one action covers."""
 
 
 @final
@@ -36,7 +36,7 @@ class Expert:
     def __call__(self, observation: object = None) -> NDArray[np.float32]:
         """Return the action, shape (m,), or the actions of all copies, shape (n, m).
 
-        ``observation`` is ignored: the expert reads the simulation's state, so that it
+        ``observation`` is ignored.  The expert reads the state of the simulation, so it
         also works with image observations.
         """
         copies = self._copies
@@ -61,14 +61,14 @@ class Expert:
 
 
 def _action(arm: ArmCopies, target: Target, pose: Frames) -> Array:
-    """Return actions that command an arm's tcp to ``pose`` now, shape (n, m)."""
+    """Return actions, (n, m), that move an arm's TCP from ``pose`` to ``target``."""
     widest = arm.space.gripper.max_opening
     opening = np.clip(2.0 * target.opening / widest - 1.0, -1.0, 1.0)
     return np.concatenate([_motion(arm, target, pose), opening[:, None]], axis=1)
 
 
 def _motion(arm: ArmCopies, target: Target, pose: Frames) -> Array:
-    """Return the actions without the gripper's, shape (n, m - 1)."""
+    """Return the actions without the gripper's action, shape (n, m - 1)."""
     actions, q = arm.actions, arm.target
     way = GAIN * (target.position - pose.position)
     if actions.mode == "cartesian":
@@ -87,10 +87,11 @@ def _motion(arm: ArmCopies, target: Target, pose: Frames) -> Array:
 
 
 def expert(env: Any) -> Expert:  # Env or VectorEnv, in any wrappers
-    """Return an expert for one of tool0's environments, single or vector.
+    """Return an expert for one of tool0's environments.
 
     Raises:
-        ConfigError: If the environment is not tool0's, or its task has no expert.
+        ConfigError: If the environment is not an environment of tool0, or its task has
+            no expert.
     """
     inner = getattr(env, "unwrapped", env)
     if not isinstance(inner, TaskEnv | TaskVectorEnv):
@@ -107,6 +108,6 @@ def expert(env: Any) -> Expert:  # Env or VectorEnv, in any wrappers
 
 
 def _within(action: Array, largest: Array) -> Array:
-    """Return actions (n, m), scaled so that no number exceeds ``largest``, (n,)."""
+    """Return actions (n, m), scaled down to magnitudes of at most ``largest``, (n,)."""
     excess = np.maximum(1.0, np.abs(action).max(axis=1) / largest)
     return np.asarray(action / excess[:, None])

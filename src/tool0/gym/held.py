@@ -17,7 +17,7 @@ from tool0.kinematics.chain import Array
 CLOSING, RISING, SETTLING = 0.8, 1.0, 0.5
 """Durations of the phases of a grasp [s]."""
 SLIP: Final = 0.003
-"""Largest distance that the object may slip between the pads while it is lifted [m]."""
+"""Largest distance that the object may slip between the pads during the lift [m]."""
 
 
 def grasped(
@@ -34,14 +34,15 @@ def grasped(
     Args:
         batch: Batch of a single copy, which the caller closes.
         item: The object.
-        space: The arm that grasps the object, and then rises to its start pose.
-        hold: How the gripper holds the object.
+        space: Workspace of the arm that grasps the object and then rises to its start
+            pose.
+        hold: Way in which the gripper holds the object.
         force: Force at each pad [N].
-        start: Positions of all joints at the start, with open grippers, shape
+        start: Positions of all joints at the start, with open grippers [rad | m], shape
             (n_joints,).
 
     Raises:
-        ConfigError: If the gripper does not hold the object.
+        ConfigError: If the gripper fails to hold the object.
     """
     place = np.array([*space.start_position[:2], item.pose.xyz[2]])
     yaw = space.start_yaw
@@ -71,6 +72,6 @@ def grasped(
 
 
 def _offset(batch: Batch, space: Workspace, item: SceneObject) -> Array:
-    """Return an object's position relative to the tool [m], shape (3,)."""
+    """Return an object's position in the frame of the tool [m], shape (3,)."""
     k = batch.object_names.index(item.name)
     return np.asarray(batch.object_position[0, k] - batch.tool_pose(space.arm)[0][0])

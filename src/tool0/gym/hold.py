@@ -1,4 +1,4 @@
-"""How a gripper holds an object between its pads."""
+"""Ways in which a gripper holds an object between its pads."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from tool0.kinematics.chain import Array
 
 @final
 class Hold(NamedTuple):
-    """How the pads hold an upright object from above."""
+    """Way in which the pads hold an upright object from above."""
 
     width: float | Array
-    """Width of the object between the pads [m]; an array of shape (n,) if copies
-    differ."""
+    """Width of the object between the pads [m]; it is an array of shape (n,) if the
+    copies differ."""
     point: tuple[float, float, float | Array] = (0.0, 0.0, 0.0)
-    """Position of the tcp in the object's frame [m]; z may be an array, like
-    ``width``."""
+    """Position of the TCP in the object's frame [m]; z may be an array of shape
+    (n,)."""
     turns: int = 4
     """Number of yaws per full turn at which the pads fit: 4 for a cube, 2 for a bar
     along x."""
     hover: float | None = None
-    """Height of the tcp in the root at which the fingers clear all objects [m]; if left
-    out, the height at which they clear cubes."""
+    """Height of the TCP in the root frame at which the fingers clear all objects [m]
+    (default: the height at which the fingers clear cubes)."""
     opening: float | None = None
-    """Opening of the gripper around the object [m]; the gripper's maximum if left
-    out."""
+    """Opening of the gripper around the object [m]; the default is the gripper's
+    maximum opening."""
 
     def places(self, position: Array, quat: Array) -> Array:
-        """Return the positions of the tcp in the root [m], shape (n, 3).
+        """Return the positions of the TCP in the root frame [m], shape (n, 3).
 
         Args:
-            position: Position of the object in the root [m], shape (n, 3).
-            quat: Orientations of the object w, x, y, z, shape (n, 4); only their yaw
-                counts.
+            position: Positions of the object in the root frame [m], shape (n, 3).
+            quat: Orientations of the object (w, x, y, z), shape (n, 4).  Only the yaw
+                angles are used.
         """
         x, y, z = self.point
         if x == y == 0.0:  # independent of the yaw
@@ -50,26 +50,26 @@ class Hold(NamedTuple):
         return np.asarray(position + away)
 
     def turn(self, yaw: Array, quat: Array) -> Array:
-        """Return the smallest turn from the tcp's yaw to a yaw that fits [rad], (n,).
+        """Return the smallest turn from the TCP's yaw to a matching yaw [rad], (n,).
 
-        ``quat`` is the object's orientation w, x, y, z, shape (n, 4).
+        ``quat`` is the object's orientation (w, x, y, z), shape (n, 4).
         """
         return folded(yaws_of_quats(quat) - yaw, self.turns)
 
 
 @final
 class Cube(NamedTuple):
-    """A cube in each copy; fields are arrays of shape (n,) if sizes are random."""
+    """A cube in each copy; the fields are arrays of shape (n,) if sizes are random."""
 
     edge: float | Array
     """Edge of the cube [m]."""
     grasp_height: float | Array
-    """Height of the tcp above the cube's support when the gripper grasps the cube
+    """Height of the TCP above the cube's support when the gripper grasps the cube
     [m]."""
 
     @staticmethod
     def of(space: Workspace, object_size: Array, k: int = 0) -> Cube:
-        """Return object ``k`` as a cube; ``object_size`` is that of the ``State``."""
+        """Return object ``k`` as a cube; ``object_size`` is the field of ``State``."""
         if not space.has_sizes:
             return Cube(space.edge, space.grasp_height)
         edge = np.nan_to_num(object_size[:, k, 0], nan=space.edge)
@@ -77,7 +77,7 @@ class Cube(NamedTuple):
 
     @property
     def hold(self) -> Hold:
-        """How the gripper holds the cube."""
+        """The way in which the gripper holds the cube."""
         return Hold(self.edge, (0.0, 0.0, self.grasp_height - self.edge / 2.0))
 
 

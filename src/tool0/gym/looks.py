@@ -1,4 +1,4 @@
-"""Random appearance of copies in each episode: colours, light and cameras."""
+"""Random colors, light and camera poses of copies in each episode."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tool0.gym.options import Randomisation
 
 @final
 class Looks:
-    """Draws the appearance of each copy from the copy's own generator."""
+    """Draws the appearance of each copy from the copy's random generator."""
 
     def __init__(
         self,
@@ -26,7 +26,7 @@ class Looks:
         objects: Sequence[SceneObject],
         cameras: Sequence[Camera],
     ) -> None:
-        """Prepare for the task's objects and the cameras of observations."""
+        """Prepare to change the task's objects and the cameras of observations."""
         self._batch, self._ranges = batch, ranges
         self._objects, self._cameras = objects, cameras
 

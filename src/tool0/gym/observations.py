@@ -16,7 +16,7 @@ from tool0.gym.parts import parts, values
 from tool0.kinematics.chain import Array
 
 Observation = Array | dict[str, NDArray[Any]]
-"""One array, or one per key; the first axis is the copy."""
+"""One array, or one array per key.  The first axis is the number of the copy."""
 
 
 @final
@@ -25,11 +25,11 @@ class NumberNames:
     """Names of the numbers of observations and actions."""
 
     observations: Mapping[str, tuple[str, ...]]
-    """Key of an observation → names of its numbers; the key is ``""`` if there is only
-    one."""
+    """Names of the numbers by key of the observation; the key is ``""`` if there is
+    only one array."""
     surroundings: frozenset[str]
-    """Names of the numbers that the robot's own sensors do not measure: objects and
-    goals."""
+    """Names of the numbers that the robot's sensors do not measure, such as poses of
+    objects and goals."""
     action: tuple[str, ...]
     grippers: tuple[int, ...] = ()
     """Indices of an action's numbers that are gripper openings."""
@@ -37,7 +37,7 @@ class NumberNames:
 
 @final
 class Observer:
-    """Makes the observations of one mode; numbers are float64, RGB images uint8."""
+    """Maker of observations, with numbers as float64 and RGB images as uint8."""
 
     def __init__(self, copies: Copies) -> None:
         self._copies = copies
@@ -50,9 +50,9 @@ class Observer:
             part.name: slice(end - len(part.low), end)
             for part, end in zip(found, ends, strict=True)
         }
-        """Slice of each part in the state."""
+        """The slice of each part in the state."""
         self.names = _names(copies)
-        """Names of the numbers."""
+        """Names of the numbers of observations and actions."""
 
     @property
     def space(self) -> spaces.Space[Any]:
@@ -89,7 +89,7 @@ class Observer:
         return found
 
     def observe(self) -> Observation:
-        """Return the current observations of the copies, as new arrays."""
+        """Return the current observations of the copies as new arrays."""
         copies = self._copies
         numbers = np.concatenate(values(copies), axis=1)
         state: Array = np.minimum(np.maximum(numbers, self._low), self._high)
@@ -107,7 +107,7 @@ class Observer:
         return {"state": state, **copies.images()}
 
 
-def row(observation: Observation, i: int) -> Any:  # an array, or one per key
+def row(observation: Observation, i: int) -> Any:  # an array, or a dict of arrays
     """Return a copy of the observation of copy ``i``."""
     if isinstance(observation, dict):
         return {name: array[i].copy() for name, array in observation.items()}

@@ -1,4 +1,4 @@
-"""The options of a task's environment, checked."""
+"""The options of a task's environment and their checks."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _NAMES = {"arm": "ur5", "gripper": "2f85"}
 class Randomisation:
     """Variation between episodes, in addition to the poses of objects and goals.
 
-    Factors are drawn uniformly for each movable object; for a constant factor, use a
+    Factors are drawn uniformly for each movable object.  For a constant factor, use a
     range with equal ends.
     """
 
@@ -46,20 +46,21 @@ class Randomisation:
     """Range of the factor on the friction coefficient that the task specifies."""
     size: tuple[float, float] = (1.0, 1.0)
     """Range of the factor on the size of each object in ``Task.resizable``, clipped to
-    sizes that the gripper can grasp; if left out, sizes are constant."""
+    sizes that the gripper can grasp; by default, sizes are constant."""
     joint_noise: float = 0.03
     """Largest deviation of an arm's joints from the start pose [rad]."""
     colour: float = 0.15
-    """Largest change of an object's red, green and blue, each 0 … 1; only for
-    images."""
+    """Largest change of each of the red, green and blue values of an object, which are
+    within 0 … 1; it affects only images."""
     brightness: tuple[float, float] = (0.6, 1.2)
-    """Range of the light's brightness, relative to the default; only for images."""
+    """Range of the light's brightness, relative to the default; it affects only
+    images."""
     lamp: float = 1.0
-    """Largest displacement of the lamp along each axis [m]; only for images."""
+    """Largest displacement of the lamp along each axis [m]; it affects only images."""
     camera: float = 0.02
-    """Largest displacement of a camera along each axis [m]; only for images."""
+    """Largest displacement of a camera along each axis [m]; it affects only images."""
     camera_turn: float = 0.03
-    """Largest rotation of a camera about each axis [rad]; only for images."""
+    """Largest rotation of a camera about each axis [rad]; it affects only images."""
 
     def __post_init__(self) -> None:
         for name in ("mass", "friction", "size", "brightness"):
@@ -94,7 +95,7 @@ class ImageKeys(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnvOptions:
-    """The options of an environment: keyword arguments of ``gymnasium.make``."""
+    """The options of an environment, given as arguments of ``gymnasium.make``."""
 
     arm: str = "ur5"
     """Name of an arm in the catalogue."""
@@ -105,25 +106,28 @@ class EnvOptions:
     observation: ObservationMode = "state"
     """Kind of observation (docs/how-to/gym.md)."""
     reward: RewardMode = "dense"
-    """Kind of reward: dense, in each step, or sparse, for success only."""
+    """Kind of reward: "dense" for a reward in each step, or "sparse" for a reward only
+    for success."""
     control_rate: float = 20.0
     """Actions per simulated second [Hz]."""
     terminate_on_success: bool = True
-    """Whether an episode ends with success."""
+    """Whether an episode ends when the task succeeds."""
     randomise: bool | Randomisation = False
-    """Whether to randomise masses, frictions and start poses, and in which ranges."""
+    """Whether to randomize masses, friction coefficients, start poses and other
+    properties, or the ranges of these properties."""
     camera: str | tuple[str, ...] = "scene"
-    """The cameras for images, one or several of scene and wrist."""
+    """The cameras for images: "scene", "wrist" or both."""
     depth: bool = False
     """Whether observations also have depth images."""
     segmentation: bool = False
     """Whether observations also have segmentation images."""
     image_size: tuple[int, int] = (96, 96)
-    """Width and height of images, in observations and from ``render`` [pixels]."""
+    """Width and height of images in observations and from ``render`` [pixels]."""
     dt: float = 0.001
     """Length of a physics step [s]."""
     threads: int | None = None
-    """Threads that step the copies; if left out, as for ``tool0.Batch``."""
+    """Number of threads that step the copies; the default is the default of
+    ``tool0.Batch``."""
     device: str = "cpu"
     """The device that computes the physics; see ``tool0.Batch``."""
 
@@ -181,7 +185,7 @@ class EnvOptions:
 
     @property
     def cameras(self) -> tuple[str, ...]:
-        """The cameras for images, at least one."""
+        """The cameras for images; there is at least one camera."""
         return (self.camera,) if isinstance(self.camera, str) else tuple(self.camera)
 
     @property
@@ -207,19 +211,19 @@ class EnvOptions:
 
     @property
     def ranges(self) -> Randomisation | None:
-        """Ranges to randomise; None if nothing is random."""
+        """Ranges of the random properties; None if randomization is disabled."""
         if self.randomise is True:
             return Randomisation()
         return self.randomise or None
 
 
 def read_options(given: Mapping[str, object]) -> EnvOptions:
-    """Return the options given by keyword arguments, or raise ConfigError."""
+    """Return the options that the keyword arguments specify, or raise ConfigError."""
     names = [item.name for item in fields(EnvOptions)]
     for name in given:
         if name not in names:
             raise ConfigError(f"unknown option '{name}'{did_you_mean(name, names)}")
-    return EnvOptions(**given)  # type: ignore[arg-type]  # checked there
+    return EnvOptions(**given)  # type: ignore[arg-type]  # checked in __post_init__
 
 
 def _is_number(value: object) -> bool:

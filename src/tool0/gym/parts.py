@@ -1,4 +1,4 @@
-"""The parts of the observed state: their names, bounds and values."""
+"""Names, bounds and values of the parts of the observed state."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class ObservationPart(NamedTuple):
 
     name: str
     columns: tuple[str, ...]
-    """Names of the m numbers of the part."""
+    """Names of the m numbers in the part."""
     low: Array
-    """Least values, shape (m,)."""
+    """Lower bounds of the values, shape (m,)."""
     high: Array
-    """Largest values, shape (m,)."""
+    """Upper bounds of the values, shape (m,)."""
     of_robot: bool = True
-    """Whether the robot's own sensors measure it; otherwise, it describes the
+    """Whether the robot's sensors measure the part; otherwise, the part describes the
     surroundings."""
 
 
@@ -72,7 +72,7 @@ def values(copies: Copies) -> list[Array]:
 
 
 def parts(copies: Copies) -> list[ObservationPart]:
-    """Return the descriptions of ``values``, in the same order."""
+    """Return the descriptions of the parts, in the order of ``values``."""
     found = []
     for arm in copies.arms:
         found += list(_of_arm(arm.space, has_wrench=copies.task.needs_wrench))
@@ -80,7 +80,7 @@ def parts(copies: Copies) -> list[ObservationPart]:
 
 
 def _of_arm(space: Workspace, *, has_wrench: bool) -> Iterator[ObservationPart]:
-    """Yield the parts that an arm and its gripper measure themselves."""
+    """Yield the parts that the sensors of an arm and its gripper measure."""
     prefix, joints = space.prefix, space.chain.joint_names
     fastest, widest = 2.0 * space.fastest, 1.1 * space.gripper.max_opening
     yield ObservationPart(
@@ -109,7 +109,7 @@ def _of_arm(space: Workspace, *, has_wrench: bool) -> Iterator[ObservationPart]:
 
 
 def _around(copies: Copies) -> Iterator[ObservationPart]:
-    """Yield the parts that the robot does not measure itself: objects and goal."""
+    """Yield the parts that the robot's sensors do not measure: objects and goal."""
     task = copies.task
     for name in task.objects:
         yield _symmetric(f"{name}_position", _of(name, _XYZ), FARTHEST)

@@ -1,4 +1,4 @@
-"""Registers tool0's and users' tasks with Gymnasium."""
+"""Registration of tool0's tasks and users' tasks with Gymnasium."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def register(
 ) -> None:
     """Register your own task for ``gymnasium.make`` and ``gymnasium.make_vec``.
 
-    If a module registers its tasks when it is imported, its name can precede the id:
-    ``gymnasium.make("my_module:MyTask-v0")``.
+    If a module registers its tasks when it is imported, the name of the module can
+    precede the id, such as in ``gymnasium.make("my_module:MyTask-v0")``.
 
     Args:
         env_id: Id of the environment, such as ``MyTask-v0`` or ``my_lab/MyTask-v0``.
-        task: Class of the task; it is called with a ``Workspace``.
+        task: Class of the task, which is called with a ``Workspace``.
         max_episode_steps: Time limit of an episode, in actions.
         options: Defaults of the environment's options.
 
@@ -50,7 +50,7 @@ def register_tasks() -> None:
 
 
 def task_of(spec: EnvSpec) -> type[Task] | None:
-    """Return the task of an environment; None if it is not a tool0 environment."""
+    """Return the task of an environment; None if tool0 does not define it."""
     if spec.vector_entry_point != _VECTOR:
         return None
     return task_class(spec.kwargs["task"])

@@ -1,4 +1,4 @@
-"""The robot of a task: one arm, or two that face each other across a table."""
+"""The robot of a task: one arm, or two arms that face each other across a table."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ LARGEST_EDGE = 0.045
 FILL = 0.8
 """Largest edge of a cube, as a fraction of the gripper's largest opening."""
 VIEWPOINT: Final = (0.85, -0.65, 0.6)
-"""Position of the camera relative to the middle of the table, for an arm of scale 1
+"""Position of the camera relative to the center of the table, for an arm of scale 1
 [m]."""
 SIDE_VIEWPOINT: Final = (0.1, -1.5, 0.9)
-"""Position of the camera relative to the middle between two arms, for scale 1 [m]."""
+"""Position of the camera relative to the midpoint between two arms of scale 1 [m]."""
 
 
 @final
 class Site:
     """The identical arms of a task, each with a gripper, and the cameras.
 
-    The root is in the base of the first arm, which faces along x.  A second arm stands
-    opposite and faces the first.
+    The root frame is at the base of the first arm, which faces along x.  A second arm
+    is mounted opposite the first arm and faces the first arm.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class Site:
 
         Args:
             options: Arm, gripper and cameras.
-            names: Names of two arms; none for a single one.
+            names: Names of two arms; empty for a single arm.
             distance: Distance between the bases of two arms of scale 1 [m].
 
         Raises:
@@ -79,7 +79,7 @@ class Site:
                 zip(find_arms(self.model), bases, strict=False)
             )
         }
-        """The table in front of each arm, by the arm's name in the robot."""
+        """The table in front of each arm, by the arm's name in the robot model."""
         (widest,) = {item.max_opening for item in find_grippers(self.model).values()}
         self.edge = round(min(LARGEST_EDGE, FILL * widest), 4)
         """Edge of each cube [m]."""
@@ -102,7 +102,7 @@ class Site:
         )
 
     def _overview(self) -> Camera:
-        """Return a camera that shows the table and the grippers from the front."""
+        """Return a camera with a view of the tables and the grippers."""
         tables = list(self.tables.values())
         viewpoint: Vector3 = VIEWPOINT
         x, y = tables[0].at((NEAR + FAR) / 2.0, (BIN_Y + LEFT) / 2.0)
@@ -117,7 +117,10 @@ class Site:
 def _facing(
     arm: DescriptionConfig, names: tuple[str, ...], bases: Sequence[tuple[float, float]]
 ) -> DescriptionConfig:
-    """Return a cell of two arms with these bases [m]; the second faces the first."""
+    """Return a cell of two arms at ``bases`` [m].
+
+    The second arm faces the first arm.
+    """
     return DescriptionConfig(
         cell=Cell(
             name="facing",

@@ -1,4 +1,4 @@
-"""The sizes of a task's objects, which may differ from episode to episode."""
+"""The sizes of a task's objects, which may differ between episodes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tool0.kinematics.chain import Array
 
 @final
 class Sizes:
-    """Random object sizes in n copies of a task: the scene's sizes times factors."""
+    """Random object sizes in n copies of a task: sizes in the scene times factors."""
 
     def __init__(
         self,
@@ -30,10 +30,10 @@ class Sizes:
         options: EnvOptions,
         n: int,
     ) -> None:
-        """Start with the sizes in the scene.
+        """Start with the object sizes in the scene.
 
         Raises:
-            ConfigError: If ``Randomisation.size`` cannot be chosen for this task, or
+            ConfigError: If this task does not support ``Randomisation.size``, or
                 ``Task.resizable`` is wrong.
         """
         name = type(task).__name__
@@ -45,7 +45,7 @@ class Sizes:
                     "or sphere with a mass among its objects"
                 )
         self.names = task.resizable if workspace.has_sizes else ()
-        """Objects whose sizes are random."""
+        """Names of the objects with random sizes."""
         if workspace.has_sizes and not self.names:
             raise ConfigError(
                 f"randomise.size: the sizes of the objects of {name} are fixed; leave "
@@ -66,16 +66,17 @@ class Sizes:
             for k, item in enumerate(items)
             if item.name in self.names
         }
-        """Name and original size of each object of random size, by the object's
+        """Name and original size of each object with a random size, by the object's
         number."""
         self._own = np.reshape([_extents(item) for item in items], (len(items), 3))
         ranges = [workspace.size_factors(self._own[k]) for k in self._resized]
         self._ranges = np.reshape(ranges, (len(self._resized), 2))
         self.extents = np.tile(self._own, (n, 1, 1))
-        """Sizes of the objects, as ``State.object_size``, shape (n, k, 3)."""
+        """Sizes of the objects in the form of ``State.object_size``, shape (n, k,
+        3)."""
 
     def draw(self, rng: np.random.Generator) -> Array:
-        """Return random factors of all objects, shape (k,); 1 for constant sizes."""
+        """Return random size factors of all objects, (k,); constant sizes have 1."""
         factors = np.ones(len(self._own))
         if self.names:
             factors[[*self._resized]] = rng.uniform(*self._ranges.T)
@@ -92,7 +93,7 @@ class Sizes:
             batch.set_size(name, size if own.size > 1 else size[:, 0], which)
 
     def risen(self, places: Array) -> Array:
-        """Return places (n, k, 3) with heights changed to keep the objects' bottoms."""
+        """Return places (n, k, 3) [m] that keep the height of the objects' bottoms."""
         if not self.names:
             return places
         higher = (self.extents - self._own)[..., 2] / 2.0
@@ -103,7 +104,7 @@ class Sizes:
 
 
 def _own_size(item: SceneObject) -> Array:
-    """Return the dimensions of an object [m]; empty for a mesh or a compound."""
+    """Return the dimensions of an object [m], or () for a mesh or a compound."""
     if isinstance(item.geometry, Box | Cylinder | Sphere):
         return np.array(sizes(item.geometry))
     return np.empty(0)

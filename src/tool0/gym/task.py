@@ -1,8 +1,8 @@
-"""Base class of tasks: functions of the state of n copies, on arrays.
+"""Base class of tasks, with functions on arrays of the state of n copies.
 
-To define your own task, subclass ``Task`` (docs/how-to/gym.md) and register the class
-with ``tool0.gym.register``.  A *goal* is an array of shape (n, g); ``achieved`` and
-``desired`` have the same meaning, column by column.
+To define your own task, derive a class from ``Task`` (docs/how-to/gym.md) and register
+the class with ``tool0.gym.register``.  A *goal* is an array of shape (n, g).  The
+columns of ``achieved`` and ``desired`` have the same meanings.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ NEARNESS = 5.0
 
 
 class ArmState(NamedTuple):
-    """Measured state of one arm and its gripper in n copies; poses are in the root."""
+    """Measured state of one arm and its gripper in n copies."""
 
     q: Array
     """Positions of the arm's joints [rad], shape (n, 6)."""
     qd: Array
     """Velocities of the joints [rad/s], shape (n, 6)."""
     tcp_position: Array
-    """Position of the tcp [m], shape (n, 3)."""
+    """Position of the TCP in the root frame [m], shape (n, 3)."""
     tcp_rotation: Array
-    """Rotation matrices of the tcp, shape (n, 3, 3)."""
+    """Rotation matrices of the TCP in the root frame, shape (n, 3, 3)."""
     opening: Array
     """Distance between the pads [m], shape (n,)."""
     opening_rate: Array
@@ -46,14 +46,14 @@ class ArmState(NamedTuple):
     opening_target: Array
     """The commanded opening [m], shape (n,)."""
     wrench: Array
-    """Force [N] and torque [N·m] on the tool, as from ``Batch.tool_wrench``, shape (n,
-    6), or (n, 0) without ``Task.needs_wrench``."""
+    """Force [N] and torque [N·m] on the tool from ``Batch.tool_wrench``, shape (n, 6),
+    or shape (n, 0) if ``Task.needs_wrench`` is False."""
 
 
 class State(NamedTuple):
-    """Measured state of n copies with k objects; poses are in the root.
+    """Measured state of n copies with k objects; poses are in the root frame.
 
-    If the task has one arm, the properties are that arm's; ``of`` selects one of
+    If the task has one arm, the properties describe this arm.  ``of`` selects one of
     several arms.
     """
 
@@ -62,14 +62,14 @@ class State(NamedTuple):
     object_position: Array
     """Positions of the objects [m], shape (n, k, 3)."""
     object_quat: Array
-    """Orientations of the objects, w, x, y, z, shape (n, k, 4)."""
+    """Orientations of the objects (w, x, y, z), shape (n, k, 4)."""
     object_velocity: Array
     """Linear velocities of the objects [m/s], shape (n, k, 3)."""
     object_size: Array
     """Edges of each object's bounding box, in the object's axes [m], shape (n, k, 3);
     NaN for meshes and compounds."""
     goal: Array
-    """Goal drawn at the start of the episode, with the same columns as
+    """Goal that was drawn at the start of the episode, with the columns of
     ``Start.goal``."""
 
     def of(self, arm: str) -> State:
@@ -87,7 +87,7 @@ class State(NamedTuple):
         """The only arm.
 
         Raises:
-            ControlError: If there are several.
+            ControlError: If there are several arms.
         """
         if len(self.arms) > 1:
             raise ControlError(
@@ -108,17 +108,17 @@ class State(NamedTuple):
 
     @property
     def tcp_position(self) -> Array:
-        """Position of the tcp [m], shape (n, 3)."""
+        """Position of the TCP [m], shape (n, 3)."""
         return self.arm.tcp_position
 
     @property
     def tcp_rotation(self) -> Array:
-        """Rotation matrices of the tcp, shape (n, 3, 3)."""
+        """Rotation matrices of the TCP, shape (n, 3, 3)."""
         return self.arm.tcp_rotation
 
     @property
     def opening(self) -> Array:
-        """Distance between the pads [m], shape (n,)."""
+        """Distance between the gripper's pads [m], shape (n,)."""
         return self.arm.opening
 
     @property
@@ -133,7 +133,10 @@ class State(NamedTuple):
 
     @property
     def wrench(self) -> Array:
-        """Force [N] and torque [N·m] on the tool, as in ``ArmState``, shape (n, 6)."""
+        """Force [N] and torque [N·m] on the tool, shape (n, 6).
+
+        See ``ArmState.wrench``.
+        """
         return self.arm.wrench
 
 
@@ -148,16 +151,16 @@ class Start(NamedTuple):
     """Goal, shape (g,), or any other shape that ``Task.desired`` converts."""
     is_held: bool = False
     """Whether the closed gripper of the first arm holds the first object in the way
-    that ``Task.hold`` defines.  The object's place and yaw are then ignored."""
+    that ``Task.hold`` defines.  If true, the object's place and yaw are ignored."""
 
 
 class Target(NamedTuple):
     """Next targets of an expert for the tool and gripper of n copies."""
 
     position: Array
-    """Target position of the tcp in the root [m], shape (n, 3)."""
+    """Target position of the TCP in the root frame [m], shape (n, 3)."""
     yaw: Array
-    """Target yaw of the tcp [rad], shape (n,); the tool points down."""
+    """Target yaw of the TCP [rad], shape (n,); the tool points down."""
     opening: Array
     """Target opening of the gripper [m], shape (n,)."""
     speed: Array
@@ -165,17 +168,18 @@ class Target(NamedTuple):
 
 
 class Task(abc.ABC):
-    """A task of one arm, or of two that face each other.
+    """A task of one arm, or of two arms that face each other.
 
-    The functions have no memory and take arrays over all copies.  Their results have
-    one row per copy, which must not depend on other copies.
+    The functions have no memory.  The arguments and the results of the functions are
+    arrays with one row per copy.  A row of a result must not depend on the other
+    copies.
     """
 
     instruction: str = ""
     """Description of the task as an instruction to a robot."""
     objects: tuple[str, ...] = ()
-    """Names of the objects that a start places, in the order of ``State``.  They are
-    movable, or stay fixed where they are placed."""
+    """Names of the objects that a start places, in the order of ``State``.  The objects
+    are movable, or remain fixed at their places."""
     goal_names: tuple[str, ...] = ()
     """Names of the columns of a goal."""
     arms: tuple[str, ...] = ()
@@ -183,56 +187,56 @@ class Task(abc.ABC):
     distance_of_arms: float = 1.5
     """Distance between the bases of two arms of scale 1 [m]."""
     hold: Hold | None = None
-    """How the gripper holds the first object in starts with ``is_held``; None if the
-    task has no such starts."""
+    """The way in which the gripper holds the first object in starts with ``is_held``;
+    None if the task has no starts with ``is_held``."""
     resizable: tuple[str, ...] = ()
-    """Objects whose size ``Randomisation.size`` may change: boxes, cylinders or spheres
-    with a mass.  Starts are drawn for the size in the scene; an object of another size
-    is placed with its bottom at the same height.  The functions find its actual size in
-    the state."""
+    """Names of objects that ``Randomisation.size`` may resize, which must be boxes,
+    cylinders or spheres with a mass.  Starts are drawn for the size in the scene.  An
+    object of another size is placed with its bottom at the same height.  The functions
+    read the object's actual size from the state."""
     needs_wrench: bool = False
     """Whether ``State`` and observations include the wrench on the tool."""
     worst_reward: float = -1.0
-    """Reward of a copy whose physics diverged."""
+    """Reward of a copy with diverged physics."""
 
     def __init__(self, workspace: Workspace) -> None:
         """Prepare the task for an arm, a gripper and a matching table.
 
-        For two arms, ``workspace`` is that of the first; ``workspace.of`` returns
-        either.
+        For two arms, ``workspace`` is the workspace of the first arm.  ``workspace.of``
+        returns the workspace of either arm.
         """
         self.workspace = workspace
 
     @abc.abstractmethod
     def scene(self) -> Scene:
-        """Return the scene around the robot; it must include ``workspace.cameras``."""
+        """Return the scene around the robot, including ``workspace.cameras``."""
 
     @abc.abstractmethod
     def draw(self, rng: np.random.Generator) -> Start:
-        """Return a random start of an episode, drawn only from ``rng``."""
+        """Return a random start of an episode, which depends only on ``rng``."""
 
     @abc.abstractmethod
     def achieved(self, state: State) -> Array:
         """Return the goals that the states achieve, shape (n, g)."""
 
     def desired(self, state: State) -> Array:
-        """Return the goals to achieve, shape (n, g): by default, the drawn goals."""
+        """Return the goals to achieve, shape (n, g) (default: the drawn goals)."""
         return state.goal
 
     @abc.abstractmethod
     def is_success(self, achieved: Array, desired: Array) -> Mask:
-        """Return whether goals are achieved, of any shape (…, g)."""
+        """Return whether goals of any shape (…, g) are achieved."""
 
     def distance(self, achieved: Array, desired: Array) -> Array:
-        """Return the distances from achieved to desired goals [m], shape (…)."""
+        """Return the distances between achieved and desired goals [m], shape (…)."""
         return length(achieved - desired)
 
     def progress(self, state: State) -> Array:
-        """Return the progress of the task, 0 … 1, shape (n,)."""
+        """Return the progress of the task within 0 … 1, shape (n,)."""
         return nearness(self.distance(self.achieved(state), self.desired(state)))
 
     def reward(self, state: State, success: Mask) -> Array:
-        """Return the dense rewards, shape (n,): progress - 1, or 0 upon success."""
+        """Return the dense rewards, (n,): the progress minus 1, or 0 upon success."""
         progress = np.minimum(np.maximum(self.progress(state), 0.0), 1.0)
         return np.where(success, 0.0, progress - 1.0)
 
@@ -241,10 +245,11 @@ class Task(abc.ABC):
         return {}
 
     def expert(self, state: State, commanded: Frames) -> Target:
-        """Return the expert's next target; ``commanded`` is the tcp's current target.
+        """Return the expert's next target; ``commanded`` is the TCP's current target.
 
-        The expert has no memory, and infers the progress from the state.  It is
-        optional: without it, ``tool0.gym.expert`` raises an error.
+        The expert has no memory and infers the progress from the state.  The function
+        is optional, but ``tool0.gym.expert`` raises an error for a task without the
+        function.
         """
         raise NotImplementedError
 
@@ -253,8 +258,8 @@ class Task(abc.ABC):
     ) -> Mapping[str, Target]:
         """Return the expert's next target for each arm, by the arm's name.
 
-        Tasks of two arms implement this instead of ``expert``.  ``commanded`` has the
-        current target of each tcp.
+        Tasks of two arms implement this function instead of ``expert``.  ``commanded``
+        contains the current target of each TCP.
         """
         return {arm: self.expert(state, pose) for arm, pose in commanded.items()}
 
@@ -265,5 +270,5 @@ def length(vectors: Array) -> Array:
 
 
 def nearness(distance: Array, rate: float = NEARNESS) -> Array:
-    """Return 1 at distance 0, decreasing to 0 at ``rate`` [1/m]."""
+    """Return ``1 - tanh(rate * distance)``, with ``rate`` in 1/m."""
     return np.asarray(1.0 - np.tanh(rate * distance))

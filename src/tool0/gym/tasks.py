@@ -39,7 +39,7 @@ EPISODE_STEPS = {
 
 
 def task_class(task: str | type[Task]) -> type[Task]:
-    """Return the class of a task, given by name; a class is returned as it is.
+    """Return the class of a task, given its name or the class.
 
     Raises:
         ConfigError: If there is no such task.

@@ -13,19 +13,19 @@ from tool0.kernel.tool import ToolKernel
 from tool0.kinematics.chain import ArmChain, Array, Posture
 
 DAMPING = 1e-4
-"""Squared damping of the Jacobian's inverse [m²]: near a singularity, the tool lags
-behind, rather than the joints speeding up."""
+"""Squared damping of the Jacobian's inverse [m²].  Near a singularity, the damping
+limits the joint speeds, so the tool lags behind its target."""
 STEPS = 2
-"""Newton steps per action; after the second, the error of a 2 cm move is below 0.1
-mm."""
+"""Number of Newton steps per action.  After two steps, the error of a 2 cm motion is
+below 0.1 mm."""
 
 
 @final
 class Tool:
-    """The tcp of a gripper: a frame fixed in the arm's flange.
+    """The TCP of a gripper, which is a frame that is fixed to the arm's flange.
 
-    The kernel computes it if available, otherwise NumPy, which is the reference
-    implementation.
+    The compiled kernel computes the poses if the kernel is available.  Otherwise, the
+    reference implementation in NumPy computes the poses.
     """
 
     def __init__(
@@ -47,13 +47,13 @@ class Tool:
             )
 
     def pose(self, q: Array) -> Frames:
-        """Return the poses in the root at joint positions ``q`` [rad], shape (n, 6)."""
+        """Return the TCP's poses in the root frame at joint positions [rad], (n, 6)."""
         if self._kernel is not None:
             return Frames(*self._kernel.poses(q))
         return self._T_root_base @ self._in_base(self._chain.forward(q))
 
     def quats(self, rotations: Array) -> Array:
-        """Convert rotations, (n, 3, 3), to unit quaternions with w >= 0, (n, 4)."""
+        """Convert rotation matrices (n, 3, 3) to quaternions (n, 4) with w >= 0."""
         if self._kernel is not None:
             return self._kernel.quats(rotations)
         return quats_wxyz(rotations)
@@ -63,14 +63,15 @@ class Tool:
         return Frames(T[:, :3, 3], T[:, :3, :3]) @ self._T_tip_tcp
 
     def steered(self, q: Array, moves: Array, lowest: float, limit: Array) -> Array:
-        """Return joint positions after moves of a tool pointing down [rad], (n, 6).
+        """Return joint positions [rad], (n, 6), after moves of a tool that points down.
 
         Args:
             q: Start of the motion [rad], shape (n, 6).
-            moves: Moves along the root's axes [m], and turn about z [rad], shape (n,
-                4).
-            lowest: Height below which the tool does not go down [m].
-            limit: As in ``approach``.
+            moves: Translations along the root's axes [m] and rotation about z [rad],
+                shape (n, 4).
+            lowest: Height in the root frame below which the tool does not move down
+                [m].
+            limit: Largest change of each joint [rad], shape (6,); see ``approach``.
         """
         if self._kernel is not None:
             return self._kernel.steered(q, moves, lowest, limit)
@@ -84,9 +85,10 @@ class Tool:
 
         Args:
             q: Start of the motion [rad], shape (n, 6).
-            target: Target pose of the tool in the root, about one step away.
-            limit: Largest change of each joint [rad], shape (6,).  If one would exceed
-                it, the changes of all joints of the copy are scaled down together.
+            target: Target pose of the tool in the root frame, about one step away.
+            limit: Largest change of each joint [rad], shape (6,).  If the change of a
+                joint would exceed the limit, the changes of all joints of the copy are
+                scaled down together.
         """
         if self._kernel is not None:
             return self._kernel.approach(q, target.position, target.rotation, limit)
@@ -109,20 +111,21 @@ class Tool:
 
 
 def chord_vectors(R: Array, R_wanted: Array) -> Array:
-    """Return the rotation from R to R_wanted in the root's axes [rad], shape (n, 3).
+    """Return rotation vectors from R to R_wanted in root axes [rad], shape (n, 3).
 
-    The length equals the angle below about 1 rad, and never exceeds 2.
+    The length of a vector is close to the angle for angles below about 1 rad, and never
+    exceeds 2 rad.
     """
     E = R_wanted @ R.swapaxes(1, 2)
     trace = E[:, 0, 0] + E[:, 1, 1] + E[:, 2, 2]
-    # The axis times 2 sin(angle/2), from sin(angle): their ratio is 1 / cos(angle/2).
+    # The axis times sin(angle) is divided by cos(angle/2), which gives 2 sin(angle/2).
     return np.asarray(sine_vectors(E) / np.sqrt(np.maximum(1.0 + trace, 0.04))[:, None])
 
 
 def raised(position: Array, start: Array, lowest: float) -> Array:
-    """Return positions raised to ``lowest``, or to a start that is lower [m].
+    """Return positions [m], raised to the smaller of ``lowest`` and the start's height.
 
-    All positions are in the root, shape (n, 3).
+    All positions are in the root frame and have the shape (n, 3).
     """
     found = position.copy()
     found[:, 2] = np.maximum(found[:, 2], np.minimum(start[:, 2], lowest))

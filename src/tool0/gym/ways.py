@@ -1,7 +1,7 @@
 """Next targets of experts: to grasp, lift, place or push an object.
 
-The functions have no memory: they infer the progress from the state, so that they can
-recover from disturbances.
+The functions have no memory and infer the progress from the state, so they can recover
+from disturbances.
 """
 
 from __future__ import annotations
@@ -19,25 +19,26 @@ from tool0.kinematics.chain import Array
 from tool0.kinematics.geometry import wrapped
 
 HELD = 0.025
-"""Largest distance from the tcp at which a cube counts as held [m]."""
+"""Largest distance between the TCP and the grasp point of a held object [m]."""
 ALIGNED = 0.006
-"""Largest offset between pads and cube at which the pads may close [m]."""
+"""Largest offset between the pads and the object at which the pads may close [m]."""
 PARALLEL = 0.08
-"""Largest angle between the pads and a cube's sides at which they may close [rad]."""
+"""Largest angle between the pads and the sides of a cube at which the pads may close
+[rad]."""
 NEAR = 2.0
-"""Factor on the tolerances within which an expert continues an action that it began."""
+"""Factor by which the tolerances increase while an expert continues an action."""
 STILL = 0.004
-"""Speed of the pads below which they count as holding [m/s]."""
+"""Largest speed of pads that hold an object [m/s]."""
 DROP = 0.002
-"""Height above the goal at which a cube is released [m]."""
+"""Height above the goal to which an object is lowered before its release [m]."""
 FINE, FINE_GAIN = 0.003, 0.3
-"""Distance within which a held object is moved more slowly [m], and fraction of the
-remaining distance per step."""
+"""Distance to the target below which a held object is moved more slowly [m], and
+fraction of the remaining distance that is commanded per step."""
 BEGUN = 0.0003
-"""Downward move that indicates that an object is being lowered [m]."""
+"""Least commanded downward motion of an object that is being lowered [m]."""
 PUSH_OPENING = 0.4
-"""Opening of the gripper while pushing, as a fraction of the cube's edge; two fingers
-keep the cube straight."""
+"""Opening of the gripper during a push, as a fraction of the cube's edge.  Two separate
+fingers prevent the cube from turning."""
 PUSH_SLOW = 0.35
 """Speed of a push, as a fraction of the fastest action."""
 
@@ -54,14 +55,14 @@ def _hold_place(state: State, hold: Hold) -> Array:
 
 
 def reach(space: Workspace, state: State) -> Target:
-    """Return the next target on the way to the goal, a point."""
+    """Return the next target on the way to the goal, which is a point."""
     n = len(state.q)
     yaw = np.full(n, space.start_yaw)
     return Target(state.goal, yaw, state.opening_target, np.ones(n))
 
 
 class Grasp(NamedTuple):
-    """Progress of grasping the first object, and the next target for it."""
+    """Progress of grasping the first object, and the next target of the grasp."""
 
     target: Target
     held: Mask
@@ -80,9 +81,10 @@ def grasp(
     Args:
         space: Arm and gripper.
         state: The measured state.
-        commanded: The current target of the tcp.
-        hold: How to hold the object; if left out, like a cube.
-        yaw: Yaw of the tcp [rad], shape (n,); if left out, the nearest yaw that fits.
+        commanded: The current target of the TCP.
+        hold: The way in which to hold the object (default: the way to hold a cube).
+        yaw: Yaw of the TCP [rad], shape (n,) (default: the nearest yaw at which the
+            pads fit).
     """
     cube = Cube.of(space, state.object_size)
     hold = hold or cube.hold
@@ -92,7 +94,8 @@ def grasp(
     width, tcp = hold.width, state.tcp_position
     middle = _hold_place(state, hold)
     middle[:, 2] = np.maximum(middle[:, 2], space.lowest)
-    # Commanded, not measured: a step that waits for the arm to settle would oscillate.
+    # The commanded position is used, because waiting for the measured position to
+    # settle would cause oscillations.
     beside = length(commanded.position[:, :2] - middle[:, :2])
     twist = np.abs(wrapped(yaw - commanded.yaw))
     is_low = commanded.position[:, 2] < middle[:, 2] + cube.edge
@@ -102,7 +105,8 @@ def grasp(
     over = hover + np.maximum(0.0, middle[:, 2] - TABLE_TOP - cube.edge)
     aim = middle.copy()
     aim[:, 2] = np.where(aligned, middle[:, 2], over)
-    # Straight up first, if the fingers are beside something.
+    # Low fingers that are not aligned may be beside an object, so they first rise
+    # vertically.
     stuck = ~aligned & (tcp[:, 2] < hover - 0.02)
     aim[:, :2] = np.where(stuck[:, None], commanded.position[:, :2], aim[:, :2])
     there = aligned & (length(tcp - middle) < ALIGNED)
@@ -122,17 +126,18 @@ def grasp(
 def carried(
     state: State, commanded: Frames, point: Array, place: Array, turn: Array
 ) -> Array:
-    """Return positions of the tcp that bring a point of a held object to a place.
+    """Return TCP positions [m], (n, 3), that move a point of a held object to a place.
 
-    They account for where the object is in the gripper; shape (n, 3), in the root [m].
-    The last millimetres are slow, since the object swings a little as the arm moves.
+    The positions are in the root frame and account for the position of the object in
+    the gripper.  The motion is slow in the last millimeters, because the object swings
+    a little when the arm moves.
 
     Args:
         state: The measured state.
-        commanded: The current target of the tcp.
-        point: The point in the root [m], shape (n, 3).
-        place: Target of the object in the root [m], shape (n, 3).
-        turn: Turn of the tcp about z during the move [rad], shape (n,).
+        commanded: The current target of the TCP.
+        point: The point in the root frame [m], shape (n, 3).
+        place: Target of the point in the root frame [m], shape (n, 3).
+        turn: Rotation of the TCP about z during the motion [rad], shape (n,).
     """
     c, s = np.cos(turn), np.sin(turn)
     x, y, z = (point - state.tcp_position).T
@@ -146,8 +151,9 @@ def carried(
 def is_sent_below(state: State, commanded: Frames, point: Array, height: float) -> Mask:
     """Return whether a held object's point is commanded below a height, shape (n,).
 
-    It uses the commanded, not the measured, position, so that an expert knows that it
-    has begun to lower the object.  ``point`` is in the root [m], shape (n, 3).
+    The function uses the commanded position instead of the measured position, so that
+    it detects when an expert has begun to lower the object.  ``point`` is in the root
+    frame [m], shape (n, 3).
     """
     ahead = commanded.position[:, 2] - state.tcp_position[:, 2]
     return np.asarray(point[:, 2] + ahead < height - BEGUN)
@@ -160,7 +166,7 @@ def lift(
     hold: Hold | None = None,
     yaw: Array | None = None,
 ) -> Target:
-    """Return the next target to grasp (see ``grasp``) and lift the first object."""
+    """Return the next target to grasp and lift the first object; see ``grasp``."""
     target, held = grasp(space, state, commanded, hold, yaw)
     up = commanded.position.copy()
     cube = Cube.of(space, state.object_size)
@@ -175,7 +181,7 @@ def place(space: Workspace, state: State, commanded: Frames, goal: Array) -> Tar
     cube = state.object_position[:, 0]
     in_hand = cube - state.tcp_position
     carry = TABLE_TOP + grasp_height + space.lift
-    # The cube goes up, across, and down.
+    # The cube is moved up, horizontally and then down.
     high = commanded.position[:, 2] > carry - 0.03
     off = length(commanded.position[:, :2] + in_hand[:, :2] - goal[:, :2])
     above = off < np.where(high, 0.5, NEAR) * ALIGNED
@@ -189,7 +195,7 @@ def place(space: Workspace, state: State, commanded: Frames, goal: Array) -> Tar
     placed = (length(cube[:, :2] - goal[:, :2]) < NEAR * ALIGNED) & low
     position = np.where(held[:, None], aim, target.position)
     opening = np.where(held, 0.0, target.opening)
-    # The cube is in place: let go of it, then retreat.
+    # When the cube is in place, the gripper opens and the arm retreats.
     gone = state.opening > edge + 0.01
     leave = np.where(gone[:, None], up, commanded.position)
     position = np.where(placed[:, None], leave, position)
@@ -221,7 +227,8 @@ def push(space: Workspace, state: State, commanded: Frames) -> Target:
     ready &= (behind > 0.4 * edge) & (behind < clear + 0.03)
     ready &= (np.abs(aside) < slack * 0.008) & (twist < slack * 0.1)
     aim = np.empty((len(state.q), 3))
-    # Behind the cube, above it, until the tool can go down there.
+    # The tool stays above the place behind the cube until it can move down to this
+    # place.
     aim[:, :2] = cube[:, :2] - along * clear
     aim[:, 2] = np.where(ready, low, hover)
     stuck = ~ready & (tcp[:, 2] < hover - 0.015)
@@ -231,7 +238,7 @@ def push(space: Workspace, state: State, commanded: Frames) -> Target:
     forward = on_line + along * (length(way) + 0.02)[:, None]
     aim[:, :2] = np.where(pushing[:, None], forward, aim[:, :2])
     speed = np.where(pushing, PUSH_SLOW, 1.0)
-    # Release a cube that got between the fingers.
+    # A cube between the fingers is released.
     caught = cube[:, 2] > TABLE_TOP + edge
     aim = np.where(caught[:, None], commanded.position, aim)
     opening = np.where(caught, space.gripper.max_opening, opening)

@@ -1,4 +1,4 @@
-"""The table in front of an arm with a gripper: its places, and the arm's reach."""
+"""The table in front of an arm with a gripper, its places, and the arm's reach."""
 
 from __future__ import annotations
 
@@ -42,43 +42,48 @@ OPENINGS = 33
 """Number of gripper openings between which the position of the pads is interpolated
 linearly; the error is within 0.02 mm for the grippers of the catalogue."""
 CUBE_MASS, CUBE_FRICTION = 0.1, 1.0
-"""Mass [kg] and coefficient of friction of a cube, unless they are randomised."""
+"""Mass [kg] and coefficient of friction of a cube, unless these values are
+randomized."""
 HOVER = 0.02
-"""Least clearance between the fingertips and cubes that they pass over [m]."""
+"""Least clearance between the fingertips and the cubes below them [m]."""
 RUN_UP = 0.03
-"""Clearance from a cube's nearest corner when a tool goes down to push the cube [m]."""
+"""Clearance between a cube's nearest corner and a tool that moves down to push the cube
+[m]."""
 FIXTURE_RGBA = (0.35, 0.37, 0.4, 1.0)
-"""Colour of objects fixed on the table: steel."""
+"""Color of fixed objects on the table, which is the color of steel."""
 NEARER = 0.05
-"""Depth of the area in front of the start area where an arm of scale 1 can work [m]."""
+"""Depth of the additional working area between the start area and the base, for an arm
+of scale 1 [m]."""
 ATTEMPTS = 200
-"""Number of attempts to draw a valid place; then the last draw is used."""
+"""Number of attempts to draw a valid place.  If all attempts fail, the last place is
+used."""
 
 
 @final
 class Workspace:
     """One arm with a gripper, and the table in front of it.
 
-    Lengths on the table scale with the arm; cubes and the bin do not.  Poses are in the
-    robot's root.
+    Lengths on the table are proportional to the scale of the arm, but the sizes of
+    cubes and the bin are constant.  Poses are in the robot's root frame.
     """
 
     def __init__(self, site: Site, arm: str, beside: Mapping[str, Workspace]) -> None:
-        """Take an arm of a task.
+        """Use an arm of a task.
 
         Args:
             site: All arms of the task.
-            arm: Name of this arm in the robot.
-            beside: Workspaces of all arms by name, filled in as they are made.
+            arm: Name of this arm in the robot model.
+            beside: Workspaces of all arms by name; the caller adds each workspace after
+                it is made.
 
         Raises:
             Tool0Error: If the arm or the gripper is not supported.
         """
         model = site.model
         self.arm = arm
-        """Name of the arm in the robot."""
+        """Name of the arm in the robot model."""
         self.gripper_name = gripper_of(model, arm) or ""
-        """Name of the arm's gripper in the robot."""
+        """Name of the arm's gripper in the robot model."""
         self.gripper = find_grippers(model)[self.gripper_name]
         """The gripper's geometry."""
         self._site, self._beside = site, beside
@@ -87,7 +92,7 @@ class Workspace:
         """The cameras for images."""
         self.table = site.tables[arm]
         self.edge = site.edge
-        """Edge of each cube [m]; with random sizes, the nominal edge."""
+        """Edge of each cube [m]; if sizes are random, this is the nominal edge."""
         self.chain = find_chains(model)[arm]
         self._inverse = InverseKinematics(self.chain)
         self.fastest = self._inverse.fastest
@@ -100,17 +105,19 @@ class Workspace:
         T_tip_tcp = grasp_frame(model, self.gripper, self.edge, tip)
         T_root_base = fixed_transform(model, model.root, self.chain.base)
         self.tool = Tool(self.chain, T_root_base, T_tip_tcp)
-        """Tool whose tcp is the point between the pads when they hold a cube."""
+        """Tool with its TCP at the point between pads that hold a cube."""
         self._T_base_root = T_root_base.inverse().matrix
         self._T_tcp_tip = T_tip_tcp.inverse().matrix
         self.reach = finger_reach(model, self.gripper)
-        """Reach of the fingers beyond the tcp when they hold a cube [m]."""
+        """Distance by which the fingers extend beyond the TCP when they hold a cube
+        [m]."""
         closed = grasp_frame(model, self.gripper, 0.0, tip)
         away = closed.position[2] - T_tip_tcp.position[2]
         self.advance = max(0.0, away)
-        """Advance of the fingertips from holding a cube to closed [m]."""
+        """Distance by which the fingertips move forward when the gripper closes
+        completely from the opening at which it holds a cube [m]."""
         self.grasp_height = self.grasp_height_of(self.edge)
-        """Height of the tcp above a cube's support when the gripper grasps the cube
+        """Height of the TCP above a cube's support when the gripper grasps the cube
         [m]."""
         self._size_range = site.size_range
         self.has_sizes = tuple(self._size_range) != (1.0, 1.0)
@@ -126,12 +133,12 @@ class Workspace:
             ]
             z = np.array([frame.position[2] for frame in frames])
             self._aheads = z - T_tip_tcp.position[2]
-            """Distance from the tcp forward to the middle of the pads, by opening
-            [m]."""
+            """Distance from the TCP forward to the middle of the pads, for each gripper
+            opening [m]."""
 
     @property
     def prefix(self) -> str:
-        """Prefix of names in actions and observations, if there are several arms."""
+        """Prefix of names in actions and observations; it is empty for a single arm."""
         return f"{self.arm}_" if len(self._beside) > 1 else ""
 
     def of(self, arm: str) -> Workspace:
@@ -145,18 +152,19 @@ class Workspace:
         return self._beside[arm]
 
     def grasp_height_of(self, height: float) -> float:
-        """Return the height of the tcp above the support of a grasped object [m].
+        """Return the height of the TCP above the support of a grasped object [m].
 
-        ``height`` [m] is the height of the object.  If the tcp were lower, the fingers
-        would touch the table, or the knuckles the object.
+        ``height`` [m] is the height of the object.  If the TCP were lower, the fingers
+        would touch the table, or the knuckles would touch the object.
         """
         return max(height / 2.0, height - self.reach, self.reach + CLEARANCE)
 
     def grasp_heights(self, edge: Array) -> Array:
-        """Return heights of the tcp above the support of grasped cubes [m], shape (n,).
+        """Return heights of the TCP above the support of grasped cubes [m], shape (n,).
 
-        Like ``grasp_height_of``, but for cubes with these edges [m], shape (n,).  The
-        middle of the pads moves relative to the tcp, since fingers turn as they open.
+        This function is the counterpart of ``grasp_height_of`` for cubes with the edges
+        ``edge`` [m], shape (n,).  The middle of the pads moves relative to the TCP,
+        because the fingers turn as they open.
         """
         height = np.maximum(edge / 2.0, edge - self.reach)
         height = np.maximum(height, self.reach + CLEARANCE)
@@ -165,11 +173,11 @@ class Workspace:
     def size_factors(self, extents: Array) -> tuple[float, float]:
         """Return the range of random factors on the size of an object.
 
-        It is the range of ``Randomisation.size``, limited so that the middle of the
-        pads is beside the object, the gripper opens wide enough, and a cube can be
-        carried above another one.  An object whose nominal size is outside these limits
-        does not get further outside.  ``extents`` [m], shape (3,), are those of the
-        object.
+        The result is the range of ``Randomisation.size``, limited so that the middle of
+        the pads is beside the object, the gripper opens wide enough, and a cube can be
+        carried above another cube.  If the nominal size of an object is outside these
+        limits, the nominal size becomes the limit.  ``extents`` are the extents of the
+        object [m], shape (3,).
 
         Raises:
             ConfigError: If the limited range is empty.
@@ -190,40 +198,40 @@ class Workspace:
 
     @property
     def lowest(self) -> float:
-        """Least height of the tcp in the root: fingertips clear the table [m]."""
+        """Least height of the TCP at which the fingertips clear the table [m]."""
         return TABLE_TOP + self.reach + CLEARANCE
 
     @property
     def hover_height(self) -> float:
-        """Height of the tcp above the table when fingers pass over cubes [m]."""
+        """Height of the TCP above the table when the fingers pass over cubes [m]."""
         return max(self.grasp_height, self.reach) + self.edges[1] + HOVER
 
     @property
     def run_up(self) -> float:
-        """Distance from a cube's middle at which a tool goes down to push it [m]."""
+        """Distance from a cube's center at which a tool moves down for a push [m]."""
         return 0.71 * self.edges[1] + RUN_UP
 
     @property
     def lift(self) -> float:
-        """Height at which a cube is carried, relative to where it is grasped [m]."""
+        """Height of a carried cube above the height at which it is grasped [m]."""
         return self.table.lift
 
     @cached_property
     def bin_centre(self) -> Vector3:
-        """Position of the middle of the bin's floor [m]."""
+        """Position of the center of the bin's floor [m]."""
         x, y, z = find_bin(self._shipped, BIN).center
         return x, y, z
 
     def area(self, *, beside_bin: bool = False) -> tuple[Array, Array]:
         """Return the corners of the start area of objects [m], shape (2,) each."""
         right = RIGHT
-        if beside_bin:  # the bin keeps its size, so on a small table it reaches further
+        if beside_bin:  # the bin does not scale with the table
             right = max(RIGHT, BIN_Y + (BIN_HALF_WIDTH + GAP) / self.scale)
         corners = self.table.at(NEAR, right), self.table.at(FAR, LEFT)
         return np.minimum(*corners), np.maximum(*corners)
 
     def draw_place(self, rng: np.random.Generator, low: Array, high: Array) -> Array:
-        """Return a random place within reach, between two corners [m], shape (3,)."""
+        """Return a random place within reach between two corners [m], shape (3,)."""
         for _ in range(ATTEMPTS):
             place = rng.uniform(low, high)
             if self.is_in_reach(place):
@@ -235,18 +243,19 @@ class Workspace:
         return bool(np.isfinite(self.posture(position)).all())
 
     def posture(self, position: Array) -> Array:
-        """Return the joint positions at a tcp position [rad], (6,); NaN out of reach.
+        """Return the joint positions at a TCP position [rad], or NaN if out of reach.
 
-        ``position`` [m], (3,), is in the root; yaw and posture are as at the start.
+        ``position`` [m], (3,), is in the root frame.  The yaw and the posture of the
+        arm are the same as at the start.
         """
         T = self._flange(position, self.start_yaw)
         with np.errstate(invalid="ignore"):
             return np.asarray(self._inverse.geometry.solve(T[None])[0][self._branch])
 
     def reaches_from_above(self, positions: Array) -> bool:
-        """Return whether the tcp can be at one of k points, (k, 3) [m], in any posture.
+        """Return whether the TCP reaches any of k points, (k, 3) [m], in any posture.
 
-        The tool points down; joint limits are ignored.
+        The tool points down, and joint limits are ignored.
         """
         T = np.array([self._flange(each, self.start_yaw) for each in positions])
         with np.errstate(invalid="ignore"):
@@ -261,7 +270,7 @@ class Workspace:
         )
 
     def can_work(self, place: Array) -> bool:
-        """Return whether ``can_lift`` holds and the place is not too close to the base.
+        """Return whether the arm can lift a cube at a place far enough from the base.
 
         ``place`` [m], (2,), may be outside of ``area``.
         """
@@ -281,7 +290,8 @@ class Workspace:
     ) -> Array:
         """Return random places of n cubes on the table [m], shape (n, 3).
 
-        The arm can lift cubes there, and ``fits`` accepts the places, shape (n, 2).
+        The arm can lift cubes at these places, and ``fits`` accepts the places, shape
+        (n, 2).
         """
         low, high = self.area(beside_bin=beside_bin)
         for _ in range(ATTEMPTS):
@@ -300,12 +310,12 @@ class Workspace:
 
     @cached_property
     def start_yaw(self) -> float:
-        """Yaw of the tcp at the start [rad]."""
+        """Yaw of the TCP at the start [rad]."""
         return self._start[0]
 
     @cached_property
     def start_position(self) -> Array:
-        """Position of the tcp at the start [m], shape (3,)."""
+        """Position of the TCP at the start [m], shape (3,)."""
         x, y = self.table.at((NEAR + FAR) / 2.0, (RIGHT + LEFT) / 2.0)
         return np.array([x, y, TABLE_TOP + self.grasp_height + self.lift])
 
@@ -326,14 +336,14 @@ class Workspace:
 
     @cached_property
     def _branch(self) -> int:
-        """Index of the start posture among the arm's eight postures."""
+        """Index of the start posture among the eight inverse kinematics solutions."""
         T = self._flange(self.start_position, self.start_yaw)
         every = self._inverse.geometry.solve(T[None])[0]
         away = np.nan_to_num(np.abs(wrapped(every - self.start)), nan=np.inf)
         return int(away.max(axis=1).argmin())
 
     def _flange(self, position: Array, yaw: float) -> Array:
-        """Return the flange's pose in the arm's base, (4, 4), for a pose of the tcp."""
+        """Return the flange's pose in the arm's base frame, (4, 4), for a TCP pose."""
         T = np.eye(4)
         T[:3, :3] = downward(np.array([yaw]))[0]
         T[:3, 3] = position
@@ -343,7 +353,7 @@ class Workspace:
 
     @cached_property
     def _shipped(self) -> tuple[SceneObject, ...]:
-        """Table, bin and a cube, like in the demos."""
+        """The table, the bin and a cube of the demos."""
         found = self.table.scene(edge=self.edge, mass=CUBE_MASS, friction=CUBE_FRICTION)
         return found.objects
 
@@ -354,9 +364,9 @@ class Workspace:
         friction: float = CUBE_FRICTION,
         with_bin: bool = False,
     ) -> Scene:
-        """Return the table with cubes of these names, and perhaps the bin.
+        """Return the table with cubes of these names, and optionally with the bin.
 
-        The table is shared by all arms; cubes and bin are in front of this arm.
+        All arms share the table.  The cubes and the bin are in front of this arm.
         """
         tables = [
             item
@@ -387,11 +397,11 @@ class Workspace:
 def workspaces(
     options: EnvOptions, arms: tuple[str, ...] = (), distance: float = 0.0
 ) -> dict[str, Workspace]:
-    """Return the workspace of each arm of a task, by the arm's name in the robot.
+    """Return the workspace of each arm of a task, by the arm's name.
 
     Args:
         options: Arm, gripper and cameras.
-        arms: Names of two arms; none for a single one.
+        arms: Names of two arms; empty for a single arm.
         distance: Distance between the bases of two arms of scale 1 [m].
 
     Raises:

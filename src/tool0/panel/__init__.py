@@ -1,1 +1,1 @@
-"""The web panel: its server, and the protocol between page and server."""
+"""The web panel, with its server and the protocol between the page and the server."""

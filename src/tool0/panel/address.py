@@ -1,4 +1,4 @@
-"""The panel's address: its listening socket, token and host names."""
+"""The panel's address, with its listening socket, token and host names."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ TOKEN_VARIABLE: Final = "TOOL0_PANEL_TOKEN"
 _LOOPBACK_NAMES: Final = frozenset({"127.0.0.1", "localhost", "::1"})
 _PORT: Final = re.compile(r"[0-9]{1,5}")
 _SEND_BUFFER: Final = 65536
-"""Size of the system's send buffer for a page [bytes]: two seconds of frames.  The
-system's default of megabytes would let a slow page lag half a minute behind the
-robot."""
+"""Size of the system's send buffer for a page [bytes], which holds two seconds of
+frames.  With the system's default of several megabytes, a slow page would lag half a
+minute behind the robot."""
 _RECEIVE_BUFFER: Final = 32768
 """Size of the system's receive buffer for a page [bytes]."""
 
@@ -31,15 +31,15 @@ _RECEIVE_BUFFER: Final = 32768
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Endpoint:
-    """A listening socket: connections wait there until the server takes them."""
+    """A listening socket, where connections wait until the server accepts them."""
 
     listener: socket.socket
     host: str
-    """Host name or address as requested, without brackets."""
+    """The requested host name or address, without brackets."""
     port: int
     token: str | None
     """Token that ``/ws``, the URDF and the meshes require; None if the server listens
-    only on the loopback interface and no token was chosen."""
+    only on the loopback interface and no token was given."""
 
     @property
     def url(self) -> str:
@@ -52,11 +52,12 @@ class Endpoint:
         return f"http://{shown}:{self.port}/{query}"
 
     def is_known_as(self, host_header: str) -> bool:
-        """Return whether the header ``Host`` names this server.
+        """Return whether the header ``Host`` contains a valid name of this server.
 
-        A foreign page can make its own host name resolve to this machine (DNS
-        rebinding); the browser then sends that name.  With a token the port may differ,
-        since a container or a tunnel may map it.
+        The owner of a foreign page can make the page's host name resolve to this
+        machine (DNS rebinding), in which case the browser sends the foreign name.  If a
+        token is required, the port may differ, because a container or a tunnel may map
+        the port.
         """
         name, port = _split(host_header)
         is_chosen = name in _LOOPBACK_NAMES or name == self.host.lower()
@@ -73,14 +74,15 @@ def open_endpoint(
     """Start listening and return the endpoint.
 
     Args:
-        host: Name or address of this machine; if left out, the loopback address.
-        port: If left out, the default port, or a free one if the default is taken.
-        token: Required from clients.  If left out although a host or a port is given,
-            the environment variable's; if that is unset and the host is not the
-            loopback address, a new token.
+        host: Name or address of this machine (default: the loopback address).
+        port: Port number (default: the default port, or a free port if the default port
+            is in use).
+        token: Token that clients must send.  If a host or a port is given without a
+            token, the value of the environment variable is used.  If there is no value
+            and the host is not the loopback address, a new token is generated.
 
     Raises:
-        TransportError: If the address is taken or is not this machine's.
+        TransportError: If the address is in use or is not an address of this machine.
     """
     if port is not None and not 0 <= port <= 65535:
         raise TransportError(f"port {port} is invalid; choose one in 0 … 65535")
@@ -105,9 +107,9 @@ def _listen(host: str, port: int) -> socket.socket:
     )[0]
     listener = socket.socket(family, kind, protocol)
     try:
-        if os.name == "posix":  # elsewhere it would let two servers share a port
+        if os.name == "posix":  # elsewhere, ports would be shared
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        # Connections inherit these.
+        # Connections inherit the buffer sizes of the listener.
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SEND_BUFFER)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER)
         listener.bind(address)
@@ -132,9 +134,10 @@ def _refusal(host: str, port: int | None, error: OSError) -> TransportError:
 
 
 def _split(host_header: str) -> tuple[str, int | None]:
-    """Return the name in lower case, without brackets, and the port.
+    """Return the name in lower case without brackets, and the port.
 
-    The default HTTP port may be left out; None means no header.
+    If the header contains no port, the port is 80.  If the port is invalid, the port is
+    None.
     """
     name, colon, port = host_header.strip().lower().rpartition(":")
     if not colon or "]" in port:
@@ -146,7 +149,7 @@ def _split(host_header: str) -> tuple[str, int | None]:
 
 @functools.cache
 def _own_names() -> frozenset[str]:
-    """Return the names of this machine; the lookup may take time."""
+    """Return the names of this machine; the lookup may be slow."""
     return frozenset({socket.gethostname().lower(), socket.getfqdn().lower()})
 
 

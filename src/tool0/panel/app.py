@@ -53,18 +53,18 @@ _HEADERS: Final = {
     "cross-origin-resource-policy": "same-origin",
 }
 _HTTP_COST: Final = 1e-3
-"""Processor time charged for answering a request [s]."""
+"""Processor time that is charged for the answer to a request [s]."""
 _SECRET_PATHS: Final = ("/ws", "/robot.urdf", "/meshes/", "/cameras/", "/recording")
 _READING: Final = frozenset({"GET", "HEAD"})
 
 
 @final
 class Guard:
-    """Passes our own pages' and programs' requests to ``app``; rejects other origins.
+    """ASGI filter that rejects requests to ``app`` from pages of other origins.
 
-    Browsers let any page open a WebSocket to any address, this machine's included.
-    They always send the page's origin (``Origin``) and the host name that it used for
-    this server (``Host``).
+    In a browser, any page can open a WebSocket to any address, including addresses of
+    this machine.  Browsers always send the origin of the page (``Origin``) and the host
+    name that the page used for this server (``Host``).
     """
 
     def __init__(self, app: ASGIApp, endpoint: Endpoint) -> None:
@@ -85,7 +85,7 @@ class Guard:
         status, text = refusal
         response = PlainTextResponse(text + "\n", status, dict(_HEADERS))
         if scope["type"] == "websocket":
-            await receive()  # the connect event; refused before it is accepted
+            await receive()  # the connect event
         await response(scope, receive, send)
 
     def _refusal(self, scope: Scope) -> tuple[int, str] | None:
@@ -148,7 +148,7 @@ _MIME: Final = {
 
 @final
 class _ImmutableFiles(StaticFiles):
-    """Files that browsers may keep, as their names change with their contents."""
+    """Files that browsers may cache, because their names change with their contents."""
 
     def file_response(self, *args: Any, **options: Any) -> Response:
         response = super().file_response(*args, **options)
@@ -172,7 +172,7 @@ def build_app(
         file = await recording.file()
         if file is None:
             return PlainTextResponse(_NO_RECORDING, 404)
-        # recordings are already compressed
+        # Recordings are already compressed.
         headers = {**_UNKEPT, "content-encoding": "identity"}
         return FileResponse(file, filename=file.name, headers=headers)
 

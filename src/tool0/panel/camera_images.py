@@ -1,4 +1,4 @@
-"""Camera images for pages: rendered on request, and only once for all pages."""
+"""Camera images for pages, rendered on request and only once for all pages."""
 
 from __future__ import annotations
 
@@ -23,12 +23,13 @@ MIN_WIDTH: Final = 64
 MAX_WIDTH: Final = 1280
 """Largest width of an image [pixels]."""
 _DIGITS: Final = 5
-"""Decimals of positions [rad | m]; smaller motions are invisible."""
+"""Number of decimals of positions [rad | m].  Smaller motions are not visible in
+images."""
 _THREADS: Final = 4
 """Number of threads that encode images or wait for the rendering thread."""
 _LEVEL: Final = 1
-"""Compression level of zlib; a quarter of the default level's time for 1.5 times the
-size."""
+"""Compression level of zlib, which needs a quarter of the time of the default level and
+results in 1.5 times the size."""
 
 
 @final
@@ -37,16 +38,16 @@ class PageImage:
     """An encoded image."""
 
     number: int
-    """Number that increases whenever the cameras' view has changed."""
+    """Number of the image, which increases whenever the cameras' view changes."""
     time: float
-    """Simulated time [s]."""
+    """Simulated time of the image [s]."""
     png: bytes
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Rendering:
-    """An image, rendered or still being rendered, and its encodings."""
+    """An image that is rendered or being rendered, with its encodings."""
 
     number: int
     image: asyncio.Future[CameraImage]
@@ -55,7 +56,7 @@ class _Rendering:
 
 @final
 class CameraImages:
-    """Renders and encodes images in threads; used only in the server's event loop."""
+    """Renderer of images in threads, used only in the server's event loop."""
 
     def __init__(self, cameras: CameraRenderer) -> None:
         self._cameras = cameras
@@ -74,16 +75,19 @@ class CameraImages:
     ) -> PageImage | None:
         """Return the current image, or None if its number is ``after``.
 
-        Pages that request an image while it is being rendered get that image.
+        A page that requests an image while the image is being rendered receives this
+        image.
 
         Args:
             name: Name of the camera.
             kind: ``color``, or ``depth`` in the format of ``depth_pixels``.
-            width: Width of the image [pixels]; the height follows from the camera.
-            after: Number of the image that the page already has; 0 for none.
+            width: Width of the image [pixels]; the height results from the camera's
+                aspect ratio.
+            after: Number of the image that the page already has; 0 if the page has no
+                image.
 
         Raises:
-            RenderError: If there is no such camera, or OpenGL is missing.
+            RenderError: If there is no such camera, or OpenGL is not available.
             ModelError: If MuJoCo does not support one of Gazebo's objects.
         """
         camera = self._cameras[name]
@@ -102,11 +106,11 @@ class CameraImages:
             self._renderings[name, width] = found
         if kind not in found.encoded:
             found.encoded[kind] = asyncio.create_task(self._encode(found, kind))
-        # A page that disconnects must not cancel other pages' image.
+        # A page that disconnects must not cancel the image of other pages.
         return await asyncio.shield(found.encoded[kind])
 
     def close(self) -> None:
-        """Stop rendering new images; those in progress are completed."""
+        """Stop rendering new images; images in progress are completed."""
         self._threads.shutdown(wait=False, cancel_futures=True)
 
     def _look(self, snapshot: Snapshot) -> None:
@@ -134,10 +138,10 @@ class CameraImages:
 
 
 def depth_pixels(depth: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Return depth [m] as colours (height, width, 3): red · 256 + green is in [mm].
+    """Return depth [m] as colors (height, width, 3), with red · 256 + green in mm.
 
-    0 where the depth is unknown or over 65.535 m.  Browsers decode 16-bit grey to only
-    8 bits.
+    The value is 0 if the depth is unknown or above 65.535 m.  Colors are used because
+    browsers decode 16-bit gray images with only 8 bits.
     """
     import numpy as np
 

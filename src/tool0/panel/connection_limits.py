@@ -1,7 +1,7 @@
-"""Limits of connections: unauthenticated ones never block the others.
+"""Limits of connections, so that unauthenticated connections never block others.
 
-A stranger is a connection that has not yet requested anything that needs the token: a
-page that is loading, or one of thousands that an attacker opens and leaves idle.
+A *stranger* is a connection without a request that requires the token.  A stranger may
+be a page that is loading, or one of thousands of idle connections from an attacker.
 """
 
 from __future__ import annotations
@@ -20,19 +20,20 @@ if TYPE_CHECKING:
     from starlette.types import Scope
 
 MAX_CONNECTIONS: Final = 128
-"""Maximum number of connections; further ones replace the oldest stranger."""
+"""Maximum number of connections.  An additional connection replaces the oldest
+stranger."""
 RESERVED_DESCRIPTORS: Final = 64
-"""Number of file descriptors reserved for the Unix socket and the robot; at most a
-quarter of the limit."""
+"""Number of file descriptors that are reserved for the Unix socket and the robot, up to
+a quarter of the descriptor limit."""
 IDLE_AFTER: Final = 10.0
-"""Wall time within which a connection has to send a complete header [s]."""
+"""Wall time within which a connection must send a complete header [s]."""
 _CHECK_PERIOD: Final = 1.0
 """Period of the checks for idle connections [wall s]."""
 
 
 @final
 class Visitor:
-    """One connection, stored in the ASGI scope of its requests."""
+    """One connection, which is stored in the ASGI scope of its requests."""
 
     transport: asyncio.Transport
 
@@ -55,7 +56,7 @@ class Visitor:
 
     @property
     def is_answered(self) -> bool:
-        """Whether one of its requests is being answered."""
+        """Whether a request of this connection is being answered."""
         return self._n_requests > 0
 
     @contextlib.contextmanager
@@ -69,19 +70,19 @@ class Visitor:
             self._idle_since = asyncio.get_running_loop().time()
 
     def is_idle(self) -> bool:
-        """Return whether the connection has been idle for too long."""
+        """Return whether the connection has been idle longer than ``IDLE_AFTER``."""
         age = asyncio.get_running_loop().time() - self._idle_since
         is_read = not self.transport.get_write_buffer_size()
         return not self.is_answered and is_read and age > IDLE_AFTER
 
     def drop(self) -> None:
-        """End the connection at once."""
+        """End the connection immediately."""
         self.transport.abort()
 
 
 @final
 class Entrance:
-    """Accepts connections and drops idle ones."""
+    """Acceptor of connections, which drops idle connections."""
 
     def __init__(
         self,
@@ -93,7 +94,8 @@ class Entrance:
 
         Args:
             listener: The listening socket.
-            make_protocol: Makes a protocol, given the state for its ASGI scopes.
+            make_protocol: Function that makes a protocol with the given state for its
+                ASGI scopes.
             budget: Processor-time budget of all connections.
         """
         self._budget = budget
@@ -113,7 +115,8 @@ class Entrance:
 
     async def _take(self, peer: socket.socket) -> None:
         self._visitors = [visitor for visitor in self._visitors if visitor.is_open]
-        # The system assigns the lowest free descriptor, so its number is the usage.
+        # The system assigns the lowest free descriptor, so the descriptor's number
+        # shows how many are in use.
         is_short = peer.fileno() >= self._max_descriptors
         is_full = len(self._visitors) >= MAX_CONNECTIONS
         if (is_short or is_full) and not self._drop_a_stranger():
@@ -128,7 +131,10 @@ class Entrance:
         self._visitors.append(visitor)
 
     def _drop_a_stranger(self) -> bool:
-        """Drop the oldest stranger, preferably idle; return whether there was one."""
+        """Drop the oldest stranger, preferably an idle one.
+
+        Return whether there was a stranger.
+        """
         strangers = [visitor for visitor in self._visitors if visitor.is_stranger]
         if not strangers:
             return False

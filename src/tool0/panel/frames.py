@@ -1,4 +1,4 @@
-"""Frames: robot states, rounded for display on pages."""
+"""Frames, which are robot states with rounded values for display on pages."""
 
 from __future__ import annotations
 
@@ -15,18 +15,19 @@ if TYPE_CHECKING:
     from tool0.protocol.state import Snapshot
 
 _DIGITS: Final = 6
-"""Decimals of positions and similar values, so that a resting robot gives equal
-frames."""
+"""Number of decimals of positions and similar values.  The rounding results in equal
+frames of a stationary robot."""
 _FORCE_DIGITS: Final = 4
 
 
 def frame_of(
     snapshot: Snapshot, scene: int, *, contacts: bool = False, wrenches: bool = False
 ) -> StateMessage:
-    """Return a snapshot in the form that pages show.
+    """Return a snapshot as a frame for pages.
 
     Args:
-        snapshot: The snapshot; may lack forces that were requested only just now.
+        snapshot: The snapshot, which may not yet contain forces that were requested
+            recently.
         scene: Number of the snapshot's scene.
         contacts: Whether to add contacts.
         wrenches: Whether to add the wrench on each tool.
@@ -66,11 +67,11 @@ def _mask(*, contacts: bool, wrenches: bool) -> StateMask:
 
 
 def rounded(value: float) -> float:
-    """Return a position or similar value, rounded for pages."""
-    return round(value, _DIGITS) + 0.0  # no minus zero
+    """Return a position or a similar value, rounded for pages."""
+    return round(value, _DIGITS) + 0.0  # avoids minus zero
 
 
-def _rounded(values: Iterable[float]) -> Any:  # Any: as many as there were
+def _rounded(values: Iterable[float]) -> Any:  # Any: of the same length
     return tuple([round(value, _DIGITS) + 0.0 for value in values])
 
 

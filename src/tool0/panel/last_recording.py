@@ -17,15 +17,15 @@ if TYPE_CHECKING:
     from tool0.protocol.backend import Backend
 
 _STARTS_WITHIN: Final = 60.0
-"""Longest wait for the address of the replay's page [wall s]."""
+"""Longest wait for the address of the page of a replay [wall s]."""
 _GRACE: Final = 3.0
-"""Time that the replay process has to end when it is stopped [wall s]."""
+"""Time within which the replay process must end when it is stopped [wall s]."""
 _PANEL: Final = "Panel: "
 
 
 @final
 class LastRecording:
-    """Finds the last recording and replays it in a separate process.
+    """Finds the last recording and replays this recording in a separate process.
 
     The process ends when this object is closed or another recording is replayed.
     """
@@ -38,7 +38,7 @@ class LastRecording:
         self._starting = asyncio.Lock()
 
     async def file(self) -> Path | None:
-        """Return the last completed file; None if there is none."""
+        """Return the last completed file; None if there is no such file."""
         if self._backend.why_missing(ReadRecording):
             return None
         status = await asyncio.to_thread(self._backend.answer, ReadRecording())
@@ -48,7 +48,9 @@ class LastRecording:
         return file if file.is_file() else None
 
     async def replay(self, file: Path) -> str:
-        """Start replaying a file, unless this is running; return the page's address.
+        """Start to replay a file unless it is being replayed.
+
+        Return the page's address.
 
         Raises:
             RecordingError: If the replay does not start.
@@ -61,7 +63,7 @@ class LastRecording:
             return await asyncio.to_thread(replay.address)
 
     async def close(self) -> None:
-        """End the replay; closing twice is allowed."""
+        """End the replay; it may be ended more than once."""
         replay, self._replay = self._replay, None
         if replay is not None:
             await asyncio.to_thread(replay.close)
@@ -95,7 +97,7 @@ class _ReplayProcess:
         return self._child.exit_status is not None
 
     def address(self) -> str:
-        """Wait for the page's address, and return it."""
+        """Wait for the address of the page, and return the address."""
         self._is_known.wait(_STARTS_WITHIN)
         if self._address is None:
             why = last_lines("\n".join(self._lines)) or "it says nothing"
@@ -107,7 +109,7 @@ class _ReplayProcess:
         self._reader.join()
 
     def _read(self, descriptor: int) -> None:
-        """Read the process's output to its end, so that the process never blocks."""
+        """Read all output of the process, so that the process never blocks."""
         with open(descriptor, encoding="utf-8", errors="replace") as output:
             for line in output:
                 if self._is_known.is_set():

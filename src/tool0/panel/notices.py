@@ -1,4 +1,4 @@
-"""Notices: numbered messages to users about a robot's events."""
+"""Notices, which are numbered messages to users about a robot's events."""
 
 from __future__ import annotations
 
@@ -15,20 +15,22 @@ if TYPE_CHECKING:
     from tool0.protocol.backend import States
 
 MAX_AT_ONCE: Final = 20
-"""Maximum number of notifications per update; a script can end thousands of goals."""
+"""Maximum number of notifications per update.  The limit is needed because a script can
+end thousands of goals at the same time."""
 _SEVERITY_ORDER: Final[dict[Severity, int]] = {"info": 0, "warning": 1, "error": 2}
 NOTICES_KEPT: Final = 200
 _REPEAT_AFTER: Final = 5.0
-"""Wall time after which a repeated refusal is shown again [s]; sliders repeat refusals
-with different numbers."""
+"""Wall time after which a repeated refusal is shown again [s].  Sliders cause repeated
+refusals with different numbers."""
 _ONE_OVERRUN: Final = 60.0
-"""Wall time within which repeated reports of late ticks count as one event [s]."""
+"""Wall time within which repeated reports of late ticks are combined into one notice
+[s]."""
 _NUMBER: Final = re.compile(r"-?\d+(\.\d+)?")
 
 
 @final
 class NoticeBook:
-    """Numbers notices and keeps the most recent ones for pages that connect later."""
+    """Numbers notices and keeps the latest notices for pages that connect later."""
 
     def __init__(self) -> None:
         self._number = 0
@@ -36,7 +38,7 @@ class NoticeBook:
         self.kept: deque[Notice] = deque(maxlen=NOTICES_KEPT)
 
     def note(self, notification: Notification) -> Notice | None:
-        """Return a notification as a notice; None for a refusal repeated too soon."""
+        """Return a notification as a notice, or None for an early repetition."""
         now = time.time()
         text = notification.text
         if notification.code == "refused" and self._is_repeated(text, now):
@@ -55,7 +57,7 @@ class NoticeBook:
         return notice
 
     def _forget_overrun(self, now: Notice) -> None:
-        """Drop the previous overrun notice to leave room for other notices."""
+        """Drop the previous overrun notice if the new notice continues it."""
         for earlier in reversed(self.kept):
             if now.wall_time - earlier.wall_time > _ONE_OVERRUN:
                 return
@@ -77,7 +79,7 @@ class NoticeBook:
 
 @final
 class EventWatcher:
-    """Describes a robot's events and changes as notifications."""
+    """Describes the events and changes of a robot as notifications."""
 
     def __init__(self, states: States, warnings: Sequence[str]) -> None:
         """Watch a robot's states; ``warnings`` are the first notifications."""
@@ -91,7 +93,7 @@ class EventWatcher:
         ]
 
     def report_once(self, text: str) -> None:
-        """Add a warning to the next ``notifications`` unless it was added before."""
+        """Add a warning to the next ``notifications`` unless it was already added."""
         if text not in self._reported:
             self._reported.add(text)
             self._waiting.append(
@@ -99,7 +101,10 @@ class EventWatcher:
             )
 
     def notifications(self) -> Sequence[Notification]:
-        """Return new notifications since the last call; at first, the warnings."""
+        """Return the notifications since the last call.
+
+        The first call adds the warnings.
+        """
         found, self._waiting = self._waiting, []
         snapshot = self._states.snapshot
         events = self._subscription.events
@@ -115,7 +120,7 @@ class EventWatcher:
 
 
 def _shortened(found: list[Notification]) -> list[Notification]:
-    """Return the MAX_AT_ONCE most severe notifications and the number of others."""
+    """Return the most severe notifications and a summary of the others."""
     if len(found) <= MAX_AT_ONCE:
         return found
     by_severity = sorted(found, key=lambda item: -_SEVERITY_ORDER[item.severity])

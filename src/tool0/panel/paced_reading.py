@@ -1,7 +1,7 @@
-"""Reads a connection for a uvicorn protocol no faster than the account allows.
+"""Reads a connection for a uvicorn protocol at the pace that the account allows.
 
-A WebSocket's frames are parsed as they are read, 20 us each: a single read of 256 kB
-would occupy the event loop for 100 ms.
+The frames of a WebSocket are parsed immediately after they are read, which takes 20 µs
+per frame.  A single read of 256 kB would therefore block the event loop for 100 ms.
 """
 
 from __future__ import annotations
@@ -12,22 +12,25 @@ from typing import Any, Final, final
 from tool0.server.budget import Account
 
 _CHUNK: Final = 1 << 12
-"""Number of bytes that are read at once: at most 0.5 ms of short frames."""
+"""Largest number of bytes in one read.  Short frames of this size are parsed within 0.5
+ms."""
 _arriving: Final = memoryview(bytearray(_CHUNK))
-"""Buffer into which the event loop reads; its contents are copied immediately."""
+"""Buffer into which the event loop reads data, which is copied immediately."""
 
 
 @final
 class PacedProtocol(asyncio.BufferedProtocol):
-    """Passes incoming data to a protocol while the connection's account allows it."""
+    """Protocol that passes received data to another protocol at the account's pace."""
 
     def __init__(self, account: Account, protocol: asyncio.Protocol) -> None:
         self._account = account
         self.protocol = protocol
-        """Protocol that receives the data; a WebSocket upgrade replaces it."""
+        """Protocol that receives the data; a WebSocket upgrade replaces the
+        protocol."""
         self._transport: asyncio.Transport
         self._is_waiting, self._is_paused = False, False
-        """Whether the account, or the protocol, has paused reading."""
+        """Whether the account (first value) or the protocol (second value) has paused
+        reading."""
         self._task: asyncio.Task[None] | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -41,7 +44,7 @@ class PacedProtocol(asyncio.BufferedProtocol):
     def buffer_updated(self, nbytes: int) -> None:
         with self._account.working():
             self.protocol.data_received(bytes(_arriving[:nbytes]))
-        is_all = nbytes < _CHUNK  # a stop must not wait behind what it has not sent
+        is_all = nbytes < _CHUNK  # no more data at present
         if not (is_all or self._is_waiting or self._account.may_go_on):
             self._is_waiting = True
             self._update()
@@ -62,7 +65,7 @@ class PacedProtocol(asyncio.BufferedProtocol):
         self.protocol.resume_writing()
 
     def pause(self, paused: bool) -> None:
-        """Pause or resume reading on the protocol's behalf."""
+        """Pause or resume reading on behalf of the protocol."""
         self._is_paused = paused
         self._update()
 
@@ -80,7 +83,7 @@ class PacedProtocol(asyncio.BufferedProtocol):
 
 @final
 class _PacedTransport(asyncio.Transport):
-    """Transport that uvicorn's protocols see."""
+    """Transport that is passed to uvicorn's protocols."""
 
     def __init__(self, transport: asyncio.Transport, paced: PacedProtocol) -> None:
         super().__init__()

@@ -1,9 +1,9 @@
-"""Messages to a page after ``subscribe_view``: the robot as shown on pages.
+"""Messages to a page after ``subscribe_view``, which contain the view of the robot.
 
 Each message is a JSON object with its name in ``type``.  ``web/protocol.schema.json``
 and the page's TypeScript types are generated from the classes below and the contract.
-Units are SI: [rad | m], [s], [N·m | N].  Numbers that are infinite in the model are
-null here, since JSON has no infinity.
+Units are SI: [rad | m], [s], [N·m | N].  Infinite numbers of the model are null in
+messages, because JSON has no infinity.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from tool0.protocol.state_message import StateMessage
 
 
 class JointInfo(Struct, frozen=True, kw_only=True):
-    """A movable joint, as seen by controllers."""
+    """A movable joint, as it is used by controllers."""
 
     name: str
     type: Literal["revolute", "continuous", "prismatic"]
@@ -36,7 +36,7 @@ class JointInfo(Struct, frozen=True, kw_only=True):
     effort: float | None
     driven: bool
     mimics: str | None
-    """Name of the joint that this joint mimics; null if it mimics none."""
+    """Name of the joint that this joint mimics; null if it does not mimic a joint."""
 
 
 class GripperInfo(Struct, frozen=True, kw_only=True):
@@ -55,25 +55,25 @@ class GripperInfo(Struct, frozen=True, kw_only=True):
     pad_sin: float
     pad_slope: float
     """Coefficient of q in the opening of the gripper, which is ``2 (pad_offset +
-    pad_cos cos q + pad_sin sin q + pad_slope q)`` with the joint at q."""
+    pad_cos cos q + pad_sin sin q + pad_slope q)`` with the joint at the position q."""
 
 
 class RobotPartsInfo(Struct, frozen=True, kw_only=True):
     """One of several robots: an arm with its gripper."""
 
     name: str
-    """Name of the arm in requests: its name in a cell, or ``arm``."""
+    """Name of the arm in requests, which is its name in a cell, or ``arm``."""
     title: str | None
-    """Arm and gripper in the catalogue, such as ``ur5 + 2f85``; null for a user's own
-    file."""
+    """Names of the arm and the gripper in the catalogue, such as ``ur5 + 2f85``; null
+    for a user's file."""
     prefix: str
-    """Prefix of the robot's link and joint names; may be empty."""
+    """Prefix of the robot's link and joint names, which may be empty."""
     base: str
-    """Base link of this robot, which carries no other robot."""
+    """Base link of this robot, which does not carry another robot."""
     joints: list[str]
-    """Names of the robot's movable joints, including the gripper's."""
+    """Names of the robot's movable joints, including the joints of the gripper."""
     gripper: str | None
-    """Name of the robot's gripper; null if it has none."""
+    """Name of the robot's gripper; null if the robot has no gripper."""
     tip: str
     """The link at the end of the arm."""
 
@@ -83,18 +83,19 @@ class RobotInfo(Struct, frozen=True, kw_only=True):
     title: str
     """Title for the title bar, such as ``ur5 + 2f85``."""
     root: str
-    """Fixed root link, in whose frame all poses are given."""
+    """Fixed root link; all poses are given in its frame."""
     urdf: str
-    """Path of the URDF on this server; meshes in the URDF also have such paths."""
+    """Path of the URDF on this server; meshes in the URDF also have paths on this
+    server."""
     ground: float | None
-    """Height of the ground [m]; null if there is none."""
+    """Height of the ground in the root frame [m]; null if there is no ground."""
     joints: list[JointInfo]
-    """Joints in the order of every array of a ``state``."""
+    """Joints in the order of the arrays in a ``state``."""
     grippers: list[GripperInfo]
     robots: list[RobotPartsInfo]
-    """The arms with their grippers; a cell has several."""
+    """The arms with their grippers; a cell has several arms."""
     part_names: dict[str, DisplayName]
-    """Link or joint → display name in English and Chinese, if there is one."""
+    """Display names in English and Chinese, by name of the link or joint."""
 
 
 class CameraInfo(Struct, frozen=True, kw_only=True):
@@ -117,11 +118,11 @@ class PartInfo(Struct, frozen=True, kw_only=True):
 
 
 class ShapeInfo(Struct, frozen=True, kw_only=True):
-    """The shape of an object, centred at its origin; cylinders stand along z."""
+    """The shape of an object, centered at its origin; the axis of a cylinder is z."""
 
     kind: Literal["box", "cylinder", "sphere", "mesh", "compound"]
     size: Vector3 | None = None
-    """Edges of a box [m]; scale of a mesh."""
+    """Edges of a box [m], or scale factors of a mesh."""
     radius: float | None = None
     length: float | None = None
     url: str | None = None
@@ -142,7 +143,7 @@ class ViewObject(Struct, frozen=True, kw_only=True):
     mass: float | None
     """Mass [kg]; null for a fixed object."""
     friction: float
-    """Coulomb coefficient of friction."""
+    """Coulomb friction coefficient of the object."""
 
 
 ControllerStage = Literal[
@@ -158,21 +159,22 @@ ControllerStage = Literal[
 
 
 class ControllerInfo(Struct, frozen=True, kw_only=True):
-    """A controller of the YAML, loaded or not."""
+    """A controller of the YAML file, which may be loaded or unloaded."""
 
     name: str
     type: str
     state: ControllerStage
     is_running: bool
     role: Role
-    """Role of the controller; sliders drive controllers that follow trajectories."""
+    """Role of the controller; sliders command controllers that follow trajectories."""
     interface: str | None
-    """Command interface that the controller claims; null if it only reads or is
-    unloaded."""
+    """Command interface that the controller claims; null if the controller only reads
+    or is unloaded."""
     joints: list[str]
     """Joints that the controller claims while it is running."""
     undrivable: str | None
-    """Reason why sliders cannot drive the controller's joints; null if they can."""
+    """Reason why sliders cannot move the controller's joints; null if sliders can move
+    them."""
 
 
 class GripperState(Struct, frozen=True, kw_only=True):
@@ -182,50 +184,52 @@ class GripperState(Struct, frozen=True, kw_only=True):
     motion: Literal[
         "moving", "at_target", "holding_inside", "holding_outside", "blocked", "idle"
     ]
-    """``holding_inside``: squeezes an object between the pads.  ``holding_outside``:
-    presses the pads outwards against an object.  ``blocked``: cannot move on although
-    nothing presses on both fingers.  ``idle``: no position controller is running."""
+    """``holding_inside``: The gripper squeezes an object between its pads.
+    ``holding_outside``: The gripper presses its pads outward against an object.
+    ``blocked``: The gripper cannot continue to move, although no object presses on both
+    fingers.  ``idle``: No position controller of the gripper is running."""
     gobj: int
-    """Value of Robotiq's ``gOBJ``: 0: moving; 1: stopped by an object while opening; 2:
-    stopped by an object while closing; 3: at target."""
+    """Value of Robotiq's ``gOBJ``: 0 (moving), 1 (stopped by an object while opening),
+    2 (stopped by an object while closing) or 3 (at the target)."""
     width: float | None
-    """Width of the object between the pads [m]; null if there is none or it is
-    unknown."""
+    """Width of the object between the pads [m]; null if there is no object or its width
+    is unknown."""
 
 
 class StallInfo(Struct, frozen=True, kw_only=True):
-    """A joint that pushes at its effort limit and does not move."""
+    """A stationary joint that pushes with its largest effort."""
 
     joint: str
     effort: float
     """Effort with which the joint pushes [N·m | N]."""
     contacts: list[tuple[str, str]]
-    """Pairs of a link beyond the joint and the body that it touches, the strongest
-    contact first."""
+    """Contacts as pairs of a link beyond the joint and the body that it touches,
+    starting with the strongest contact."""
 
 
 class PoseInfo(Struct, frozen=True, kw_only=True):
     name: str
     saved: bool
-    """Whether a user saved the pose; other poses come with the robot."""
+    """Whether a user saved the pose; other poses are predefined."""
     is_gripper: bool
-    """Whether the pose is for grippers only; other poses do not move grippers."""
+    """Whether the pose is only for grippers; other poses do not move grippers."""
     positions: dict[str, float]
     """Positions of the joints that a move to the pose would move [rad | m]."""
 
 
-# ---- from the server ----------------------------------------------------------------
+# ---- messages from the server --------------------------------------------------------
+# ----------------------------------------------------------------
 
 
 class Notice(Struct, frozen=True, kw_only=True, tag="notice"):
-    """An entry for the page's log; the ``view`` message has the most recent ones."""
+    """An entry for the page's log; the ``view`` message contains the latest entries."""
 
     number: int
     """Number of the notice, counted from 1 during the server's lifetime."""
     wall_time: float
-    """Wall time [s] since 1970, UTC."""
+    """Wall time of the notice [s since 1970 UTC]."""
     time: float | None
-    """Simulated time [s]."""
+    """Simulated time of the notice [s]."""
     severity: Severity
     code: NoticeCode
     text: str
@@ -236,29 +240,31 @@ class RecordingInfo(Struct, frozen=True, kw_only=True):
     """A recording to a file."""
 
     file: str
-    """Path of the current file; if the recording rotates, of the newest file."""
+    """Path of the current file, which is the newest file if the recording is split."""
     is_recording: bool
     seconds: int
-    """Simulated time recorded [s]."""
+    """Recorded simulated time [s]."""
     size: int
     """Total size of the recording's files, rounded to 10 kB [bytes]."""
     dropped: int
     """Number of snapshots that are missing because the disk was too slow."""
     error: str | None
-    """Error that ended the recording early, such as a full disk."""
+    """Error that ended the recording early, such as a full disk; null if there is no
+    error."""
 
 
 class Status(Struct, frozen=True, kw_only=True, tag="status"):
-    """Slowly changing state, sent at first and on every change."""
+    """Slowly changing state, which is sent initially and at every change."""
 
     paused: bool
     stopped: bool
     """Whether the emergency stop is engaged."""
     fault: str | None
     speed: float | None
-    """Requested simulated seconds per wall second; null for as fast as possible."""
+    """Requested simulated seconds per wall second; null if the simulation runs as fast
+    as possible."""
     real_time_factor: float
-    """Simulated time per wall time, measured over about the last second."""
+    """Ratio of simulated time to wall time over about the last second."""
     late_ticks: int
     """Number of ticks that started late in about the last second."""
     clients: int
@@ -268,26 +274,29 @@ class Status(Struct, frozen=True, kw_only=True, tag="status"):
     poses: list[PoseInfo]
     stalls: list[StallInfo]
     targets: dict[str, float]
-    """Joint → target of its controller's motion [rad | m], which the page draws as a
+    """Targets of the controllers' motions [rad | m] by joint, which the page draws as a
     ghost."""
     control_boxes: list[ControlBoxState]
-    """Control box of each arm: modes, program, pins, speed slider; empty without
-    physics."""
+    """Control box of each arm, with its modes, program, pins and speed slider; the list
+    is empty without physics."""
     programs: list[ProgramRun]
-    """Last program of each arm that has run one."""
+    """Last program of each arm that has run a program."""
     recording: RecordingInfo | None = None
-    """State of the recording in progress or, if there is none, of the last one."""
+    """State of the current recording or, if there is no current recording, of the last
+    recording."""
     loops: bool = False
     """Whether a replay starts again at its end; in a replay, ``paused`` and ``speed``
-    are also the replay's."""
+    also describe the replay."""
     episodes: EpisodesStatus | None = None
-    """State of the folder of demonstrations, in whole seconds; null if none is open."""
+    """State of the open folder of demonstrations, with times in whole seconds; null if
+    no folder is open."""
 
 
 class ViewScene(Struct, frozen=True, kw_only=True, tag="scene"):
-    """Objects around the robot, sent at first and when one is added or removed.
+    """Objects around the robot, sent initially and when objects are added or removed.
 
-    A state's ``scene_number`` tells which scene its objects belong to.
+    The field ``scene_number`` of a state is the number of the scene that contains the
+    state's objects.
     """
 
     number: int
@@ -296,40 +305,40 @@ class ViewScene(Struct, frozen=True, kw_only=True, tag="scene"):
 
 
 class ReplayInfo(Struct, frozen=True, kw_only=True):
-    """The recording that is replayed; its notices are in the ``view`` message."""
+    """The replayed recording; its notices are in the ``view`` message."""
 
     file: str
-    """Name of the file, without folders."""
+    """Name of the recording's file, without folders."""
     start: float
-    """Simulated time of its first snapshot [s]."""
+    """Simulated time of the recording's first snapshot [s]."""
     end: float
-    """Simulated time of its last snapshot [s]."""
+    """Simulated time of the recording's last snapshot [s]."""
     is_complete: bool
-    """False if the file was cut off while it was written."""
+    """Whether the file was finished; false if it was truncated while it was written."""
     signals: list[str]
     """Names of the signals that ``read_replay`` can return, such as
     ``joint/elbow_joint/position``."""
 
 
 class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
-    """The first message of the view; ``scene``, ``status`` and ``state`` follow."""
+    """The first message of the view, before ``scene``, ``status`` and ``state``."""
 
     mode: Mode
     engine: str | None
     """Name of the physics engine, such as ``mujoco``; null without physics."""
     control_period: float | None
-    """Simulated time of a tick [s]; null without physics."""
+    """Duration of a tick in simulated time [s]; null without physics."""
     grasp_assist: bool
     """Whether grasped objects are fixed to the gripper, which is not physical."""
     robot: RobotInfo
     cameras: list[CameraInfo]
-    """Cameras, whose images are at ``/cameras/NAME/color?width=640`` and
+    """Cameras, with images at ``/cameras/NAME/color?width=640`` and
     ``/cameras/NAME/depth`` on this server; see ``camera_images``."""
     notices: list[Notice]
     missing: dict[str, str]
-    """Method that this robot does not offer → reason."""
+    """Reasons why this robot does not support some methods, by method."""
     replay: ReplayInfo | None = None
-    """Recording that ``tool0 replay`` shows; null for a running robot."""
+    """The recording that ``tool0 replay`` shows; null for a running robot."""
 
 
 ViewMessage = ViewInfo | ViewScene | Status | StateMessage | Notice

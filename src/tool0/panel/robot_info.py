@@ -1,4 +1,4 @@
-"""The robot's description, URDF and meshes, as served to pages."""
+"""The robot's description, URDF and meshes for pages."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ ONE_AXIS = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMA
 
 @final
 class RobotFiles:
-    """URDF and meshes that a page can fetch.
+    """The URDF and the meshes that a page can request.
 
     Only files that the model and the scene refer to are served.
     """
@@ -78,16 +78,16 @@ class RobotFiles:
         meshes = [item for item in geometries if isinstance(item, Mesh)]
         self._numbers = itertools.count()
         self.known: set[Path] = set()
-        """Paths of all meshes that the model and the scene have had so far."""
+        """Paths of all meshes that the model and the scene have contained."""
         self._url_of = self._urls(meshes, {})
         self._url_of_uri = {mesh.uri: self._url_of[mesh.path] for mesh in meshes}
         self._url_of_object: Mapping[Path, str] = {}
 
     def set_objects(self, objects: Sequence[SceneObject]) -> None:
-        """Serve the meshes of these objects and of no others.
+        """Serve the meshes of these objects, and of no other objects.
 
-        A mesh that is removed and added again gets another path, since its file may
-        have changed.
+        A mesh that is removed and added again is served at another path, because its
+        file may have changed.
         """
         geometries = [
             part for item in objects for part, _ in placed_geometries(item.geometry)
@@ -97,7 +97,7 @@ class RobotFiles:
 
     @property
     def meshes(self) -> Mapping[str, Path]:
-        """Server path → mesh file."""
+        """Mesh files by path on the server."""
         both = (self._url_of, self._url_of_object)
         return {url: file for urls in both for file, url in urls.items()}
 
@@ -117,7 +117,7 @@ class RobotFiles:
 
     @cached_property
     def urdf(self) -> bytes:
-        """The URDF, with server paths instead of file names."""
+        """The URDF with server paths instead of file names."""
         document: Document = parse_text(self._description.urdf)
         for element in document.getElementsByTagName("mesh"):
             uri = element.getAttribute("filename")
@@ -136,9 +136,9 @@ def robot_info(
 ) -> RobotInfo:
     """Return the data that a page needs to draw the robot.
 
-    ``joints`` are in the order of every frame's arrays, ``ground`` is the ground's
-    height in the robot's root [m], and ``limits`` are the limits that differ from the
-    URDF's.
+    ``joints`` are in the order of the arrays of a frame, ``ground`` is the height of
+    the ground in the robot's root frame [m], and ``limits`` are the limits that differ
+    from the limits in the URDF.
     """
     model = description.model
     titles = {robot.prefix: robot.parts_title for robot in description.robots}
@@ -193,7 +193,7 @@ def object_info(item: SceneObject, files: RobotFiles) -> ViewObject:
 
 
 def pose_infos(book: PoseStore, report: Callable[[str], None]) -> list[PoseInfo]:
-    """Return every pose; call ``report`` if the saved poses cannot be read."""
+    """Return all poses; call ``report`` if the saved poses cannot be read."""
     try:
         poses = book.all()
     except ConfigError as error:
@@ -217,7 +217,7 @@ def _joint_info(
     turns_on = joint.type is JointType.CONTINUOUS
     return JointInfo(
         name=joint.name,
-        # Engines and the view have no joints of other types.
+        # Engines and the view do not support joints of other types.
         type=cast(Literal["revolute", "continuous", "prismatic"], joint.type.value),
         lower=None if turns_on else _finite(limits.lower),
         upper=None if turns_on else _finite(limits.upper),

@@ -1,4 +1,4 @@
-"""The panel: a web page with the robot, served over HTTP and WebSocket."""
+"""The panel, which is a web page with the robot, served over HTTP and WebSocket."""
 
 from __future__ import annotations
 
@@ -39,19 +39,20 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 STATIC: Final = Path(__file__).parent / "static"
-"""Folder of the page, built from ``web/``."""
+"""Folder of the page, which is built from ``web/``."""
 
 MAX_PAGES: Final = 64
 GOING_AWAY: Final = 1001
 FULL: Final = 503
 _MAX_MESSAGE: Final = 1 << 16
-"""Longest message from a page [bytes]; a longer one ends the connection."""
+"""Largest size of a message from a page [bytes].  A larger message ends the
+connection."""
 _FAULTS_OF_PAGES: Final = (
     "ASGI callable returned without completing handshake.",  # a page that is refused
     "Invalid UTF-8 sequence received from client.",
 )
 _PING_PERIOD: Final = 20.0
-"""Wall time between checks that a silent page is still connected [s]."""
+"""Wall time between checks of whether an inactive page is still connected [s]."""
 
 
 def is_page_built() -> bool:
@@ -60,9 +61,10 @@ def is_page_built() -> bool:
 
 
 def load() -> None:
-    """Import the server's modules before a control loop runs.
+    """Import the server's modules before a control loop is started.
 
-    Otherwise, the server's thread imports them later, which delays ticks by 0.1 s.
+    Otherwise, the server's thread imports the modules later, which delays ticks by 0.1
+    s.
     """
     import uvicorn.protocols.http.h11_impl
     import uvicorn.protocols.websockets.websockets_sansio_impl  # noqa: F401
@@ -75,9 +77,10 @@ def load() -> None:
 
 @final
 class WebService:
-    """Serves a hub's robot as a web page; see ``server.Service``.
+    """Service of a hub's robot as a web page; see ``server.hub.Service``.
 
-    The address can be used at once; the page is served as soon as the server is loaded.
+    The address can be used immediately.  The page is served when the server has been
+    loaded.
     """
 
     starts_at_once: Final = True
@@ -92,11 +95,12 @@ class WebService:
         """Prepare the service; the endpoint is already listening.
 
         Args:
-            source: Creates the source of the view, in the server's thread.
+            source: Function that creates the source of the view in the server's thread.
             endpoint: The listening socket.
-            setpoint_requests: Additional request classes that pages stream.
-            folder: Folder in which pages may let files be read and written, in addition
-                to the user's folders for recordings and episodes.
+            setpoint_requests: Classes of additional requests that pages send as
+                streams.
+            folder: Folder in which the requests of pages may read and write files, in
+                addition to the user's folders for recordings and episodes.
         """
         own = (recordings_folder(), episodes_folder())
         self._folders = own if folder is None else (*own, folder)
@@ -104,7 +108,7 @@ class WebService:
         self._endpoint = endpoint
         self.listener = endpoint.listener
         self.url = endpoint.url
-        """The page's address, with the token if it needs one."""
+        """The page's address, with the token if a token is required."""
         self._setpoint_requests = setpoint_requests
         self._shown = threading.Event()
         self._feed: ViewFeed | None = None
@@ -115,9 +119,9 @@ class WebService:
         self._entrance: Entrance | None = None
 
     def await_page(self, timeout: float | None = None) -> bool:
-        """Wait up to ``timeout`` [wall s] until a page has drawn the robot.
+        """Wait for up to ``timeout`` [wall s] until a page has drawn the robot.
 
-        Returns whether a page has.
+        Return whether a page has drawn the robot.
         """
         return self._shown.wait(timeout)
 
@@ -181,7 +185,7 @@ class WebService:
         n_pages = 0
 
         def known() -> Collection[Path]:
-            source.frame()  # with the newest objects
+            source.frame()  # updates the known files
             return source.files.known
 
         files = PeerFiles(folders=self._folders, known=known, resolve=resolve_uri)
@@ -225,7 +229,8 @@ class _PageTransport:
                 await self._socket.send_text(text.decode())
                 await self.account.give_way()
         except (WebSocketDisconnect, RuntimeError):
-            # uvicorn raises the latter once it has closed for a bad frame.
+            # uvicorn raises RuntimeError after it has closed the connection for an
+            # invalid frame.
             raise ConnectionError from None
 
     async def receive(self) -> bytes | str | None:
@@ -240,12 +245,12 @@ class _PageTransport:
         await self._socket.close(GOING_AWAY, "the server ends")
 
     def abort(self) -> None:
-        self._visitor.drop()  # closing would wait until the page reads
+        self._visitor.drop()  # a close would wait for the page
 
 
 @final
 class Panel(AbstractContextManager["Panel"]):
-    """Serves a robot as a web page, from construction to ``close``."""
+    """Server of a robot as a web page, from its construction to ``close``."""
 
     def __init__(
         self,
@@ -256,27 +261,29 @@ class Panel(AbstractContextManager["Panel"]):
         *,
         endpoint: Endpoint | None = None,
     ) -> None:
-        """Start serving.
+        """Start serving the page.
 
         Args:
             robot: A robot in this process, a robot without physics, or a recording.
-            host: Name or address of this machine; if left out, the loopback address.
-            port: If left out, the default port, or a free one if the default is taken.
-            token: Required from pages; see ``open_endpoint``.
-            endpoint: A listening socket, instead of host, port and token.
+            host: Name or address of this machine (default: the loopback address).
+            port: Port number (default: the default port, or a free port if the default
+                port is in use).
+            token: Token that pages must send; see ``open_endpoint``.
+            endpoint: A listening socket that replaces ``host``, ``port`` and ``token``.
 
         Raises:
-            TransportError: If the address is taken or is not this machine's.
+            TransportError: If the address is in use or is not an address of this
+                machine.
         """
         endpoint = endpoint or open_endpoint(host, port, token)
         backend, service = panel_service(robot, endpoint)
         self.url = service.url
-        """The page's address, with the token if it needs one."""
+        """The page's address, with the token if a token is required."""
         self.await_page = service.await_page
         self._server = Server(backend, [service])
 
     def close(self) -> None:
-        """Close all connections and stop serving; closing twice is allowed."""
+        """Close all connections and stop serving; it may be closed more than once."""
         self._server.close()
 
     def __exit__(self, *_: object) -> None:
@@ -290,7 +297,7 @@ def panel_service(
 ) -> tuple[Backend, WebService]:
     """Return the backend and the service with which a server shows ``robot``.
 
-    For ``folder``, see ``WebService``.
+    See ``WebService`` for ``folder``.
     """
     if isinstance(robot, Connected):
         backend = backend_of(robot.channel)
@@ -329,5 +336,5 @@ def _configuration(app: ASGIApp) -> uvicorn.Config:
 
 
 def _is_problem(record: logging.LogRecord) -> bool:
-    """Return whether a log record is not about a page's own fault."""
+    """Return whether a log record is not about a fault of a page."""
     return record.getMessage() not in _FAULTS_OF_PAGES

@@ -1,4 +1,4 @@
-"""A running simulation as shown by the panel."""
+"""The view of a running simulation in the panel."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ R = TypeVar("R")
 
 @final
 class SimulationView:
-    """Derives frames and statuses from snapshots; see ``view_feed.ViewSource``."""
+    """Source of frames and statuses of a simulation; see ``view_feed.ViewSource``."""
 
     def __init__(self, backend: Backend) -> None:
         """Observe a backend that has states."""
@@ -95,7 +95,7 @@ class SimulationView:
         }
         self._grippers: list[GripperState] = []
         self._forces: Subscription | None = None
-        """Subscription that makes snapshots contain the forces that frames need."""
+        """Subscription that adds the required forces to snapshots."""
         self._has_contacts = self._has_wrenches = False
 
     def scene(self) -> ViewScene:
@@ -137,7 +137,7 @@ class SimulationView:
         self._seen = None
 
     def status(self, clients: int) -> Status:
-        self.frame()  # updates the grippers' states
+        self.frame()  # updates the states of the grippers
         snapshot = self._states.snapshot
         return Status(
             paused=snapshot.is_paused,
@@ -164,7 +164,7 @@ class SimulationView:
         )
 
     def _ask(self, request: Request[R], default: R) -> R:
-        """Return the response, or ``default`` if the backend does not offer it."""
+        """Return the response, or ``default`` if the request is not supported."""
         if self._backend.why_missing(type(request)):
             return default
         response: R = self._backend.answer(request)
@@ -177,7 +177,7 @@ class SimulationView:
         return self._ask(ReadRuns(), ())
 
     def _episodes(self) -> EpisodesStatus | None:
-        """Return the demonstrations' state, which changes at most once a second."""
+        """Return the demonstrations' state, which changes at most once per second."""
         found = self._ask(ReadEpisodes(), None)
         if found is None:
             return None
@@ -197,7 +197,7 @@ class SimulationView:
 
 
 def gripper_state(name: str, grasp: GraspState) -> GripperState:
-    """Return a gripper's state in the form that pages show."""
+    """Return a gripper's state in the form of the protocol."""
     return GripperState(
         name=name,
         opening=round(grasp.opening, 4),
@@ -208,7 +208,7 @@ def gripper_state(name: str, grasp: GraspState) -> GripperState:
 
 
 def stall_infos(snapshot: Snapshot) -> list[StallInfo]:
-    """Return the joints at their effort limit in the form that pages show."""
+    """Return the joints at their effort limit in the form of the protocol."""
     return [
         StallInfo(
             joint=stall.joint,
@@ -233,13 +233,13 @@ def controller_infos(
     joints: Mapping[str, Joint],
     roles: Mapping[str, Role],
 ) -> list[ControllerInfo]:
-    """Return every controller: first those in the YAML, in its order, then others.
+    """Return the controllers, starting with those of the YAML file in file order.
 
     Args:
-        defined: Controllers in the YAML: name → type.
+        defined: Types of the controllers in the YAML file, by name.
         loaded: Loaded controllers.
         joints: The robot's joints, with their limits.
-        roles: Roles of the controllers in the YAML: name → role.
+        roles: Roles of the controllers in the YAML file, by name.
     """
     status_of = {status.name: status for status in loaded}
     types = {**defined, **{status.name: status.type for status in loaded}}
@@ -271,7 +271,7 @@ def controller_infos(
 def _obstacle(
     kind: str, role: Role, status: ControllerStatus | None, joints: Sequence[Joint]
 ) -> str | None:
-    """Return why sliders cannot drive a controller's joints; None if they can."""
+    """Return the reason why sliders cannot move a controller's joints, or None."""
     if role is Role.READER:
         return "It moves no joints."
     if role is not Role.TRAJECTORY:

@@ -1,4 +1,4 @@
-"""A robot without physics for ``tool0 view``, whose pages show and pose it."""
+"""A robot without physics for ``tool0 view``, which pages show and pose."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from tool0.protocol.running import Reset
 from tool0.protocol.state_message import StateMessage
 
 _ROUNDING: Final = 1e-6
-"""Distance beyond a limit that still counts as the limit [rad | m]."""
+"""Tolerance for positions beyond a limit [rad | m]."""
 _OFFERED: Final = (PoseJoints, GoToPose, Reset, SavePose, DeletePose, Grip)
 _NO_PHYSICS: Final = (
     "`tool0 view` has no physics and no controllers; bring the robot up with "
@@ -34,9 +34,9 @@ _NO_OBJECTS: Final = ViewScene(number=0, objects=[])
 
 @final
 class RobotView:
-    """A robot without physics; joints keep the positions last set by a page.
+    """A robot without physics, with joint positions that pages set.
 
-    It is both the server's backend and the source of the view.
+    This class is both the server's backend and the source of the view.
     """
 
     mode: Final = "view"
@@ -83,7 +83,7 @@ class RobotView:
         return self._frame
 
     def need_forces(self, *, contacts: bool, wrenches: bool) -> None:
-        """Do nothing: frames have no forces."""
+        """Do nothing, because frames contain no forces."""
 
     def status(self, clients: int) -> Status:
         position = self._position
@@ -122,10 +122,10 @@ class RobotView:
     def post(
         self, request: Request[Any], when_failed: Callable[[Exception], None]
     ) -> None:
-        """Do nothing: there are no ticks for streams."""
+        """Do nothing, because there are no ticks for streams."""
 
     def check_setpoint(self, request: Request[Any]) -> None:
-        assert isinstance(request, PoseJoints)  # the only stream that is offered
+        assert isinstance(request, PoseJoints)  # the only supported stream
         self._checked(request.positions)
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
@@ -176,7 +176,7 @@ class RobotView:
         return {name: position[name] for name in driven or free}
 
     def _checked(self, positions: Mapping[str, float]) -> Mapping[str, float]:
-        """Return valid positions of the joints, or raise Tool0Error."""
+        """Return valid positions of the joints [rad | m], or raise Tool0Error."""
         return {
             name: _checked(self._model.joint(name), position)
             for name, position in positions.items()
@@ -226,7 +226,7 @@ def _checked(joint: Joint, position: float) -> float:
 def _with_mimics(
     model: RobotModel, positions: Mapping[str, float]
 ) -> Mapping[str, float]:
-    """Return ``positions`` with mimic joints computed from the joints they follow."""
+    """Return ``positions`` with the positions of mimic joints added."""
     found = dict(positions)
     for name in positions:
         mimic = model.joint(name).mimic

@@ -1,4 +1,4 @@
-"""Sends the robot's view to pages: frames, status, scene and notices."""
+"""Sends the robot's view to pages, with frames, status, scene and notices."""
 
 from __future__ import annotations
 
@@ -27,61 +27,61 @@ logger = logging.getLogger(__name__)
 FRAME_PERIOD: Final = 1 / 60
 """Shortest period between frames [wall s]."""
 STATUS_PERIOD: Final = 0.1
-"""Period of the status, and of checks for notifications [wall s]."""
+"""Period of updates of the status and of checks for notifications [wall s]."""
 HEARTBEAT: Final = 0.2
-"""Longest wall time between frames, even of a paused robot [s]."""
+"""Longest wall time between frames, including frames of a paused robot [s]."""
 
 
 class ViewSource(Protocol):
-    """A robot as shown on pages; used only by the server's thread."""
+    """Source of a robot's view on pages, used only in the server's thread."""
 
     @property
     def info(self) -> ViewInfo:
-        """The constant part of the view, with notices from before the start."""
+        """The constant part of the view, with earlier notices."""
 
     @property
     def files(self) -> RobotFiles: ...
 
     @property
     def cameras(self) -> CameraRenderer | None:
-        """Renderer of the cameras in ``info``; None if there are none."""
+        """Renderer of the cameras in ``info``; None if there are no cameras."""
 
     def scene(self) -> ViewScene:
-        """Return the objects of the frame that was returned last.
+        """Return the objects of the last returned frame.
 
         The result is the same instance until an object is added or removed.
         """
 
     def frame(self) -> StateMessage:
-        """Return the current frame; the same instance while nothing changes."""
+        """Return the current frame, which is the same instance until a change."""
 
     def need_forces(self, *, contacts: bool, wrenches: bool) -> None:
-        """Choose whether frames contain contacts and wrenches."""
+        """Set whether frames contain contacts and wrenches."""
 
     def status(self, clients: int) -> Status:
         """Return the status; ``clients`` is the number of pages."""
 
     def notifications(self) -> Sequence[Notification]:
-        """Return the notifications since the last call."""
+        """Return the notifications since the last call of this method."""
 
     def close(self) -> None:
-        """Stop reading the robot."""
+        """Stop reading the state of the robot."""
 
 
 @final
 class ViewFeed:
-    """Sends the view to subscribed sessions; used only in the event loop."""
+    """Feed of the view to subscribed sessions, used only in the event loop."""
 
     def __init__(self, source: ViewSource, hub: Hub) -> None:
         """Start reading the source."""
         self._source = source
         self._hub = hub
         self._sessions: dict[Session, SubscribeView] = {}
-        """Subscribed sessions → requested contents of their frames."""
+        """Requested contents of the frames, by subscribed session."""
         self._book = NoticeBook()
         self._frame = source.frame()
         self._frame_texts: dict[SubscribeView, bytes] = {}
-        """Encoded current frame by requested contents."""
+        """Encoded current frame, by requested contents."""
         self._frame_sent = 0.0
         self._scene = source.scene()
         self._scene_text = encode(self._scene)
@@ -92,7 +92,7 @@ class ViewFeed:
         self._task = asyncio.create_task(self._run())
 
     def attach(self, session: Session, wanted: SubscribeView) -> None:
-        """Send the view to a session from now on, or change its frames' contents."""
+        """Start to send the view to a session, or change the contents of its frames."""
         if session in self._sessions:
             self._sessions[session] = wanted
             self._update_needs()
@@ -110,7 +110,7 @@ class ViewFeed:
         session.send_latest("state", self._frame_text(wanted))
 
     def close(self) -> None:
-        """Stop sending, and close the source."""
+        """Stop sending the view, and close the source."""
         self._task.cancel()
         self._source.close()
 
@@ -130,7 +130,7 @@ class ViewFeed:
                         self._update_status()
                 if self._sessions:
                     self._update_frame()
-            except Exception:  # one failure must not end the view
+            except Exception:  # a failure must not end the view
                 logger.exception("the panel could not show the robot")
             pause = FRAME_PERIOD if self._sessions else STATUS_PERIOD
             await asyncio.sleep(max(0.001, start + pause - loop.time()))
@@ -175,7 +175,7 @@ class ViewFeed:
             self._update_needs()
 
     def _update_needs(self) -> None:
-        """Request only those forces from the source that a page wants."""
+        """Request only the forces that a page requires from the source."""
         wanted = self._sessions.values()
         self._source.need_forces(
             contacts=any(item.contacts for item in wanted),

@@ -1,4 +1,4 @@
-"""Execute policies in episodes of a task, or on a robot that has been brought up.
+"""Execute policies in episodes of a task or on a running robot.
 
 ::
 

@@ -1,4 +1,4 @@
-"""Policies that are Python functions or classes, as in ``tool0 collect``."""
+"""Policies that are Python functions or classes, like in ``tool0 collect``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class CallablePolicy:
     """A callable that maps a seed to a function from observation to actions."""
 
     def __init__(self, policy: str | Policy) -> None:
-        """Take a function or class, or load the one with this name.
+        """Use a function or class, or load the function or class with this name.
 
         Raises:
             ConfigError: If there is no such policy, or its file raises an error.
@@ -42,7 +42,7 @@ class CallablePolicy:
         return self._call(self._act, seen.observation)
 
     def close(self) -> None:
-        """Forget the function of the current episode."""
+        """Discard the function of the current episode."""
         self._act = None
 
     def _call(self, function: Any, argument: Any) -> Any:
@@ -50,7 +50,7 @@ class CallablePolicy:
             return function(argument)
         except Tool0Error:
             raise
-        except Exception as error:  # raised by the user's own code
+        except Exception as error:  # raised by the user's code
             place = _place(error)
             reason = f"{type(error).__name__}: {error}"
             raise PolicyError(f"policy '{self._name}': {place}{reason}") from error

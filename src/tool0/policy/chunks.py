@@ -1,8 +1,8 @@
-"""Chunks of actions: when to request the next chunk, and which action comes next.
+"""Schedule of chunks of actions: when to request the next chunk, and the next action.
 
-For each observation, a policy returns the actions of the next steps.  If they arrive
-some steps after the observation, the actions for the steps that have passed are
-skipped.
+For each observation, a policy returns the actions of the next steps.  If the actions
+are received some steps after the observation, the actions for the steps that have
+passed are skipped.
 """
 
 from __future__ import annotations
@@ -26,13 +26,14 @@ class ChunkOptions:
 
     execute: int | None = None
     """Number of actions of a chunk that are executed before the next chunk replaces it;
-    if left out, all of them."""
+    by default, all actions are executed."""
     ensemble: float | None = None
-    """Decay rate of a temporal ensemble: the policy is asked in each step, and the mean
-    of all its predictions for the step is executed; the i-th oldest has the weight
-    exp(-ensemble · i), as in ACT (Zhao et al. 2023)."""
+    """Decay rate of a temporal ensemble.  The policy is queried in each step, and the
+    weighted mean of all its predictions for the step is executed.  The i-th oldest
+    prediction has the weight exp(-ensemble · i), like in ACT (Zhao et al. 2023)."""
     compensate: bool = True
-    """Whether to skip the actions for steps that have passed when a chunk arrives."""
+    """Whether to skip the actions for steps that have passed when a chunk is
+    received."""
 
     def __post_init__(self) -> None:
         """Check the values.
@@ -63,7 +64,7 @@ class _Chunk(NamedTuple):
 
 @final
 class Chunks:
-    """The chunks of one episode, indexed by step."""
+    """The chunks of one episode, with actions that are indexed by step."""
 
     def __init__(self, options: ChunkOptions) -> None:
         self._options = options
@@ -72,7 +73,7 @@ class Chunks:
         self._next = 0
         """First step for which the next chunk is needed."""
         self._delay = 0
-        """Number of steps that the last answer took."""
+        """Number of steps between the last request and its answer."""
 
     def wants(self, step: int) -> bool:
         """Return whether to request a chunk for the observation of this step."""
@@ -85,7 +86,7 @@ class Chunks:
         self._asked = step
 
     def add(self, actions: Array, step: int) -> None:
-        """Add a chunk, shape (h, m), that has arrived by this step."""
+        """Add a chunk, shape (h, m), that has been received by this step."""
         assert self._asked is not None
         self._delay = step - self._asked
         first = self._asked if self._options.compensate else step

@@ -1,4 +1,4 @@
-"""Environments that a policy drives: an episode of a task, or a running robot."""
+"""Interface of environments in which a policy acts: a task or a running robot."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
 TOLERANCE = 0.1
-"""Amount by which a component of an action may exceed its limits and be clipped, as a
-fraction of its range: networks overshoot a little."""
+"""Largest excess of a component of an action over its limits that is clipped, as a
+fraction of the component's range.  Larger excesses are rejected."""
 
 
 @final
 class ActionRefusedError(PolicyError):
-    """An action beyond the limits, which was rejected before anything moved."""
+    """Raised for an action beyond the limits, which is rejected before any motion."""
 
 
 class Outcome(NamedTuple):
@@ -28,15 +28,15 @@ class Outcome(NamedTuple):
 
     reward: float = 0.0
     terminated: bool = False
-    """Whether the episode has ended according to the task's own rules."""
+    """Whether the episode has ended according to the rules of the task."""
     truncated: bool = False
     """Whether the time limit was reached, or the physics failed."""
     success: bool | None = None
-    """Whether the task has succeeded; None if the environment cannot tell."""
+    """Whether the task has succeeded; None if it is unknown."""
 
 
 class Environment(Protocol):
-    """Returns observations, and executes one action per control period."""
+    """Source of observations and executor of one action per control period."""
 
     @property
     def rate(self) -> float:
@@ -58,16 +58,17 @@ class Environment(Protocol):
         """Begin an episode."""
 
     def see(self) -> Seen:
-        """Return the current observation."""
+        """Return the current observation of the environment."""
 
     def hold(self) -> Array:
-        """Return the action that keeps everything still, shape (m,)."""
+        """Return the action that keeps the robot stationary, shape (m,)."""
 
     def act(self, action: Array) -> Outcome:
         """Execute an action for one control period.
 
         Raises:
-            ActionRefusedError: If the action would move a joint too far.
+            ActionRefusedError: If the action would move a joint too far in one control
+                period.
             ControlError: If the robot refuses the action.
         """
 
@@ -75,7 +76,7 @@ class Environment(Protocol):
         """Return an image for videos, shape (height, width, 3), or None."""
 
     def end(self) -> None:
-        """End the episode and stop everything that moves."""
+        """End the episode and stop all motion."""
 
     def close(self) -> None:
         """Close the environment."""
@@ -87,12 +88,13 @@ def within_limits(
     """Return an action within the limits.
 
     Args:
-        action: Shape (m,).
+        action: The action, shape (m,).
         environment: Environment that executes the action.
-        clips: Whether to clip even actions that are far beyond the limits.
+        clips: Whether to also clip actions that are far beyond the limits.
 
     Raises:
-        ActionRefusedError: If the action is far beyond the limits, or not finite.
+        ActionRefusedError: If the action is far beyond the limits and ``clips`` is
+            False, or the action is not finite.
     """
     low, high = environment.limits
     names = environment.action_names

@@ -48,22 +48,26 @@ def evaluate(
 
     Args:
         policy: ``module:name``, ``file.py:name``, ``lerobot:FOLDER`` or
-            ``ws://HOST:PORT`` (docs/how-to/policies.md); or a function or class itself.
-        task: Task as in ``tool0.collect.collect``, such as ``Lift``, or the id of a
-            Gymnasium environment.
-        seeds: Seeds of the episodes, one for each.
+            ``ws://HOST:PORT`` (docs/how-to/policies.md); or a function or class.
+        task: Name of a built-in task, such as ``Lift``, or the id of a Gymnasium
+            environment; see ``tool0.collect.collect``.
+        seeds: Seeds of the episodes, one seed per episode.
         options: Keyword arguments of the environment.
         run: Options for executing the policy's actions.
-        folder: New folder for observations, actions, videos and the report.
+        folder: New folder to which observations, actions, videos and the report are
+            written.
         videos: Episodes for which videos are written to the folder.
-        instruction: Instruction for the policy; if left out, that of the task.
+        instruction: Instruction for the policy; the default is the instruction of the
+            task.
         device: Device on which LeRobot's policies run, such as ``cuda``.
-        keys: Maps the names that an openpi server expects to the observed values.
-        when_ended: Called after each episode.
-        should_stop: Called before each action; if it returns True, the evaluation ends.
+        keys: Mapping from the names that an openpi server expects to the observed
+            values.
+        when_ended: Callback that is called after each episode.
+        should_stop: Callback that is called before each action.  If the callback
+            returns True, the evaluation ends.
 
     Raises:
-        ConfigError: If an argument is wrong, or the folder has files.
+        ConfigError: If an argument is wrong, or the folder contains files.
         PolicyError: If the policy fails.
         TransportError: If the policy's server does not answer.
     """
@@ -119,29 +123,33 @@ def execute(
 ) -> EpisodeRun:
     """Execute a policy on a robot until its last step or until it is stopped.
 
-    Meanwhile, the policy controls the robot's arms in place of their controllers.
+    During the execution, the policy controls the robot's arms in place of their
+    controllers.
 
     Args:
-        policy: Policy; see ``evaluate``.
-        robot: The result of ``tool0.bringup`` or ``tool0.connect``.
+        policy: The policy; see ``evaluate``.
+        robot: The robot that ``tool0.bringup`` or ``tool0.connect`` returned.
         rate: Actions per simulated second [Hz].
-        cameras: Cameras whose images the policy sees.
-        run: Options for executing the policy's actions; ``max_steps`` limits their
-            number.
+        cameras: Cameras that provide images for the policy.
+        run: Options for executing the policy's actions; ``max_steps`` limits the number
+            of actions.
         folder: New folder for a recording of the session, with observations and
             actions.
         instruction: Description of the task.
         device: Device on which LeRobot's policies run, such as ``cuda``.
-        keys: Maps the names that an openpi server expects to the observed values.
+        keys: Mapping from the names that an openpi server expects to the observed
+            values.
         seed: Seed that is passed to the policy.
-        should_stop: Called before each action and while waiting; if it returns True,
-            execution ends.
+        should_stop: Callback that is called before each action and during waits.  If
+            the callback returns True, the execution ends.
 
     Raises:
-        ConfigError: If an argument is wrong, or the folder has files.
-        ControlError: If the robot refuses an action; the arms then hold their position.
-        PolicyError: If the policy fails; the arms then hold their position.
-        TransportError: If a server does not answer; the arms then hold their position.
+        ConfigError: If an argument is wrong, or the folder contains files.
+        ControlError: If the robot rejects an action, in which case the arms hold their
+            positions.
+        PolicyError: If the policy fails, in which case the arms hold their positions.
+        TransportError: If a server does not answer, in which case the arms hold their
+            positions.
     """
     place = None if folder is None else _Folder(Path(folder), "none")
     environment = RobotEnvironment(
@@ -194,8 +202,8 @@ class _Folder:
         """Create the folder.
 
         Raises:
-            ConfigError: If the folder contains files or cannot be created, or a package
-                that it needs is not installed.
+            ConfigError: If the folder contains files or cannot be created, or a
+                required package is not installed.
         """
         require_extra()
         try:
@@ -218,7 +226,7 @@ class _Folder:
         run: EpisodeRun,
         environment: TaskEnvironment | RobotEnvironment,
     ) -> None:
-        """Write one episode."""
+        """Write one episode to the folder."""
         name = f"episode_{index:06d}"
         row = {
             "episode_index": index,
@@ -247,7 +255,7 @@ class _Folder:
             stream.write(f"{json.dumps(row)}\n")
 
     def finish(self, values: Mapping[str, Any]) -> None:
-        """Write the report."""
+        """Write the report to the folder."""
         (self.path / _REPORT).write_text(f"{json.dumps(values, indent=2)}\n")
 
     def _write_video(self, name: str, run: EpisodeRun, rate: float) -> None:

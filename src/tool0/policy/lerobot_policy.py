@@ -1,4 +1,4 @@
-"""Pretrained LeRobot policies, which run in this process with LeRobot's own code.
+"""Pretrained LeRobot policies, which run in this process with LeRobot's code.
 
 Loading and inference follow lerobot 0.6 (lerobot/async_inference/policy_server.py,
 https://github.com/huggingface/lerobot).
@@ -19,7 +19,7 @@ from tool0.policy.seen import Seen
 
 @final
 class LeRobotPolicy:
-    """A policy of ``lerobot-train``: ``…/checkpoints/last/pretrained_model``."""
+    """Policy from ``lerobot-train``, in ``…/checkpoints/last/pretrained_model``."""
 
     digest = None
 
@@ -28,7 +28,7 @@ class LeRobotPolicy:
 
         Raises:
             ConfigError: If LeRobot is not installed, or there is no such folder.
-            PolicyError: If LeRobot cannot load it.
+            PolicyError: If LeRobot cannot load the policy.
         """
         try:
             import torch
@@ -52,7 +52,7 @@ class LeRobotPolicy:
         try:
             config = PreTrainedConfig.from_pretrained(path)
             config.device = device
-            with contextlib.redirect_stdout(sys.stderr):  # it says what it does
+            with contextlib.redirect_stdout(sys.stderr):  # LeRobot prints messages
                 self._policy = get_policy_class(config.type).from_pretrained(
                     path, config=config
                 )
@@ -61,7 +61,7 @@ class LeRobotPolicy:
                 pretrained_path=str(path),
                 preprocessor_overrides={"device_processor": {"device": device}},
             )
-        except Exception as error:  # whatever LeRobot raises
+        except Exception as error:  # LeRobot may raise any error
             raise _failed(folder, error) from error
         self._policy.eval()
         self._folder = folder
@@ -96,19 +96,19 @@ class LeRobotPolicy:
         try:
             with torch.inference_mode():
                 ready = self._before(inputs)
-                if self._has_queues:  # it stores the last observations itself
+                if self._has_queues:  # the policy stores past observations
                     return self._after(self._policy.select_action(ready)).cpu().numpy()
                 chunk = self._policy.predict_action_chunk(ready)
                 return self._after(chunk[0]).cpu().numpy()
-        except Exception as error:  # whatever LeRobot raises
+        except Exception as error:  # LeRobot may raise any error
             raise _failed(self._folder, error) from error
 
     def close(self) -> None:
-        """Do nothing: the policy keeps no connections."""
+        """Do nothing, because the policy has no connections."""
 
 
 def _tensor(torch: Any, values: np.ndarray[Any, Any]) -> Any:
-    """Return numbers unchanged, and images as LeRobot expects: (3, h, w), 0 … 1."""
+    """Return numbers unchanged, and images in LeRobot's form (3, h, w) within 0 … 1."""
     if values.dtype == np.uint8:
         values = np.moveaxis(values, -1, 0).astype(np.float32) / np.float32(255.0)
     return torch.from_numpy(np.ascontiguousarray(values))

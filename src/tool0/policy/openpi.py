@@ -1,10 +1,10 @@
-"""Policies of openpi servers, over a websocket.
+"""Policies of openpi servers, which are accessed over a WebSocket.
 
-The protocol is that of openpi_client 0.1.2 (websocket_client_policy.py and
-msgpack_numpy.py, https://github.com/Physical-Intelligence/openpi): the server sends its
-metadata once; it answers each dictionary of arrays and strings with a dictionary that
-contains ``actions``, shape (h, m).  Messages are encoded with msgpack; a text message
-reports an error.
+The protocol is the protocol of openpi_client 0.1.2 (websocket_client_policy.py and
+msgpack_numpy.py, https://github.com/Physical-Intelligence/openpi).  The server sends
+its metadata once.  The server answers each dictionary of arrays and strings with a
+dictionary that contains ``actions``, shape (h, m).  Messages are encoded with msgpack.
+A text message reports an error.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from tool0.policy.seen import Seen
 _TIMEOUT: Final = 10.0
 """Longest wait for the connection and the server's metadata [wall s]."""
 _ANSWER_TIMEOUT: Final = 60.0
-"""Longest wait for actions [wall s]; before its first answer, a server compiles the
+"""Longest wait for actions [wall s].  Before the first answer, a server compiles its
 network."""
 _PROMPT: Final = "prompt"
 _VECTORS: Final = {
@@ -35,7 +35,7 @@ _IMAGES: Final = "observation.images."
 
 @final
 class OpenpiServer:
-    """A connection to one openpi server; arrays are sent as they are observed."""
+    """A connection to one openpi server; arrays are sent unchanged."""
 
     digest = None
 
@@ -43,14 +43,14 @@ class OpenpiServer:
         """Connect to a server.
 
         Args:
-            address: ``ws://HOST:PORT``.
-            keys: Maps each name that the server expects to ``state``,
+            address: Address of the server, ``ws://HOST:PORT``.
+            keys: Mapping from each name that the server expects to ``state``,
                 ``environment_state``, ``prompt``, the name of an image, or a
-                comma-separated list of names of numbers.  If empty, the names that
-                openpi's LIBERO policies expect are used.
+                comma-separated list of names of numbers.  If the mapping is empty, the
+                names that openpi's LIBERO policies expect are used.
 
         Raises:
-            TransportError: If no server answers there.
+            TransportError: If no server answers at the address.
         """
         from websockets.exceptions import InvalidURI, WebSocketException
         from websockets.sync.client import connect
@@ -64,7 +64,7 @@ class OpenpiServer:
                 max_size=None,
                 open_timeout=_TIMEOUT,
                 proxy=None,
-                ping_interval=None,  # a server may be busy with its network
+                ping_interval=None,  # a server may be busy
             )
             self._socket = self._stack.enter_context(connection)
             self.metadata = _unpacked(self._socket.recv(timeout=_TIMEOUT))
@@ -83,8 +83,8 @@ class OpenpiServer:
         """Return the server's actions, shape (h, m).
 
         Raises:
-            PolicyError: If the server reports an error, or its answer contains no
-                actions.
+            PolicyError: If the server reports an error, or the server's answer contains
+                no actions.
             TransportError: If the server does not answer.
         """
         from websockets.exceptions import WebSocketException
@@ -117,12 +117,12 @@ class OpenpiServer:
 
 
 def _default_keys(columns: Mapping[str, Any]) -> dict[str, str]:
-    """Return the keys that openpi's LIBERO policies expect, for an observation."""
+    """Return the keys for an observation that openpi's LIBERO policies expect."""
     images = [
         name.removeprefix(_IMAGES) for name in columns if name.startswith(_IMAGES)
     ]
     keys = {"observation/state": "state", _PROMPT: _PROMPT}
-    for name in reversed(images):  # the first, if there are several
+    for name in reversed(images):  # the first image has priority
         is_wrist = "wrist" in name
         keys[f"observation/{'wrist_image' if is_wrist else 'image'}"] = name
     return keys
@@ -195,7 +195,7 @@ def _with_arrays(value: Any) -> Any:
 
 
 def _dtype(name: str | bytes) -> np.dtype[Any]:
-    """Return a numeric data type; object types are rejected, as they execute code."""
+    """Return a numeric data type, or reject an object type, which executes code."""
     found = np.dtype(name.decode() if isinstance(name, bytes) else name)
     if found.kind not in "biuf":
         raise ValueError(f"an array of {found}")

@@ -22,27 +22,27 @@ class Report:
     """Statistics of episodes with different seeds."""
 
     n_episodes: int
-    """Number of completed episodes; an episode that the user interrupted does not
-    count."""
+    """Number of completed episodes, excluding an episode that the user interrupted."""
     n_succeeded: int
     n_stopped: int
-    """Number of episodes that ended with an action beyond the limits; they count as
-    failures."""
+    """Number of episodes that ended with an action beyond the limits, which are counted
+    as failures."""
     mean_steps: float
     """Mean number of actions per episode."""
     policy_time: tuple[float, float, float]
-    """Wall time of the policy's answers: median, 95 % quantile and maximum [s]."""
+    """Median, 95 % quantile and maximum of the wall time of the policy's answers
+    [s]."""
     n_held: int
-    """Number of steps, over all episodes, in which no action had arrived yet."""
+    """Number of steps in all episodes in which no action had been received yet."""
 
     @property
     def success_rate(self) -> float:
-        """Fraction of episodes that succeeded; NaN if there are none."""
+        """Fraction of episodes that succeeded; NaN if there are no episodes."""
         return self.n_succeeded / self.n_episodes if self.n_episodes else math.nan
 
     @property
     def interval(self) -> tuple[float, float]:
-        """95 % confidence interval of the true success rate; see ``wilson``."""
+        """The 95 % confidence interval of the true success rate; see ``wilson``."""
         return wilson(self.n_succeeded, self.n_episodes)
 
     def as_json(self) -> dict[str, Any]:
@@ -62,7 +62,7 @@ class Report:
 
 
 def report_of(runs: Sequence[EpisodeRun]) -> Report:
-    """Return the statistics of some episodes."""
+    """Return the statistics of episodes."""
     ended = [run for run in runs if run.result != "interrupted"]
     results = Counter(run.result for run in ended)
     latencies = [latency for run in runs for latency in run.latencies] or [0.0]
@@ -80,8 +80,9 @@ def report_of(runs: Sequence[EpisodeRun]) -> Report:
 def wilson(n_succeeded: int, n: int) -> tuple[float, float]:
     """Return the 95 % confidence interval of a success rate.
 
-    Wilson's score interval (Wilson 1927, doi:10.1080/01621459.1927.10502953), which
-    holds for few episodes and for rates near 0 and 1.
+    The result is Wilson's score interval (Wilson 1927,
+    doi:10.1080/01621459.1927.10502953), which is valid for few episodes and for rates
+    near 0 and 1.
     """
     if n == 0:
         return 0.0, 1.0

@@ -1,8 +1,8 @@
-"""A robot that has been brought up (simulated, in Gazebo, or real) as an environment.
+"""An environment with a running robot, which may be simulated or real.
 
 Observations and actions have the form of ``tool0 export --format lerobot``, so policies
-that were trained on demonstrations of a robot can drive it.  An action is the position
-of each driven joint at the end of a control period.
+that were trained on demonstrations of a robot can control this robot.  An action is the
+position of each driven joint at the end of a control period.
 """
 
 from __future__ import annotations
@@ -31,30 +31,31 @@ if TYPE_CHECKING:
     from tool0.api.robot import Robot
 
 BY: Final = "policy"
-"""Name under which the policy takes the arms, shown to users."""
+"""Name under which the policy takes control of the arms, which is shown to users."""
 FASTEST: Final = 0.9
 """Largest speed of an arm's joint, as a fraction of its velocity limit."""
 _LOOKAHEAD: Final = 1.5
-"""Lookahead of the servo motion, in control periods: a smaller one reproduces the steps
-between targets, a larger one lags further behind; at this value, the lag is one
-period."""
+"""Lookahead of the servo motion [control periods].  A smaller lookahead reproduces the
+steps between targets.  A larger lookahead increases the lag.  With a lookahead of 1.5
+control periods, the lag is one control period."""
 _LOOKAHEADS: Final = (0.03, 0.2)
 """Range of the lookahead [s]."""
 _DEADBAND: Final = 0.02
-"""Smallest change of a gripper's target that moves the gripper, as a fraction of its
+"""Smallest change of a gripper's target that moves the gripper, as a fraction of the
 joint's range."""
 _SILENCE: Final = 0.3
-"""Pause after which the next target starts a new stream [wall s]; the arm itself ends a
-stream after 0.5 s."""
+"""Pause after which the next target starts a new stream [wall s].  The arm ends a
+stream after a pause of 0.5 s."""
 _LONGEST_STOP: Final = 2.0
-"""Longest wait for an arm to stop; see ``GoalHandle.wait`` [s]."""
+"""Longest wait for an arm to stop [s]; see ``GoalHandle.wait``."""
 _POLL: Final = 0.1
-"""Longest time between checks for a stop while simulated time stands still [wall s]."""
+"""Longest time between checks for a stop request while simulated time is paused [wall
+s]."""
 
 
 @final
 class RobotEnvironment:
-    """Observes a robot, and streams targets to its arms and grippers."""
+    """Environment that observes a robot and streams targets to arms and grippers."""
 
     def __init__(
         self,
@@ -65,18 +66,19 @@ class RobotEnvironment:
         instruction: str = "",
         should_stop: Callable[[], bool] = lambda: False,
     ) -> None:
-        """Prepare the environment; nothing moves yet.
+        """Prepare the environment without moving the robot.
 
         Args:
-            robot: Robot, which stays open when the environment is closed.
+            robot: The robot, which remains open when the environment is closed.
             rate: Actions per simulated second [Hz].
-            cameras: Cameras whose images are observed, by name.
+            cameras: Names of the cameras that provide images for observations.
             instruction: Description of the task.
-            should_stop: Called while waiting; if it returns True, the wait ends.
+            should_stop: Callback that is called during a wait.  If the callback returns
+                True, the wait ends.
 
         Raises:
-            ConfigError: If a driven joint belongs neither to an arm nor to a gripper,
-                or the rate is out of range.
+            ConfigError: If a driven joint is not a joint of an arm or a gripper, or the
+                rate is out of range.
             RenderError: If there is no such camera.
         """
         if not 1.0 <= rate <= 125.0:
@@ -111,15 +113,15 @@ class RobotEnvironment:
         speed = np.array([item.velocity for item in limits])
         self._lookahead = float(np.clip(_LOOKAHEAD / rate, *_LOOKAHEADS))
         self._largest_step = FASTEST * speed / rate
-        """Largest step of each arm joint in a control period [rad], shape (m,);
-        infinite for grippers, which move at their own speed."""
+        """Largest step of each joint in a control period [rad], shape (m,), which is
+        infinite for grippers because their speed is limited separately."""
         self._largest_step[list(self._grippers)] = np.inf
         movable = [item.name for item in snapshot.scene if item.mass is not None]
         self._objects = movable
         self.names = number_names(self._joints, movable)
         """Names of the components of the observations and of the action."""
         self.surroundings = surroundings_of(self.names)
-        """Names of the numbers that the robot cannot measure by itself."""
+        """Names of the numbers that the robot's sensors cannot measure."""
         self.action_names = self.names["action"]
         self._target = np.zeros(len(self._joints))
         self._grip = dict.fromkeys(self._grippers, 0.0)
@@ -133,7 +135,7 @@ class RobotEnvironment:
         return self._robot.is_realtime
 
     def begin(self, seed: int) -> None:
-        """Take control of the arms; their current positions are the first targets.
+        """Take control of the arms, with their current positions as first targets.
 
         Raises:
             ControlError: If an arm is switched off, stopped, or controlled by another
@@ -143,12 +145,12 @@ class RobotEnvironment:
             self._robot.arms[name].motion.take(BY)
         snapshot = self._robot.snapshot
         position = np.array(snapshot.position)[self._columns]
-        self._target = position.clip(*self.limits)  # measured positions may exceed them
+        self._target = position.clip(*self.limits)  # limits may be exceeded
         self._grip = {k: float(self._target[k]) for k in self._grippers}
         self._start, self._step = snapshot.time, 0
 
     def see(self) -> Seen:
-        """Return the current observation.
+        """Return the current observation of the robot.
 
         Raises:
             RenderError: If a camera cannot render an image.
@@ -181,9 +183,10 @@ class RobotEnvironment:
         """Send targets [rad | m], shape (m,), and wait for one control period.
 
         Raises:
-            ActionRefusedError: If a joint of an arm would have to move too fast.
-            ControlError: If the robot refuses, or the policy no longer controls the
-                arm.
+            ActionRefusedError: If the action requires too high a speed of an arm's
+                joint.
+            ControlError: If the robot rejects the targets, or the policy no longer
+                controls the arm.
         """
         near = self.nearest(action)
         if (near != action).any():
@@ -201,7 +204,8 @@ class RobotEnvironment:
     def nearest(self, action: Array) -> Array:
         """Return the allowed targets that are nearest to an action, shape (m,).
 
-        They are within the joint limits, and not too far from the current targets.
+        The allowed targets are within the joint limits and within the largest step from
+        the current targets.
         """
         step = np.clip(action - self._target, -self._largest_step, self._largest_step)
         near = np.where(np.abs(step) < self._largest_step, action, self._target + step)
@@ -210,12 +214,12 @@ class RobotEnvironment:
     def send(self, action: Array) -> None:
         """Send targets [rad | m], shape (m,), without waiting.
 
-        After a pause, the arms begin a new stream from the positions at which they came
-        to rest.
+        After a pause, the arms begin a new stream from the positions at which the arms
+        came to rest.
 
         Raises:
-            ControlError: If the robot refuses, or the policy no longer controls the
-                arm.
+            ControlError: If the robot rejects the targets, or the policy no longer
+                controls the arm.
         """
         now = time.monotonic()
         was_silent, self._sent = now - self._sent > _SILENCE, now
@@ -244,18 +248,18 @@ class RobotEnvironment:
                 return
 
     def picture(self) -> None:
-        """Return None: images can be rendered from the recording later."""
+        """Return None, because images can be rendered from the recording later."""
 
     def end(self) -> None:
-        """Stop the arms and return them to their controllers, which hold them."""
+        """Stop the arms and return control to their controllers."""
         for name in self._arms:
             motion = self._robot.arms[name].motion
-            with contextlib.suppress(Tool0Error):  # the arm is not taken, or is stopped
+            with contextlib.suppress(Tool0Error):  # the arm is free or stopped
                 motion.release()
                 self._robot.channel.wait_until(partial(_is_free, motion), _LONGEST_STOP)
 
     def close(self) -> None:
-        """Leave the robot open."""
+        """Do nothing, because the robot remains open."""
 
 
 def _is_free(motion: ArmMotion) -> bool:

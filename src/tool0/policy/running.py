@@ -1,4 +1,4 @@
-"""One episode of a policy: asks for actions, executes them and records the results."""
+"""Execution of one episode of a policy, with a recording of the results."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tool0.policy.seen import Seen
 from tool0.policy.source import Source, checked_chunk
 
 Result = Literal["success", "failure", "ended", "stopped", "interrupted"]
-"""Result of an episode; ``ended`` means that it is unknown whether the episode
+"""Result of an episode.  ``ended`` means that it is unknown whether the episode
 succeeded."""
 Latency = float | Literal["measured"]
 
@@ -38,10 +38,11 @@ class RunOptions:
     chunks: ChunkOptions = ChunkOptions()
     """Options for executing chunks of actions."""
     latency: Latency = 0.0
-    """Simulated time between an observation and its actions, if time stands still while
-    the policy computes [s]; ``measured`` for the wall time of each answer."""
+    """Simulated time between an observation and its actions, if time is paused while
+    the policy computes [s]; ``measured`` selects the wall time of each answer."""
     clips: bool = False
-    """Whether to clip actions beyond the limits; otherwise, they end the episode."""
+    """Whether to clip actions that are far beyond the limits; otherwise, such an action
+    ends the episode."""
     max_steps: int | None = None
     """Number of actions after which the episode ends; None for no limit."""
 
@@ -65,16 +66,17 @@ class EpisodeRun:
     seed: int
     result: Result
     reason: str = ""
-    """Reason why the episode was stopped; empty if it was not."""
+    """Reason why the episode was stopped; empty if the episode was not stopped."""
     n_steps: int
     """Number of executed actions."""
     total_reward: float
     latencies: tuple[float, ...]
     """Wall time of each of the policy's answers [s]."""
     n_held: int
-    """Number of steps without an action, in which everything stayed where it was."""
+    """Number of steps without an action, in which the robot held its position."""
     episode: Episode | None = field(repr=False, default=None)
-    """Observations and actions; None if the episode ended before the first action."""
+    """Observations and actions of the episode; None if it ended before the first
+    action."""
     pictures: tuple[Picture, ...] = field(repr=False, default=())
     """Images for a video, one before each action."""
 
@@ -87,12 +89,12 @@ def run_episode(
     *,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> EpisodeRun:
-    """Execute a policy until the episode ends, and stop everything that moves.
+    """Execute a policy until the episode ends, and stop all motion.
 
     Raises:
-        PolicyError: If the policy fails, or its answer has a wrong shape.
+        PolicyError: If the policy fails, or an answer of the policy has a wrong shape.
         TransportError: If the policy's server does not answer.
-        ControlError: If the robot refuses an action.
+        ControlError: If the robot rejects an action.
     """
     policy.begin(seed)
     environment.begin(seed)
@@ -171,7 +173,7 @@ class _Run:
         return outcome
 
     def _take(self, step: int) -> None:
-        """Add the chunk that has arrived by this step, if there is one."""
+        """Add a chunk that has been received by this step."""
         chunk = self._answers.arrived(step)
         if chunk is not None:
             self._chunks.add(chunk, step)
@@ -197,7 +199,7 @@ class _Run:
 
 @final
 class _OutOfTime:
-    """Asks while time stands still; the answer arrives after the latency."""
+    """Queries of a policy while time is paused, with answers after the latency."""
 
     def __init__(
         self, policy: Source, environment: Environment, options: RunOptions
@@ -207,7 +209,7 @@ class _OutOfTime:
         self._latency = options.latency
         self.latencies: list[float] = []
         self._answer: tuple[int, Array] | None = None
-        """Step at which the chunk arrives, and the chunk."""
+        """Step at which the chunk is available, and the chunk."""
 
     def ask(self, seen: Seen, step: int) -> None:
         start = time.perf_counter()
@@ -226,7 +228,7 @@ class _OutOfTime:
 
 @final
 class _InTime:
-    """Asks in a separate thread while time continues."""
+    """Queries of a policy in a separate thread while time continues."""
 
     def __init__(
         self, policy: Source, environment: Environment, options: RunOptions
@@ -235,7 +237,7 @@ class _InTime:
         self._width = len(environment.action_names)
         self.latencies: list[float] = []
         self._pending: Future[tuple[Any, float]] | None = None
-        """Answer that is being computed, with the wall time that it took [s]."""
+        """Pending answer, with the wall time of its computation [s]."""
 
     def ask(self, seen: Seen, step: int) -> None:
         pending: Future[tuple[Any, float]] = Future()
@@ -250,7 +252,8 @@ class _InTime:
                 pending.set_result((answer, time.perf_counter() - start))
 
         self._pending = pending
-        # a daemon: a hanging policy does not keep the process alive
+        # The thread is a daemon, so a blocked policy does not prevent the process from
+        # ending.
         threading.Thread(target=infer, name="policy", daemon=True).start()
 
     def arrived(self, step: int) -> Array | None:

@@ -1,4 +1,4 @@
-"""The observation of one step, in the forms that policies need."""
+"""The observation of one step, in the forms that policies require."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ Array = NDArray[Any]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Seen:
-    """The observation before an action."""
+    """The observation before one action."""
 
     observation: Any
-    """Observation in the environment's own form: an array, or a dictionary."""
+    """Observation in the form of the environment: an array or a dictionary."""
     values: Mapping[str, Array]
     """Arrays of the observation by name; ``""`` if the observation is a single
     array."""
@@ -29,24 +29,25 @@ class Seen:
     names: Mapping[str, Sequence[str]]
     """Names of the numbers in each array, by the array's name."""
     surroundings: frozenset[str]
-    """Names of the numbers that the robot cannot measure by itself."""
+    """Names of the numbers that the robot's sensors cannot measure."""
     instruction: str
     """Description of the task."""
 
     def columns(self) -> dict[str, Array]:
-        """Return the observation under the column names of LeRobot's data sets.
+        """Return the observation with the column names of LeRobot's data sets.
 
-        The columns are ``observation.state`` and ``observation.environment_state``,
-        shape (m,), float32; and ``observation.images.NAME``, shape (height, width, 3),
-        uint8.
+        The columns ``observation.state`` and ``observation.environment_state`` are
+        float32 arrays of shape (m,).  The columns ``observation.images.NAME`` are uint8
+        arrays of shape (height, width, 3).
 
         Raises:
-            CollectError: If the format has no column for a part of the observation.
+            CollectError: If LeRobot's format has no column for a part of the
+                observation.
         """
         return self._columns()[0]
 
     def numbers(self) -> dict[str, float]:
-        """Return the numbers by name, such as ``elbow_joint.position``."""
+        """Return the observed numbers by name, such as ``elbow_joint.position``."""
         columns, names = self._columns()
         return {
             name: float(value)

@@ -18,11 +18,11 @@ _SERVERS: Final = ("ws://", "wss://")
 
 
 class Source(Protocol):
-    """Answers observations with chunks of actions, for one user at a time."""
+    """Policy that answers observations with actions, for one user at a time."""
 
     @property
     def digest(self) -> str | None:
-        """SHA-256 of the file that defines the policy; None if there is no file."""
+        """SHA-256 of the file that defines the policy; None if no file defines it."""
 
     def begin(self, seed: int) -> None:
         """Begin an episode."""
@@ -39,19 +39,20 @@ class Source(Protocol):
 
 
 def opened(name: str | Policy, *, device: str = "cpu", keys: dict[str, str]) -> Source:
-    """Return the policy with this name, ready to answer.
+    """Return the policy with this name, which is ready to answer.
 
     Args:
-        name: ``module:name`` or ``file.py:name``, as in ``tool0 collect``;
+        name: ``module:name`` or ``file.py:name``, like in ``tool0 collect``;
             ``lerobot:FOLDER`` for a pretrained LeRobot policy; ``ws://HOST:PORT`` for a
-            server with openpi's protocol; or the function or class itself.
+            server with openpi's protocol; or a function or class.
         device: Device on which LeRobot's policies run, such as ``cpu`` or ``cuda``.
-        keys: Maps the names that an openpi server expects to the observed values.
+        keys: Mapping from the names that an openpi server expects to the observed
+            values.
 
     Raises:
         ConfigError: If there is no such policy.
         PolicyError: If the policy cannot be loaded.
-        TransportError: If no server answers.
+        TransportError: If no server answers at the address.
     """
     if not isinstance(name, str):
         from tool0.policy.callables import CallablePolicy
@@ -76,7 +77,7 @@ def checked_chunk(actions: Any, width: int) -> Array:
     """Return a policy's actions as an array, shape (h, width).
 
     Raises:
-        PolicyError: If the actions have another shape, or are not numbers.
+        PolicyError: If the actions have a wrong shape or are not numbers.
     """
     try:
         found: Array = np.asarray(actions, np.float64)

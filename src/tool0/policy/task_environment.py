@@ -15,12 +15,12 @@ from tool0.policy.environment import Array, Outcome, Picture
 from tool0.policy.seen import Seen
 
 VIDEO_SIZE: Final = (320, 240)
-"""Size of a video's images if the observations contain none [pixels]."""
+"""Size of a video's images if the observations contain no images [pixels]."""
 
 
 @final
 class TaskEnvironment:
-    """A Gymnasium environment, in which time stands still while the policy computes."""
+    """A Gymnasium environment in which time is paused while the policy computes."""
 
     is_realtime = False
 
@@ -35,10 +35,11 @@ class TaskEnvironment:
         """Create the environment.
 
         Args:
-            task: Task as in ``tool0.collect.collect``.
+            task: Name of the task; see ``tool0.collect.collect``.
             options: Keyword arguments of the environment.
-            instruction: Instruction for the policy; if left out, that of the task.
-            draws: Whether to render images.
+            instruction: Instruction for the policy; the default is the instruction of
+                the task.
+            draws: Whether to render images for videos.
 
         Raises:
             ConfigError: If there is no such task.
@@ -94,17 +95,17 @@ class TaskEnvironment:
 
     @property
     def surroundings(self) -> frozenset[str]:
-        """Names of the numbers that the robot cannot measure by itself."""
+        """Names of the numbers that the robot's sensors cannot measure."""
         return self._surroundings
 
     def begin(self, seed: int) -> None:
         """Begin the episode with a seed."""
         self._observation, _ = self._env.reset(seed=seed)
         self._last = np.zeros_like(self._last)
-        self._last[self._grippers] = 1.0  # grippers are open
+        self._last[self._grippers] = 1.0  # the grippers are open
 
     def see(self) -> Seen:
-        """Return the current observation."""
+        """Return the current observation of the environment."""
         values = dict(flat(self._observation))
         return Seen(
             observation=self._observation,
@@ -116,9 +117,10 @@ class TaskEnvironment:
         )
 
     def hold(self) -> Array:
-        """Return the action that stops the tools and keeps the grippers as they are.
+        """Return the action that stops the tools and keeps the grippers' openings.
 
-        In environments from other packages, it is the allowed action closest to zero.
+        In environments from other packages, the result is the allowed action closest to
+        zero.
         """
         action = np.zeros_like(self._last)
         action[self._grippers] = self._last[self._grippers]
@@ -135,11 +137,11 @@ class TaskEnvironment:
         return Outcome(float(reward), bool(terminated), bool(truncated), success)
 
     def picture(self) -> Picture | None:
-        """Return the camera's image, if images are to be rendered."""
+        """Return the camera's image, or None if images are not rendered."""
         return self._env.render() if self._draws else None
 
     def end(self) -> None:
-        """Do nothing: simulated time stands still between actions."""
+        """Do nothing, because simulated time is paused between actions."""
 
     def close(self) -> None:
         """Close the simulation."""

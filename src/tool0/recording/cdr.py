@@ -1,9 +1,9 @@
-"""Messages of constant layout in CDR, packed and unpacked by one ``struct`` each.
+"""Messages of constant layout in CDR, each packed and unpacked by one ``struct``.
 
-Only the numbers change within a stream, so everything else, such as names, is packed
-once.  A message takes 2 to 5 µs; a general serializer takes 50 µs.  The CDR is little
-endian, with alignment relative to the end of its four-byte header:
-https://www.omg.org/spec/DDSI-RTPS/2.3 chapter 10.
+Only the numbers change within a stream, so constant data, such as names, is packed
+once.  Packing a message takes 2 to 5 µs, compared with 50 µs for a general serializer.
+The CDR is little endian, with alignment relative to the end of the four-byte header;
+see https://www.omg.org/spec/DDSI-RTPS/2.3 chapter 10.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 HEADER: Final = b"\x00\x01\x00\x00"
-"""CDR header: little endian, no options."""
+"""CDR header for little endian without options."""
 _NS: Final = 1_000_000_000
 _UINT32, _FLOAT64 = 6, 8
-"""Data types of sensor_msgs/PointField."""
+"""Data types UINT32 and FLOAT64 of sensor_msgs/PointField."""
 
 
 def _string(text: str, offset: int) -> bytes:
-    """Return a string encoded for ``offset``, including the padding before it."""
+    """Return a string that is encoded for ``offset``, with the padding before it."""
     data = text.encode() + b"\x00"
     return _padding(offset, 4) + struct.pack("<I", len(data)) + data
 
@@ -35,7 +35,7 @@ def _padding(offset: int, alignment: int) -> bytes:
 def _columns(
     messages: Sequence[bytes], size: int, start: int, count: int
 ) -> NDArray[np.float64]:
-    """Return ``count`` doubles from offset ``start`` of each message, as (n, count)."""
+    """Return ``count`` doubles at offset ``start`` of each message, (n, count)."""
     rows = np.frombuffer(b"".join(messages), np.uint8).reshape(-1, size)
     part = np.ascontiguousarray(rows[:, start : start + 8 * count])
     return part.view("<f8").astype(np.float64, copy=False)
@@ -46,7 +46,10 @@ class JointStates:
     """sensor_msgs/JointState for a fixed list of joints."""
 
     def __init__(self, names: Sequence[str], *, has_effort: bool = True) -> None:
-        """Without efforts, the third sequence of the message is empty."""
+        """Define the layout.
+
+        Without efforts, the third sequence of the message is empty.
+        """
         head = struct.pack("<I", 1) + b"\x00"  # an empty frame_id
         offset = 8 + len(head)
         count = _padding(offset, 4) + struct.pack("<I", len(names))
@@ -67,7 +70,7 @@ class JointStates:
 
     @staticmethod
     def _count(offset: int, n: int) -> bytes:
-        """Return a sequence's length field, padded so that the doubles are aligned."""
+        """Return a sequence's length field, with padding that aligns the doubles."""
         count = _padding(offset, 4) + struct.pack("<I", n)
         return count + (_padding(offset + len(count), 8) if n else b"")
 
@@ -93,7 +96,7 @@ class JointStates:
     def arrays(
         self, messages: Sequence[bytes]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Return position, velocity and effort, each of shape (n, n_joints)."""
+        """Return positions, velocities and efforts, each of shape (n, n_joints)."""
         n, size, start = self._n, self._struct.size, self._start
         step = 8 * n + len(self._between)
         return (
@@ -108,7 +111,7 @@ class Transforms:
     """tf2_msgs/TFMessage for a fixed list of frames."""
 
     def __init__(self, frames: Sequence[tuple[str, str]]) -> None:
-        """``frames`` are pairs of parent and child."""
+        """Define the layout for ``frames``, the pairs of parent and child frames."""
         self._head = struct.pack("<I", len(frames))
         layout, offset = "<4s4s", 4
         self._blocks = []
@@ -130,7 +133,7 @@ class Transforms:
             at += 56
 
     def encode(self, stamp: int, poses: Sequence[Sequence[float]]) -> bytes:
-        """Return the message; each of ``poses`` is x, y, z [m], qx, qy, qz, qw."""
+        """Return the message; each pose consists of x, y, z [m], qx, qy, qz, qw."""
         time = divmod(stamp, _NS)
         values: list[Any] = []
         for block, pose in zip(self._blocks, poses, strict=True):
@@ -155,28 +158,28 @@ class Wrenches:
         self._struct = struct.Struct(f"<4siI{len(self._block)}s6d")
 
     def encode(self, stamp: int, wrench: Sequence[float]) -> bytes:
-        """Return the message with force [N] and torque [N·m]."""
+        """Return the message with a force [N] and a torque [N·m]."""
         return self._struct.pack(HEADER, *divmod(stamp, _NS), self._block, *wrench)
 
     def arrays(self, messages: Sequence[bytes]) -> NDArray[np.float64]:
-        """Return force and torque, shape (n, 6)."""
+        """Return forces [N] and torques [N·m], shape (n, 6)."""
         return _columns(messages, self._struct.size, 12 + len(self._block), 6)
 
 
 def encode_text(text: bytes) -> bytes:
-    """Return std_msgs/String with UTF-8 ``text``."""
+    """Return a std_msgs/String with UTF-8 ``text``."""
     return HEADER + struct.pack("<I", len(text) + 1) + text + b"\x00"
 
 
 def decode_text(message: bytes) -> bytes:
-    """Return the UTF-8 text of std_msgs/String."""
+    """Return the UTF-8 text of a std_msgs/String."""
     (length,) = struct.unpack_from("<I", message, 4)
     return message[8 : 8 + length - 1]
 
 
 @final
 class Points:
-    """sensor_msgs/PointCloud2 whose points are doubles, then 32-bit integers."""
+    """sensor_msgs/PointCloud2 with doubles and 32-bit integers for each point."""
 
     def __init__(
         self, frame: str, doubles: Sequence[str], integers: Sequence[str]
@@ -202,7 +205,7 @@ class Points:
         self._head = struct.Struct(f"<4siI{len(self._names)}sII{len(self._fields)}sII")
 
     def encode(self, stamp: int, points: Sequence[Sequence[float]]) -> bytes:
-        """Return the message; each point is given as its doubles, then its integers."""
+        """Return the message for points that consist of doubles and then integers."""
         data = b"".join(self._point.pack(*point) for point in points)
         n, size = len(points), len(data)
         head = self._head.pack(
@@ -211,5 +214,5 @@ class Points:
         return head + data + b"\x01"  # is_dense
 
     def decode(self, message: bytes) -> list[tuple[Any, ...]]:
-        """Return the points as tuples of doubles, then integers."""
+        """Return the points as tuples of doubles and then integers."""
         return list(self._point.iter_unpack(message[self._head.size : -1]))

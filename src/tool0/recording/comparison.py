@@ -19,15 +19,15 @@ _POSE: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Divergence:
-    """First difference between the repetition and the recording."""
+    """The first difference between the repetition and the recording."""
 
     time: float
     """Simulated time [s]."""
     what: str
     """Name of the quantity, such as ``position of elbow_joint``."""
     recorded: float | str
-    """Recorded value [rad | m], [rad/s | m/s], [N·m | N] or [m]; a text for the outcome
-    of a request."""
+    """Recorded value [rad | m], [rad/s | m/s], [N·m | N] or [m]; it is a text for the
+    outcome of a request."""
     found: float | str
 
     def __str__(self) -> str:
@@ -39,7 +39,7 @@ class Divergence:
 
 @final
 class DivergedError(Exception):
-    """The repetition differs from the recording."""
+    """Raised if the repetition differs from the recording."""
 
     def __init__(self, divergence: Divergence) -> None:
         super().__init__(str(divergence))
@@ -66,11 +66,11 @@ class Frames:
 
     @property
     def next_step(self) -> int:
-        """Step of the next frame to compare."""
+        """The step of the next frame to compare."""
         return self._steps[self.done]
 
     def match(self, snapshot: Snapshot) -> None:
-        """Count the next frames as reproduced if they equal this state."""
+        """Mark the next frames that equal this state as reproduced."""
         while not self.is_done and self.next_step == snapshot.step:
             if next(self._differences(snapshot), None) is not None:
                 return

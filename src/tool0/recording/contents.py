@@ -1,4 +1,4 @@
-"""The static content of a recording: robot, meshes, controllers, provenance."""
+"""The static content of a recording, such as its robot, meshes and controllers."""
 
 from __future__ import annotations
 
@@ -24,22 +24,24 @@ if TYPE_CHECKING:
     from tool0.simulation.simulation import Simulation
 
 FORMAT: Final = 1
-"""Version of the format, incremented when older readers would misread the file."""
+"""Version of the format, which is incremented when older readers would misread the
+file."""
 METADATA: Final = "tool0"
 MESHES: Final = "tool0.meshes"
-"""Name of the metadata that maps a mesh's URI to the name of its attachment."""
+"""Name of the metadata that maps the URI of each mesh to the name of the mesh's
+attachment."""
 ROBOT: Final = "robot.urdf"
 DESCRIPTION: Final = "description.json"
 SIMULATION: Final = "simulation.json"
 BRINGUP: Final = "bringup.json"
-"""Attachment with everything needed to bring up the same robot again."""
+"""Attachment with all data that is needed to bring up the same robot again."""
 CONTROLLERS: Final = "controllers.yaml"
 _JSON: Final = "application/json"
 
 
 @final
 class RecordingInfo(Struct, frozen=True, kw_only=True):
-    """Static content of a recording: versions, engine, start."""
+    """Static content of a recording, such as its version, engine and start time."""
 
     format: int = FORMAT
     version: str
@@ -51,16 +53,16 @@ class RecordingInfo(Struct, frozen=True, kw_only=True):
     part: int = 1
     """Number of this file within the recording, which may be split into several."""
     first_file: str = ""
-    """Name of the first file of the recording; empty for that file itself."""
+    """Name of the first file of the recording; it is empty in the first file."""
     control_period: float
-    """Simulated time of a tick [s]."""
+    """Duration of a tick in simulated time [s]."""
     root: str
-    """Link whose frame the objects' poses are in: the robot's root."""
+    """The root link of the robot; poses of objects are in its frame."""
     joint_names: tuple[str, ...]
     """Names of the joints, in the order of the arrays' columns."""
 
     def metadata(self) -> dict[str, str]:
-        """Return the content as MCAP metadata: texts by name."""
+        """Return the content as MCAP metadata, which are texts by name."""
         plain = msgspec.to_builtins(self)
         return {
             key: value
@@ -116,7 +118,7 @@ class Contents:
         return self._info.joint_names
 
     def write(self, file: McapFile, part: int, first: Path) -> None:
-        """Write the static content into a new file, the recording's ``part``-th."""
+        """Write the static content into a new file, which has the number ``part``."""
         info = msgspec.structs.replace(
             self._info, part=part, first_file="" if part == 1 else first.name
         )
@@ -130,7 +132,7 @@ class Contents:
 
 
 def attach_meshes(file: McapFile, meshes: Mapping[str, Path], first: int = 0) -> None:
-    """Attach mesh files, given by URI, and number them from ``first`` on."""
+    """Attach mesh files by URI, with numbers starting at ``first``."""
     names = {
         uri: f"meshes/{number}-{path.name}"
         for number, (uri, path) in enumerate(meshes.items(), first)
@@ -142,7 +144,7 @@ def attach_meshes(file: McapFile, meshes: Mapping[str, Path], first: int = 0) ->
 
 
 def object_meshes(objects: Iterable[SceneObject]) -> dict[str, Path]:
-    """Return the mesh files of objects by the URIs that their sent shapes contain."""
+    """Return the mesh files of objects, by the URIs in the shapes that were sent."""
     parts = (part for item in objects for part, _ in placed_geometries(item.geometry))
     return {str(path): path for path in _meshes(parts).values()}
 

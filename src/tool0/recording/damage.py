@@ -1,4 +1,4 @@
-"""Conversion of all errors that a damaged recording can cause into one."""
+"""Conversion of all errors that a damaged recording can cause to RecordingError."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _CAUSES = (
 
 @contextlib.contextmanager
 def damage(file: Path, part: str) -> Iterator[None]:
-    """Raise RecordingError, with file and ``part``, if the part cannot be read."""
+    """Raise RecordingError, with the file and ``part``, if the part cannot be read."""
     try:
         yield
     except RecordingError:

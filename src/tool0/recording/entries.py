@@ -1,4 +1,4 @@
-"""Events and requests in a recording: everything that is not an array."""
+"""Events and requests in a recording, which are the data that are not arrays."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Any, final
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordedEvent:
-    """An event, such as the end of a goal, a warning, a fault or a reset."""
+    """A recorded event, such as the end of a goal, a warning, a fault or a reset."""
 
     time: float
     """Simulated time [s]."""
     kind: str
-    """Code of the event, such as ``goal_succeeded``; the same as in the panel's
+    """Code of the event, such as ``goal_succeeded``, which is also used in the panel's
     notices."""
     severity: str
     """Severity: ``info``, ``warning`` or ``error``."""
@@ -28,21 +28,23 @@ class RecordedEvent:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordedRequest:
-    """A request that changed the simulation, executed between two ticks."""
+    """A request that changed the simulation and was executed between two ticks."""
 
     step: int
-    """Ticks from the bring-up to the tick before which the request was executed."""
+    """Number of ticks from the bring-up to the tick before which the request was
+    executed."""
     tick: int
-    """Ticks since the start or the last reset, counted in the same way."""
+    """Number of ticks from the start or the last reset to the tick before which the
+    request was executed."""
     number: int
-    """Index in the journal, starting at 0."""
+    """Index of the request in the journal, starting at 0."""
     time: float
     """Simulated time [s]."""
     method: str
-    """Name of the request's method on a connection."""
+    """Name of the request's method in the protocol."""
     params: Mapping[str, Any] | None
     """Parameters of the request; None if they could not be written."""
     error: str | None = None
-    """Reason why the request was refused; None if it succeeded."""
+    """Reason why the request was refused; None if the request succeeded."""
     unrepeatable: str | None = None
-    """Reason why the parameters could not be written; None if they were."""
+    """Reason why the parameters could not be written; None if they were written."""

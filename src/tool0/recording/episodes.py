@@ -1,8 +1,8 @@
-"""Demonstrations: a folder of recordings, one for each episode, with an index.
+"""Demonstrations: a folder with one recording per episode, and an index.
 
-A person or a program drives the robot, starts an episode, and states how it ended: by a
+A user or a program moves the robot, starts each episode and specifies its outcome by a
 key in the terminal or the panel, or by a request.  ``episodes.jsonl`` has a line for
-each episode that was kept, in the order of their numbers.
+each episode that was kept, in the order of the episode numbers.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ INDEX: Final = "episodes.jsonl"
 
 
 class EpisodeRow(Struct, frozen=True, kw_only=True):
-    """Entry of an episode in the index."""
+    """Entry of the index for one episode."""
 
     episode: int
     """Number of the episode, starting at 0."""
@@ -57,7 +57,7 @@ class EpisodeRow(Struct, frozen=True, kw_only=True):
 
 
 def read_index(folder: Path) -> list[EpisodeRow]:
-    """Return the episodes in a folder's index, whose last line may be incomplete.
+    """Return the episodes in a folder's index; an incomplete last line is ignored.
 
     Raises:
         RecordingError: If the folder has no index, or a line in it is invalid.
@@ -83,7 +83,7 @@ def read_index(folder: Path) -> list[EpisodeRow]:
 
 @final
 class Episodes:
-    """Recorder of a simulation's episodes: ``simulation.service(Episodes)``."""
+    """Service that records episodes, from ``simulation.service(Episodes)``."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -93,7 +93,8 @@ class Episodes:
         self._resets = True
         self._rows: list[EpisodeRow] = []
         self._wall_start: float | None = None
-        """Wall time at which the current episode began [s]; None if there is none."""
+        """Wall time at which the current episode began [s since 1970 UTC]; None if
+        there is no current episode."""
         self._error: str | None = None
 
     @property
@@ -113,10 +114,10 @@ class Episodes:
         )
 
     def open(self, folder: Path, task: str, *, resets: bool) -> EpisodesStatus:
-        """Open a folder for episodes, either a new one or one that already has some.
+        """Open a folder for episodes, which may already contain episodes.
 
         Raises:
-            RecordingError: If the folder has other files, or cannot be written.
+            RecordingError: If the folder contains other files, or cannot be written.
             ControlError: If an episode is being recorded.
         """
         with self._lock:
@@ -139,10 +140,10 @@ class Episodes:
             return self._status()
 
     def start(self) -> EpisodesStatus:
-        """Start an episode, with a reset first if the folder was opened that way.
+        """Start an episode, after a reset if the folder was opened with ``resets``.
 
         Raises:
-            ControlError: If no folder is open, or something is being recorded.
+            ControlError: If no folder is open, or a recording is in progress.
             RecordingError: If the episode's file cannot be written.
         """
         with self._lock:
@@ -158,17 +159,17 @@ class Episodes:
             self._error = None
             if self._resets:
                 answer(self._simulation, Reset())
-            recordings.start(file, overwrite=True)  # not in the index: no episode
+            recordings.start(file, overwrite=True)  # only indexed files are episodes
             self._wall_start = time.time()
             return self._status()
 
     def end(self, outcome: EpisodeEnd) -> EpisodesStatus:
-        """End the episode and add it to the index, unless it is to be discarded.
+        """End the episode and add it to the index, or discard the episode.
 
         Raises:
             ControlError: If no episode is being recorded.
-            RecordingError: If the recording ended by itself or was divided by a reset;
-                the episode is then discarded.
+            RecordingError: If the recording ended early or was divided by a reset, in
+                which case the episode is discarded.
         """
         with self._lock:
             wall_start, file = self._wall_start, self._file()
@@ -197,7 +198,7 @@ class Episodes:
             return self._status()
 
     def close(self) -> None:
-        """Close the folder; an episode that is being recorded is discarded."""
+        """Close the folder and discard an episode that is being recorded."""
         with self._lock:
             if self._folder is not None and self._wall_start is not None:
                 recording = self._simulation.service(Recordings).stop()
@@ -206,7 +207,7 @@ class Episodes:
 
     @property
     def _recording(self) -> RecordingStatus | None:
-        """Status of the current episode's recording; None without an episode."""
+        """The status of the current episode's recording, or None without an episode."""
         if self._wall_start is None:
             return None
         return self._simulation.service(Recordings).status

@@ -24,14 +24,16 @@ EVENTS: Final = "/tool0/events"
 ROSOUT: Final = "/rosout"
 _LEVELS: Final[dict[Severity, int]] = {"info": 20, "warning": 30, "error": 40}
 _APART: Final = 0.5
-"""Time without contact after which touching again counts as a new event [s]."""
+"""Time without contact after which another contact of the same pair is a new event
+[s]."""
 
 
 @final
 class EventQueue:
-    """Merger of events into the sequence of snapshots.
+    """Merger of events with the sequence of snapshots.
 
-    Both arrive in order but separately, and snapshots may be late.
+    Events and snapshots are each received in order, but separately, and snapshots may
+    be delayed.
     """
 
     def __init__(self, subscription: Subscription) -> None:
@@ -54,26 +56,26 @@ class EventQueue:
                 snapshot.step > event.step
                 or (snapshot.step == event.step and snapshot.time == event.time)
             ):
-                return  # snapshots before it are still to come
+                return  # snapshots before the reset are still missing
             if event.time is not None and event.time > snapshot.time:
                 return
             yield waiting.popleft()
 
     def rest(self) -> Iterator[Event]:
-        """Yield the events that remain at the end of the recording."""
+        """Yield the remaining events at the end of the recording."""
         yield from self._waiting
         yield from self._arrived
 
 
 @final
 class EventWriter:
-    """Writer of events, and of changes between snapshots, to one file."""
+    """Writer of events and changes between snapshots to one file."""
 
     def __init__(self, file: McapFile) -> None:
         self._file = file
 
     def write_event(self, event: Event, now: float) -> None:
-        """Add an event from the bus; ``now`` [s] is the time of events without one."""
+        """Add an event from the bus; ``now`` [s] is used for events without a time."""
         data: dict[str, Any] = {}
         if isinstance(event, GoalFinished) and event.goal.result is not None:
             outcome = msgspec.to_builtins(outcome_of(event.goal.result))
@@ -81,12 +83,12 @@ class EventWriter:
         self._write(described(event, now), now, data)
 
     def write_changes(self, before: Snapshot, snapshot: Snapshot) -> None:
-        """Add the events that follow from the differences between two snapshots."""
+        """Add the events that result from the differences between two snapshots."""
         for item in changes(before, snapshot):
             self._write(item, snapshot.time, {})
 
     def write_contact(self, contact: Contact, now: float) -> None:
-        """Add an event that the robot touches something."""
+        """Add an event for a new contact of the robot."""
         force = math.hypot(*contact.force)
         text = f"'{contact.first}' touches '{contact.second}' with {force:.1f} N"
         found = Notification(severity="info", code="contact", text=text, time=now)
@@ -119,7 +121,7 @@ class EventWriter:
 
 @final
 class ContactWatch:
-    """Detector of the instants at which the robot begins to touch something."""
+    """Detector of new contacts between the robot and its surroundings."""
 
     def __init__(self, model: RobotModel) -> None:
         self._links = frozenset(link.name for link in model.links)

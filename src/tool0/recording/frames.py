@@ -1,4 +1,4 @@
-"""Snapshots as messages of ROS 2, in one file."""
+"""Writing of snapshots as ROS 2 messages to one file."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ STATE: Final = "/tool0/state"
 TF_PERIOD: Final = 0.032
 """Simulated time between two messages on ``/tf`` [s]."""
 _FIRST_OBJECT: Final = 1000
-"""Number of the first mesh attached for an object; the robot's meshes come before."""
+"""Number of the first attached mesh of an object.  The robot's meshes have lower
+numbers."""
 _NAN: Final = math.nan
 _NO_SETPOINT: Final = JointSetpoint(_NAN, _NAN, _NAN)
 _ROUNDING: Final = 1e-6  # [s]
@@ -44,13 +45,13 @@ def wrench_topics(model: RobotModel) -> dict[str, str]:
 
 
 def stamp(time: float) -> int:
-    """Return simulated time [s] in nanoseconds."""
+    """Return a simulated time [s] in nanoseconds."""
     return round(time * 1e9)
 
 
 @final
 class FrameWriter:
-    """Writer of snapshots, in order, to one file."""
+    """Writer of consecutive snapshots to one file."""
 
     def __init__(
         self, file: McapFile, model: RobotModel, joint_names: Sequence[str]
@@ -77,15 +78,15 @@ class FrameWriter:
         self._gripper_states = JointStates(list(find_grippers(model)))
         self._contacts = contact_points(self._root)
         self._bodies: dict[str, int] = {}
-        """Name of a link or object that touched something → its number in
-        ``/contacts``."""
+        """Numbers in ``/contacts`` of the links and objects that touched another body,
+        by name."""
         self._next_frames = -math.inf
         self._had_contacts = False
         self._before: Snapshot | None = None
         self._derived = Derived()
         self._scene: tuple[SceneObject, ...] = ()
         self._meshes: dict[str, Path] = {}
-        """Mesh files of objects that were attached so far."""
+        """Mesh files of objects that have already been attached."""
         self._objects = Transforms([])
 
     def write_robot(
@@ -107,9 +108,9 @@ class FrameWriter:
         self._file.write("/tf_static", TRANSFORMS, at, data)
 
     def write(self, snapshot: Snapshot) -> None:
-        """Add the messages of one snapshot: ``/joint_states`` is always the first.
+        """Add the messages of one snapshot, starting with ``/joint_states``.
 
-        Their sequence numbers are the snapshot's step.
+        The sequence number of each message is the snapshot's step.
         """
         file, time, step = self._file, stamp(snapshot.time), snapshot.step
         data = self._states.encode(
@@ -170,7 +171,7 @@ class FrameWriter:
 
     def _write_contacts(self, snapshot: Snapshot, time: int) -> None:
         if not snapshot.arms and self._wrenches:
-            return  # this snapshot has no forces
+            return  # snapshot without forces
         if not snapshot.contacts and not self._had_contacts:
             return
         self._had_contacts = bool(snapshot.contacts)
@@ -196,7 +197,7 @@ class FrameWriter:
         self._file.write(GRIPPERS, JOINT_STATE, time, data, snapshot.step)
 
     def _attach_meshes(self, objects: Sequence[SceneObject]) -> None:
-        """Attach the meshes of objects that appear."""
+        """Attach the meshes of new objects."""
         new = {
             uri: path
             for uri, path in object_meshes(objects).items()
@@ -219,7 +220,7 @@ def optical_frame(camera: str) -> str:
 def contact_points(root: str) -> Points:
     """Return the layout of ``/contacts``.
 
-    Each point has a force [N], a torque [N·m] and the numbers of the two bodies.
+    Each point contains a force [N], a torque [N·m] and the numbers of the two bodies.
     """
     parts = ("x", "y", "z", "fx", "fy", "fz", "tx", "ty", "tz")
     return Points(root, parts, ("first", "second"))
@@ -239,7 +240,7 @@ class _JointFrame:
         self._slides = joint.type is JointType.PRISMATIC
 
     def pose(self, q: float) -> tuple[float, ...]:
-        """Return x, y, z, qx, qy, qz, qw in the parent link, at ``q`` [rad | m]."""
+        """Return x, y, z [m], qx, qy, qz, qw in the parent link at ``q`` [rad | m]."""
         w, x, y, z = self._quat_wxyz
         ax, ay, az = self._axis
         if self._slides:

@@ -1,4 +1,4 @@
-"""Camera images as messages, rendered from the snapshots that are written."""
+"""Camera images as messages, which are rendered from the written snapshots."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ def image_topic(camera: str) -> str:
 
 @final
 class ImageWriter:
-    """Writer of colour images of some cameras, at a constant rate, to one file."""
+    """Writer of color images from some cameras to one file, at a constant rate."""
 
     def __init__(
         self, file: McapFile, cameras: Cameras, names: Sequence[str], period: float
     ) -> None:
-        """Prepare to write an image of each camera every ``period`` [simulated s]."""
+        """Prepare to write an image of each camera per ``period`` [simulated s]."""
         self._file, self._cameras = file, cameras
         self._names, self._period = names, period
         self._next = -math.inf
 
     def write(self, snapshot: Snapshot) -> None:
-        """Add the images of a snapshot if they are due."""
+        """Add the images of a snapshot if images are due."""
         if not self._names or snapshot.time < self._next:
             return
         self._next = snapshot.time + self._period - _ROUNDING

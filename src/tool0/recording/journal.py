@@ -24,9 +24,10 @@ REQUESTS: Final = "/tool0/requests"
 
 @final
 class RequestWriter:
-    """Writer of a simulation's journal, complete so that the run can be repeated.
+    """Writer of a simulation's complete journal, from which the run can be repeated.
 
-    A file that begins later also contains all requests before it.
+    A file that begins after the bring-up also contains all requests before its
+    beginning.
     """
 
     def __init__(self, file: McapFile, journal: Journal) -> None:
@@ -41,7 +42,7 @@ class RequestWriter:
                 text = encode_text(msgspec.json.encode(_content(entry)))
                 self._file.write(REQUESTS, TEXT, stamp(entry.time), text, entry.step)
                 self._last = entry.number
-                time.sleep(0.0)  # let other threads have the interpreter
+                time.sleep(0.0)  # gives other threads the interpreter
 
 
 def _content(entry: Executed) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Writer of one MCAP file: channels, messages, chunks and attachments."""
+"""Writer of one MCAP file with channels, messages, chunks and attachments."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 LARGEST_CHUNK: Final = 256 * 1024
-"""Size at which a chunk ends, unless it is flushed before [bytes].  Compressing it
-takes less than a millisecond, during which the interpreter's lock is released."""
+"""Size at which a chunk ends, unless the chunk is flushed earlier [bytes].  The
+compression of a chunk takes less than a millisecond, during which the interpreter's
+lock is released."""
 
 
 @final
 class _Output:
-    """Unbuffered output file, in which nothing is pending when a write fails."""
+    """Unbuffered output file, which has no pending data after a failed write."""
 
     def __init__(self, path: Path, *, overwrite: bool) -> None:
         mode = os.O_WRONLY | os.O_CREAT | (os.O_TRUNC if overwrite else os.O_EXCL)
@@ -42,7 +43,7 @@ class _Output:
         pass
 
     def cut(self, size: int) -> None:
-        """Truncate the file to ``size`` [bytes], if that is possible."""
+        """Truncate the file to ``size`` [bytes] if possible."""
         with contextlib.suppress(OSError):
             os.ftruncate(self._file, size)
             self._position = size
@@ -55,7 +56,7 @@ class _Output:
 class McapFile:
     """Writer of one file.  If a method raises OSError, the caller must close the file.
 
-    Flushed data can be read however the process ends.
+    Flushed data can be read regardless of how the process ends.
     """
 
     def __init__(self, path: Path, *, overwrite: bool = False) -> None:
@@ -76,7 +77,7 @@ class McapFile:
             ) from None
         except OSError as error:
             raise RecordingError(f"cannot write {path}: {error.strerror}") from error
-        output: Any = self._output  # has the stream methods that the writer uses
+        output: Any = self._output  # provides the writer's stream methods
         self._writer: Any = Writer(  # not fully typed
             output,
             chunk_size=LARGEST_CHUNK,
@@ -95,31 +96,31 @@ class McapFile:
 
     @property
     def size(self) -> int:
-        """Number of bytes written so far."""
+        """Number of bytes that have been written."""
         return self._output.tell()
 
     def write(
         self, topic: str, kind: str, time: int, data: bytes, sequence: int = 0
     ) -> None:
-        """Add a message with its time [ns]; ``flush`` writes it."""
+        """Add a message with its time [ns]; ``flush`` writes the message."""
         channel = self._channels.get(topic)
         if channel is None:
             channel = self._channels[topic] = self._channel(topic, kind)
         self._writer.add_message(channel, time, data, time, sequence)
 
     def attach(self, name: str, media_type: str, data: bytes, time: int = 0) -> None:
-        """Add an attachment, a file within the file."""
+        """Add an attachment, which is a file within the file."""
         self._writer.flush()  # keeps the order of messages and attachments
         self._writer.add_attachment(0, time, name, media_type, data)
         self._written = self.size
 
     def note(self, name: str, values: Mapping[str, str]) -> None:
-        """Add named metadata."""
+        """Add metadata with a name."""
         self._writer.add_metadata(name, dict(values))
         self._written = self.size
 
     def flush(self) -> None:
-        """Write the added messages as one chunk."""
+        """Write the messages that have been added as one chunk."""
         self._writer.flush()
         self._written = self.size
 

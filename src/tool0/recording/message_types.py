@@ -1,4 +1,4 @@
-"""The ROS 2 message types of a recording: definitions and serialization by rosbags."""
+"""Definitions and serialization of a recording's ROS 2 message types with rosbags."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TEXT: Final = "std_msgs/msg/String"
 
 @cache
 def typestore() -> Typestore:
-    """Return the store of ROS 2 message types."""
+    """Return the type store of the ROS 2 message types."""
     from rosbags.typesys import Stores, get_typestore
 
     return get_typestore(Stores.ROS2_HUMBLE)
@@ -32,12 +32,12 @@ def definition(name: str) -> str:
 
 
 def message(kind: str, /, **fields: Any) -> bytes:
-    """Return a message in CDR; the arguments are the fields of its definition."""
+    """Return a message in CDR; the arguments are the fields of the message."""
     store = typestore()
     return bytes(store.serialize_cdr(store.types[kind](**fields), kind))
 
 
 def stamp_of(time: int) -> Any:
-    """Return the builtin_interfaces/Time of a time [ns]."""
+    """Return the builtin_interfaces/Time for a time [ns]."""
     sec, nanosec = divmod(time, 1_000_000_000)
     return typestore().types["builtin_interfaces/msg/Time"](sec=sec, nanosec=nanosec)

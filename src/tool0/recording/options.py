@@ -1,4 +1,4 @@
-"""Options of a recording, and its status."""
+"""Options of a recording, and default folders."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class Rotation(Struct, frozen=True, kw_only=True):
     max_size: int | None = None
     """Largest size of a file [bytes]."""
     max_duration: float | None = None
-    """Longest duration of a file in simulated time [s]."""
+    """Largest duration of a file in simulated time [s]."""
     max_files: int | None = None
-    """Number of files that are kept; older ones are deleted."""
+    """Number of files that are kept; older files are deleted."""
 
 
 @final
@@ -37,10 +37,10 @@ NO_IMAGES: Final = Images()
 
 
 def recordings_folder() -> Path:
-    """Return the folder for recordings without a given path; it may not exist yet."""
+    """Return the default folder of recordings, which may not exist yet."""
     return data_folder() / "recordings"
 
 
 def episodes_folder() -> Path:
-    """Return the folder within which web pages may open folders of episodes."""
+    """Return the folder in which web pages may open folders of episodes."""
     return data_folder() / "episodes"

@@ -1,4 +1,4 @@
-"""Parser of an MCAP file's records, even if the file was cut off."""
+"""Parser of an MCAP file's records, which accepts a truncated file."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MAGIC: Final = b"\x89MCAP0\r\n"
 _RECORD: Final = struct.Struct("<BQ")
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _CHECKSUM: Final = struct.Struct("<I")
-"""CRC-32 checksum of the preceding bytes; 0 if not computed."""
+"""CRC-32 checksum of the preceding bytes; 0 if the checksum was not computed."""
 _LARGEST: Final = 1 << 30
 """Largest unpacked size of a chunk that is accepted [bytes]."""
 
@@ -35,7 +35,7 @@ class Stream:
     times: list[int] = field(default_factory=list)
     """Log times of the messages [ns]."""
     sequence: list[int] = field(default_factory=list)
-    """Step of each message: control periods since the bring-up."""
+    """Step of each message, as the number of control periods since the bring-up."""
     messages: list[bytes] = field(default_factory=list)
 
 
@@ -47,17 +47,17 @@ class Parsed:
     streams: dict[str, Stream] = field(default_factory=dict)
     """Streams of messages by topic."""
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
-    """Metadata by name; later values replace earlier ones."""
+    """Metadata by name; later values replace earlier values."""
     attachments: dict[str, bytes] = field(default_factory=dict)
     is_complete: bool = False
-    """Whether the file was finished; otherwise its contents end with the last whole
-    chunk."""
+    """Whether the file was finished; otherwise, the contents end after the last
+    complete chunk."""
 
 
 def parse(path: Path, frame_topic: str) -> Parsed:
     """Return the contents of an MCAP file.
 
-    Each message on ``frame_topic`` begins another frame.
+    Each message on ``frame_topic`` begins a new frame.
 
     Raises:
         RecordingError: If the file cannot be read, is not an MCAP file, or is damaged.
@@ -73,7 +73,7 @@ def parse(path: Path, frame_topic: str) -> Parsed:
         raise RecordingError(f"cannot read {path}: {reason}") from error
     except RecordingError:
         raise
-    except Exception as error:  # from mcap and the compression libraries
+    except Exception as error:  # raised by mcap and the compression libraries
         raise RecordingError(
             f"{path} is damaged at byte {parser.at}: "
             f"{str(error) or 'a record is incomplete'}"
@@ -82,7 +82,7 @@ def parse(path: Path, frame_topic: str) -> Parsed:
 
 
 def _check_kind(path: Path, begin: bytes) -> None:
-    """Raise RecordingError if a file does not begin like an MCAP file."""
+    """Raise RecordingError if a file does not begin with the header of an MCAP file."""
     if not begin:
         raise RecordingError(f"{path} is empty")
     if begin != _MAGIC:
@@ -128,7 +128,7 @@ class _Parser:
             raise ValueError("the record that ends the data is missing")
 
     def _records(self, data: mmap.mmap) -> Iterator[tuple[int, int, int]]:
-        """Yield opcode, start and end of each complete record."""
+        """Yield the opcode, the start and the end of each complete record."""
         self.at = len(_MAGIC)
         while self.at + _RECORD.size <= len(data):
             opcode, length = _RECORD.unpack_from(data, self.at)

@@ -1,4 +1,4 @@
-"""One self-contained file of a recording; rotation begins another."""
+"""One self-contained file of a recording; rotation begins a new file."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @final
 class Part:
-    """Writer of a file: the robot, the requests so far, and then every snapshot."""
+    """Writer of a file with the robot, all earlier requests and later snapshots."""
 
     def __init__(
         self,
@@ -35,7 +35,7 @@ class Part:
         first: Path,
         overwrite: bool,
     ) -> None:
-        """Create the ``number``-th file of the recording that began with ``first``.
+        """Create the file with this number in the recording that began with ``first``.
 
         Raises:
             RecordingError: If the file cannot be written.
@@ -66,12 +66,12 @@ class Part:
 
     @property
     def size(self) -> int:
-        """Number of bytes written so far."""
+        """Number of bytes that have been written."""
         return self._file.size
 
     @property
     def duration(self) -> float:
-        """Simulated time from the first snapshot to the last [s]."""
+        """Simulated time from the first snapshot to the last snapshot [s]."""
         if self.start is None or self.last is None:
             return 0.0
         return self.last.time - self.start
@@ -88,19 +88,22 @@ class Part:
         self.last = snapshot
 
     def write_event(self, event: Event, now: float) -> None:
-        """Add an event from the bus; ``now`` [s] is the time of events without one."""
+        """Add an event from the bus; ``now`` [s] is used for events without a time."""
         self._events.write_event(event, now)
 
     def write_changes(self, before: Snapshot, snapshot: Snapshot) -> None:
-        """Add the events that follow from the differences between two snapshots."""
+        """Add the events that result from the differences between two snapshots."""
         self._events.write_changes(before, snapshot)
 
     def write_requests(self) -> None:
-        """Add the requests since the last call; at first, all since the bring-up."""
+        """Add the requests since the last call.
+
+        The first call adds all requests since the bring-up.
+        """
         self._requests.write_new()
 
     def flush(self) -> None:
-        """Hand all data to the operating system; a process that ends loses none."""
+        """Write all data to the operating system, so a process crash loses no data."""
         self._file.flush()
 
     def finish(self) -> None:

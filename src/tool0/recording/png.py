@@ -1,4 +1,4 @@
-"""Images as PNG."""
+"""Encoding of images as PNG."""
 
 from __future__ import annotations
 
@@ -11,17 +11,18 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _GREY, _COLORS = 0, 2
-"""Colour types in PNG's header."""
+"""Color types in the header of a PNG."""
 
 
 def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16], level: int = 6) -> bytes:
-    """Return a PNG of colours (height, width, 3) uint8 or grey (height, width) uint16.
+    """Return a PNG of a color image or a gray image.
 
-    See https://www.w3.org/TR/png-3/ for the format; ``level`` is zlib's compression
-    level.
+    A color image is uint8 of shape (height, width, 3).  A gray image is uint16 of shape
+    (height, width).  See https://www.w3.org/TR/png-3/ for the format; ``level`` is
+    zlib's compression level.
 
     Raises:
-        ValueError: If the image has another shape or type.
+        ValueError: If the image has a wrong shape or type.
     """
     kind = (image.ndim, image.shape[2:], str(image.dtype))
     if kind == (3, (3,), "uint8"):
@@ -41,12 +42,15 @@ def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16], level: int = 6) ->
 
 
 def encode_depth(depth: NDArray[np.float32]) -> bytes:
-    """Return a PNG in mm (REP-118) of depth [m]; 0 where unknown or over 65.535 m."""
+    """Return depth [m] as a PNG in mm (REP-118).
+
+    A depth that is unknown or above 65.535 m is 0 in the image.
+    """
     return encode_png(depth_in_mm(depth))
 
 
 def depth_in_mm(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """Return depth [m] converted to mm; 0 where unknown or over 65.535 m."""
+    """Return depth [m] in mm; depths that are unknown or above 65.535 m are 0."""
     import numpy as np
 
     known = np.isfinite(depth) & (depth < 65.535)
@@ -54,7 +58,7 @@ def depth_in_mm(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
 
 
 def _filtered(image: NDArray[Any]) -> bytes:
-    """Return rows as differences from the row above, which compress better."""
+    """Return rows as differences from the previous row, which compress better."""
     import numpy as np
 
     rows = image.astype(image.dtype.newbyteorder(">")).view(np.uint8)

@@ -62,11 +62,11 @@ Array = NDArray[np.float64]
 def open_recording(path: Path | str) -> RecordingFile:
     """Read a recording that tool0 wrote.
 
-    A file that was cut off by a crash or a full disk is read up to its last whole
-    chunk.
+    If a crash or a full disk has truncated the file, the file is read up to its last
+    complete chunk.
 
     Args:
-        path: An MCAP file.
+        path: Path of the MCAP file.
 
     Raises:
         RecordingError: If the file cannot be read, is damaged, or is not a recording.
@@ -76,7 +76,7 @@ def open_recording(path: Path | str) -> RecordingFile:
 
 @final
 class RecordingFile:
-    """A recording.  Its arrays have a row for each snapshot, ordered by ``time``."""
+    """A recording, with arrays that have one row per snapshot in time order."""
 
     def __init__(self, path: Path) -> None:
         """Read the file, or raise RecordingError."""
@@ -102,7 +102,7 @@ class RecordingFile:
             self._info = info_from(metadata)
         self._names = self._info.joint_names
 
-    # ---- what was recorded ----------------------------------------------------------
+    # ---- recorded data --------------------------------------------------------------
 
     @property
     def path(self) -> Path:
@@ -111,17 +111,17 @@ class RecordingFile:
 
     @property
     def info(self) -> RecordingInfo:
-        """Static content of the recording: versions, engine, start."""
+        """Static content of the recording, such as version, engine and start time."""
         return self._info
 
     @property
     def is_complete(self) -> bool:
-        """Whether the file was finished; otherwise its end is missing."""
+        """Whether the file was finished; otherwise, its end is missing."""
         return self._is_complete
 
     @property
     def attachments(self) -> Mapping[str, bytes]:
-        """Attachments, the files within the file, by name."""
+        """Attachments, which are files within the file, by name."""
         return self._attachments
 
     @property
@@ -136,13 +136,13 @@ class RecordingFile:
     @cached_property
     @reads(JOINT_STATES)
     def tick(self) -> NDArray[np.int64]:
-        """Control periods since the start or the last reset, shape (n,)."""
+        """Number of control periods since the start or the last reset, shape (n,)."""
         times = np.array(self._stream(JOINT_STATES).times, dtype=np.float64)
         return np.rint(times * 1e-9 / self.info.control_period).astype(np.int64)
 
     @cached_property
     def step(self) -> NDArray[np.int64]:
-        """Control periods since the bring-up, shape (n,), not affected by resets."""
+        """Number of control periods since the bring-up, across resets, shape (n,)."""
         return np.array(self._stream(JOINT_STATES).sequence, dtype=np.int64)
 
     @cached_property
@@ -152,7 +152,7 @@ class RecordingFile:
 
     @property
     def duration(self) -> float:
-        """Simulated time from the first snapshot to the last [s]."""
+        """Simulated time from the first snapshot to the last snapshot [s]."""
         return float(self.time[-1] - self.time[0]) if len(self) else 0.0
 
     @property
@@ -174,21 +174,24 @@ class RecordingFile:
     def desired_position(self) -> Array:
         """Desired positions [rad | m], shape (n, n_joints).
 
-        They are NaN where no controller moves the joint by position.
+        A desired position is NaN if no controller moves the joint by position.
         """
         return self._commands[0]
 
     @property
     def desired_velocity(self) -> Array:
-        """Desired velocities [rad/s | m/s], shape (n, n_joints); NaN likewise."""
+        """Desired velocities [rad/s | m/s], shape (n, n_joints).
+
+        A desired velocity is NaN if no controller moves the joint by position.
+        """
         return self._commands[1]
 
     @cached_property
     @reads(OBJECTS)
     def objects(self) -> Mapping[str, Array]:
-        """Object → x, y, z [m], qw, qx, qy, qz in the root, shape (n, 7).
+        """Poses x, y, z [m], qw, qx, qy, qz in the root frame, shape (n, 7), by object.
 
-        They are NaN while the object did not exist.
+        The pose of an object is NaN while the object does not exist.
         """
         stream = self._stream(OBJECTS)
         found: dict[str, Array] = {}
@@ -210,9 +213,10 @@ class RecordingFile:
     @cached_property
     @reads("wrenches")
     def wrenches(self) -> Mapping[str, Array]:
-        """Arm → force [N] and torque [N·m] at its flange, in its axes, shape (n, 6).
+        """Forces [N] and torques [N·m] at the flange, in its axes, (n, 6), by arm.
 
-        Wrenches are sampled less often than joints; each sample is held until the next.
+        Wrenches are sampled less often than joints.  Each sample is held until the next
+        sample.
         """
         found = {}
         for arm, (topic, flange) in self.robot.wrench_topics.items():
@@ -225,7 +229,7 @@ class RecordingFile:
     @cached_property
     @reads(GRIPPERS)
     def gripper_states(self) -> Mapping[str, Array]:
-        """Gripper → opening [m], its rate [m/s] and the force [N], shape (n, 3)."""
+        """Opening [m], opening rate [m/s] and force [N], shape (n, 3), by gripper."""
         stream, names = self._stream(GRIPPERS), list(self.robot.grippers)
         values = np.stack(JointStates(names).arrays(stream.messages), axis=2)
         found = {}
@@ -238,9 +242,9 @@ class RecordingFile:
     @cached_property
     @reads(CONTACTS)
     def contacts(self) -> Sequence[tuple[Contact, ...]]:
-        """Contacts of each snapshot with their forces, in the root's axes.
+        """Contacts of each snapshot with their forces [N], in the root's axes.
 
-        Each sample is held until the next, as for ``wrenches``.
+        Each sample is held until the next sample.
         """
         layout, stream = contact_points(self.info.root), self._stream(CONTACTS)
         found: list[tuple[Contact, ...]] = []
@@ -264,7 +268,7 @@ class RecordingFile:
 
     @cached_property
     def events(self) -> Sequence[RecordedEvent]:
-        """Events in the order of the file."""
+        """Events, in file order."""
         return self._texts(EVENTS, RecordedEvent)
 
     @cached_property
@@ -274,9 +278,10 @@ class RecordingFile:
 
     @property
     def gripping(self) -> Iterator[tuple[int, tuple[str, ...]]]:
-        """Changes in which grippers grip something, by pressing on it from two sides.
+        """Changes of the grippers that hold an object by pressing on it from two sides.
 
-        Yields the number of a snapshot and the grippers that grip from there on.
+        Each change is the number of a snapshot and the grippers that grip starting at
+        this snapshot.
         """
         for frame, fields in self._changes.items():
             if "gripping" in fields:
@@ -297,7 +302,7 @@ class RecordingFile:
     @property
     @reads(ROBOT)
     def urdf(self) -> str:
-        """The robot as one URDF document, as it was recorded."""
+        """The robot as one recorded URDF document."""
         return self._attached(ROBOT).decode()
 
     @property
@@ -307,24 +312,24 @@ class RecordingFile:
 
     @cached_property
     def simulation(self) -> SimulationInfo:
-        """Properties of the simulation that were constant during the recording."""
+        """Constant properties of the simulation during the recording."""
         return self._decoded(SIMULATION, SimulationInfo)
 
     @cached_property
     def bringup(self) -> Reproduction:
-        """Everything needed to bring up the same robot again."""
+        """All data that is needed to bring up the same robot again."""
         return self._decoded(BRINGUP, Reproduction)
 
     # ---- snapshots ------------------------------------------------------------------
 
     def snapshots(self) -> Sequence[Snapshot]:
-        """Return all snapshots, each of which is created on access."""
+        """Return all snapshots; each snapshot is created on access."""
         return self._snapshots
 
     # ---- tables ---------------------------------------------------------------------
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return a table with the index ``time`` [s]: joints, objects and wrenches.
+        """Return a table of joints, objects and wrenches with the index ``time`` [s].
 
         Raises:
             RecordingError: If pandas is not installed.
@@ -339,14 +344,15 @@ class RecordingFile:
         return pd.DataFrame(self.table(), index=index)
 
     def table(self) -> dict[str, Array]:
-        """Return every column except time by its name, such as ``elbow_joint.effort``.
+        """Return all columns except time by name, such as ``elbow_joint.effort``.
 
-        Objects have ``NAME.x`` to ``NAME.qz``, wrenches ``ARM.fx`` to ``ARM.tz``, and
-        grippers ``NAME.opening``, ``NAME.speed`` and ``NAME.force``.
+        The columns of objects are ``NAME.x`` to ``NAME.qz``.  The columns of wrenches
+        are ``ARM.fx`` to ``ARM.tz``.  The columns of grippers are ``NAME.opening``,
+        ``NAME.speed`` and ``NAME.force``.
         """
         return columns_of(self)
 
-    # ---- inside ---------------------------------------------------------------------
+    # ---- details --------------------------------------------------------------------
 
     def _stream(self, topic: str) -> Stream:
         return self._streams.get(topic) or Stream(topic, "")
@@ -376,14 +382,14 @@ class RecordingFile:
     @cached_property
     @reads(STATE)
     def _changes(self) -> Mapping[int, Mapping[str, Any]]:
-        """Frame → fields of the snapshot that changed at that frame."""
+        """Changed fields of the snapshot, by number of the frame."""
         stream = self._stream(STATE)
         pairs = zip(stream.frames, stream.messages, strict=True)
         return {frame: decode_change(decode_text(text)) for frame, text in pairs}
 
     @cached_property
     def _scene_names(self) -> Sequence[tuple[str, ...]]:
-        """Names of the objects that exist at each frame."""
+        """Names of the existing objects at each frame."""
         found: list[tuple[str, ...]] = []
         names: tuple[str, ...] = ()
         for frame in range(len(self)):

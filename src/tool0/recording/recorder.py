@@ -1,4 +1,4 @@
-"""Recording thread, which takes snapshots from a subscription and writes them."""
+"""Recording thread, which writes the snapshots of a subscription to a file."""
 
 from __future__ import annotations
 
@@ -24,21 +24,23 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 FLUSH_PERIOD: Final = 0.4
-"""Wall time between chunks [s]; kill -9 loses at most this much."""
+"""Wall time between chunks [s].  If the process is killed, the data of at most 0.4 s is
+lost."""
 FORCES_PERIOD: Final = 0.032
-"""Simulated time between two samples of contacts and wrenches [s]; the engine computes
-them only on request."""
+"""Simulated time between two samples of contacts and wrenches [s].  The engine computes
+contacts and wrenches only on request."""
 _POLL_PERIOD: Final = 0.04
-"""Wall time between polls for snapshots [s].  Each poll is short, so that the tick does
-not wait for the interpreter."""
+"""Wall time between polls for snapshots [s].  Each poll is short, so the tick does not
+wait for the interpreter's lock."""
 _MOST_WAITING: Final = 2500
-"""Largest number of snapshots that wait to be written (20 s).  Beyond it, the oldest
-are dropped in real time; otherwise, simulated time waits."""
+"""Largest number of snapshots that are buffered before they are written (20 s).  If the
+buffer is full, the oldest snapshots are dropped in real time; otherwise, simulated time
+is paused."""
 
 
 @final
 class Recorder:
-    """One recording, from its start until ``stop`` or a disk error."""
+    """One recording, from its start to ``stop`` or an error."""
 
     def __init__(
         self,
@@ -49,13 +51,13 @@ class Recorder:
         *,
         overwrite: bool = False,
     ) -> None:
-        """Create the file and start.
+        """Create the file and start the recording thread.
 
         Raises:
             RecordingError: If the file cannot be written.
             RenderError: If a camera does not exist, or images cannot be rendered.
         """
-        for name in images.cameras:  # fail now, not during recording
+        for name in images.cameras:  # fails before the recording starts
             simulation.cameras.render(simulation.cameras[name])
         self._images = images
         self._simulation = simulation
@@ -112,20 +114,23 @@ class Recorder:
         )
 
     def stop(self) -> RecordingStatus:
-        """Write the remaining data, and close the file; stopping twice is allowed."""
+        """Write the remaining data and close the file.
+
+        The recording may have ended already.
+        """
         self._is_over.set()
         self._thread.join()
         return self.status
 
-    # ---- the thread of the tick ------------------------------------------------------
+    # ---- tick thread -----------------------------------------------------------------
 
     def _hold_time(self) -> None:
-        """Wait until the backlog is shorter; only real-time recordings drop data."""
+        """Wait for a shorter backlog; only real-time recordings drop data."""
         backlog = self._backlog
         while len(backlog) >= _MOST_WAITING and not self._is_over.is_set():
             time.sleep(_POLL_PERIOD)
 
-    # ---- the recorder's thread -------------------------------------------------------
+    # ---- recorder thread -------------------------------------------------------------
 
     def _run(self) -> None:
         try:
@@ -136,7 +141,7 @@ class Recorder:
                 for event in self._events.rest():
                     self._part.write_event(event, self._seen.time)
             self._part.finish()
-        except Exception as error:  # the simulation must go on
+        except Exception as error:  # the simulation must continue
             self._fail(error)
         finally:
             if not self._simulation.loop.is_closed:
@@ -144,10 +149,10 @@ class Recorder:
 
     def _take(self) -> None:
         snapshots = self._subscription.pending()
-        self._part.write_requests()  # before the snapshots that result from them
+        self._part.write_requests()  # before the resulting snapshots
         for snapshot in snapshots:
             self._take_one(snapshot)
-            time.sleep(0.0)  # let other threads have the interpreter
+            time.sleep(0.0)  # gives other threads the interpreter
         now = time.monotonic()
         if now >= self._next_flush:
             self._next_flush = now + FLUSH_PERIOD
@@ -182,9 +187,9 @@ class Recorder:
         )
 
     def _is_wanted(self, snapshot: Snapshot) -> bool:
-        """Return whether to write a snapshot: if it is due, or has changes.
+        """Return whether to write a snapshot, because it is due or contains changes.
 
-        Other snapshots are published after requests and for faster subscribers.
+        Additional snapshots are published after requests and for faster subscribers.
         """
         last = self._part.last
         if last is None or snapshot.time < last.time:
@@ -198,7 +203,7 @@ class Recorder:
         return snapshot.tick % self._ticks == 0 or snapshot.is_paused
 
     def _rotate(self) -> None:
-        """Continue the recording in another file."""
+        """Continue the recording in a new file."""
         old, self._part = self._part, self._new_part()
         old.finish()
         self._size_before += old.size
@@ -225,7 +230,7 @@ class Recorder:
         return part
 
     def _fail(self, error: Exception) -> None:
-        """End the recording; the simulation continues."""
+        """End the recording after an error without stopping the simulation."""
         if isinstance(error, OSError):
             reason = f"{self._part.path}: {error.strerror}"
         elif isinstance(error, Tool0Error):
@@ -241,5 +246,5 @@ class Recorder:
             self._simulation.bus.announce(
                 Reported(text, self._simulation.snapshot.time)
             )
-        finally:  # set last: waiters rely on everything else being done
+        finally:  # set last, when the recording has ended completely
             self._is_over.set()

@@ -1,4 +1,4 @@
-"""The recordings of one simulation, one at a time."""
+"""The recordings of one simulation, which are made one at a time."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @final
 class Recordings:
-    """Service that starts and stops recordings: ``simulation.service(Recordings)``."""
+    """Service for recordings, returned by ``simulation.service(Recordings)``."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -26,7 +26,7 @@ class Recordings:
 
     @property
     def status(self) -> RecordingStatus | None:
-        """The recording in progress, or the last one; None before the first."""
+        """The current or last recording; None before the first recording."""
         recorder = self._recorder
         return None if recorder is None else recorder.status
 
@@ -43,7 +43,7 @@ class Recordings:
         Raises:
             ControlError: If a recording is already in progress.
             RecordingError: If the file cannot be written.
-            RenderError: If a camera cannot take images.
+            RenderError: If a camera does not exist, or its images cannot be rendered.
         """
         with self._lock:
             status = self.status
@@ -68,7 +68,7 @@ class Recordings:
             return self._recorder.stop()
 
     def close(self) -> None:
-        """End a recording that is in progress and complete its file."""
+        """End the current recording, if there is one, and complete its file."""
         with self._lock:
             if self._recorder is not None:
                 self._recorder.stop()

@@ -18,17 +18,17 @@ from tool0.simulation.handlers.table import answer
 from tool0.simulation.simulation import Simulation
 
 _ABOUT_TIME: Final = (Pause, Resume, SetSpeed, Step)
-"""Requests that only decide when ticks are executed."""
+"""Requests that affect only the wall time at which ticks are executed."""
 _CHECKED: Final = (AddModel, AddObject, PlaceObject, Reset)
-"""Requests that earlier versions executed without checking for penetration."""
+"""Requests that earlier versions executed without a check for penetration."""
 
 
 @final
 class Repetition:
-    """Repetition of recorded requests in a simulation that nobody else controls."""
+    """Repetition of recorded requests in a simulation without other clients."""
 
     def __init__(self, simulation: Simulation, meshes: Mapping[str, Path]) -> None:
-        """Prepare to repeat requests; ``meshes`` are the current mesh files by URI."""
+        """Prepare to repeat requests, with the current mesh files by URI."""
         self._simulation = simulation
         self._meshes = meshes
         self.n_requests = 0
@@ -37,10 +37,11 @@ class Repetition:
         """Descriptions of the requests that could not be repeated."""
 
     def advance(self, step: int) -> None:
-        """Advance to the tick of a step, unless a fault stopped the simulation.
+        """Advance to the tick of a step, unless a fault stops the simulation.
 
         Raises:
-            Exception: Whatever the physics or a controller raised.
+            Exception: Any exception that the physics or a controller raises before the
+                step is reached.
         """
         loop = self._simulation.loop
         left = step - loop.steps
@@ -55,8 +56,8 @@ class Repetition:
     def repeat(self, recorded: RecordedRequest) -> str | None:
         """Execute a request; return the reason why it failed, or None.
 
-        A request that cannot be repeated, or only concerns time, gets its recorded
-        outcome.
+        If a request cannot be repeated, or affects only the timing of ticks, its
+        recorded outcome is returned.
         """
         request = self._request(recorded)
         if request is None or isinstance(request, _ABOUT_TIME):
@@ -80,7 +81,7 @@ class Repetition:
                 problem = str(error)
             else:
                 return self._as_accepted(request, recorded)
-        if recorded.error is None:  # a failed request changed nothing
+        if recorded.error is None:  # a failed request had no effect
             self.notes.append(
                 f"{recorded.method} at {recorded.time:.3f} s cannot be repeated: "
                 f"{problem}"
@@ -90,7 +91,10 @@ class Repetition:
     def _as_accepted(
         self, request: Request[Any], recorded: RecordedRequest
     ) -> Request[Any]:
-        """Return a request with current mesh files; accepted ones may penetrate."""
+        """Return a request with current mesh files.
+
+        A request that was accepted may cause penetration.
+        """
         if isinstance(request, AddObject):
             shape = with_meshes(request.shape, self._meshes)
             request = msgspec.structs.replace(request, shape=shape)

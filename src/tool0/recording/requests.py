@@ -1,4 +1,4 @@
-"""Requests about the recording of a running robot."""
+"""Requests for recordings of a running robot."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ handles(ReadRecording)(lambda sim, _: sim.service(Recordings).status)
 
 
 def checked_file(file: Path | str | None) -> Path:
-    """Return the path at which a recording is to be written.
+    """Return the path of the file to which a recording will be written.
 
     Raises:
         RecordingError: If the name does not end in ``.mcap`` or is not a valid path.
@@ -63,7 +63,7 @@ def checked_file(file: Path | str | None) -> Path:
 
 
 def given_path(path: Path | str) -> Path:
-    """Return the absolute path of a file or folder, which need not exist.
+    """Return the absolute path of a file or folder that may not exist.
 
     Raises:
         RecordingError: If the name is not a valid path.

@@ -1,7 +1,8 @@
-"""Re-simulation of a recording: the same robot, the same requests, the same steps.
+"""Re-simulation of a recording, with the same robot, requests and steps.
 
 A simulation is deterministic between requests, so every frame must be bit-identical to
-the recorded one.  If it is not, all reasons that can be found are named.
+the recorded frame.  The result lists all possible reasons for a difference that can be
+found.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ class Resimulation:
     """Number of requests that were executed again."""
     divergence: Divergence | None
     reasons: tuple[str, ...]
-    """Reasons why the repetition may differ, or does."""
+    """Possible reasons why the repetition differs from the recording."""
 
     @property
     def is_identical(self) -> bool:
@@ -53,18 +54,20 @@ def resimulate(
 ) -> Resimulation:
     """Repeat a recording, compare every frame, and stop at the first difference.
 
-    Time, position, velocity and effort of every joint are compared, and the poses of
-    the objects.
+    The time, the position, velocity and effort of every joint, and the poses of the
+    objects are compared.
 
     Args:
-        recording: Recording to repeat: one file, from its first frame to its last.
-        when_compared: Called now and then with the number of frames compared and their
-            total.
+        recording: The recording, which is one file and is repeated from its first frame
+            to its last frame.
+        when_compared: Callback that is called regularly with the number of compared
+            frames and the total number of frames.
 
     Raises:
-        RecordingError: If the file is not a recording, or lacks data needed to repeat
-            it.
-        Tool0Error: If the robot cannot be brought up, for example without its engine.
+        RecordingError: If the file is not a recording, or does not contain the data
+            that is needed to repeat it.
+        Tool0Error: If the robot cannot be brought up, such as when its engine is not
+            installed.
     """
     if not isinstance(recording, RecordingFile):
         recording = open_recording(recording)
@@ -82,7 +85,7 @@ def resimulate(
 
 @final
 class _Comparison:
-    """One repetition: frames and requests in the order of their steps."""
+    """One repetition of frames and requests in the order of their steps."""
 
     def __init__(
         self,
@@ -131,7 +134,7 @@ class _Comparison:
     def _advance(self, step: int) -> None:
         try:
             self._repetition.advance(step)
-        except Exception as fault:  # of the physics or a controller
+        except Exception as fault:  # raised by the physics or a controller
             raise DivergedError(
                 Divergence(
                     time=self._simulation.loop.time,
@@ -155,7 +158,7 @@ class _Comparison:
 
 
 def _reasons(recording: RecordingFile) -> Iterator[str]:
-    """Yield reasons why a repetition may differ."""
+    """Yield reasons why a repetition may differ from the recording."""
     start, requests = recording.bringup, recording.requests
     if not is_deterministic(start.engine):
         yield f"the engine {start.engine} is not deterministic"

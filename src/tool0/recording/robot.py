@@ -1,4 +1,4 @@
-"""The robot in a recording: its description with the attached meshes."""
+"""The description of the robot in a recording, with the attached meshes."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from tool0.recording.frames import wrench_topics
 class RecordedRobot:
     """Description, meshes and objects of a recorded robot.
 
-    Meshes are unpacked into a temporary folder, which exists as long as this object,
-    because the original files may have changed.
+    Meshes are unpacked into a temporary folder, because the original files may have
+    changed.  The folder exists as long as this object.
     """
 
     def __init__(
@@ -38,7 +38,10 @@ class RecordedRobot:
         info: DescriptionInfo,
         attachments: Mapping[str, bytes],
     ) -> None:
-        """Read the description; ``meshes`` maps mesh URIs to names of attachments."""
+        """Prepare the description.
+
+        ``meshes`` maps mesh URIs to names of attachments.
+        """
         self._source = source
         self._info = info
         self._meshes, self._attachments = dict(meshes), attachments
@@ -52,7 +55,11 @@ class RecordedRobot:
 
     @cached_property
     def description(self) -> RobotDescription:
-        """The robot, with the recorded meshes; RecordingError if it cannot be read."""
+        """The robot with the recorded meshes.
+
+        Raises:
+            RecordingError: If the robot cannot be read.
+        """
         with damage(self._source, "the robot"):
             document = parse_text(self._info.urdf)
             for mesh in document.getElementsByTagName("mesh"):
@@ -62,14 +69,14 @@ class RecordedRobot:
 
     @cached_property
     def wrench_topics(self) -> Mapping[str, tuple[str, str]]:
-        """Arm → topic of its wrench, and link whose axes the wrench is in."""
+        """Topic of the wrench, and link of the wrench's axes, by arm."""
         model = self.description.model
         topics, flanges = wrench_topics(model), flange_names(model)
         return {arm: (topics[arm], flanges[arm]) for arm in flanges}
 
     @cached_property
     def arms(self) -> Mapping[str, tuple[str, ...]]:
-        """Arm → its joints, from base to flange."""
+        """Joints of each arm from the base to the flange, by arm."""
         arms = find_arms(self.description.model)
         return {
             name: tuple(joint.name for joint in arm.joints)

@@ -1,4 +1,4 @@
-"""Signals of a recording as arrays, named as in the panel's plots."""
+"""Signals of a recording as arrays, with the names in the panel's plots."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ _WRENCH: Final = ("fx", "fy", "fz", "tx", "ty", "tz")
 
 @final
 class Signals(Mapping[str, Array]):
-    """Signal → its values [SI] at each snapshot, shape (n,); NaN where there is none.
+    """Values of signals at each snapshot in SI units, shape (n,); NaN if missing.
 
     Names have forms such as ``joint/NAME/position``, ``tool/ARM/x``, ``wrench/ARM/fz``,
-    ``gripper/NAME/opening`` and ``object/NAME/yaw``.  Each signal is computed when
-    first read.
+    ``gripper/NAME/opening`` and ``object/NAME/yaw``.  Each signal is computed when it
+    is first read.
     """
 
     def __init__(
         self, recording: RecordingFile, beside: SimulatedRun | None = None
     ) -> None:
-        """Take a recording, and optionally a simulated run whose signals are added."""
+        """Use a recording, and optionally a simulated run for additional signals."""
         self._recording = recording
         self._beside = beside
         self._makers = dict(self._all())
@@ -117,10 +117,10 @@ def _column(table: Mapping[str, Array], name: str, i: int) -> Array:
 def thinned(
     time: Array, columns: Sequence[Array], points: int
 ) -> tuple[list[float], list[list[float | None]]]:
-    """Return about ``points`` samples of signals at most, without losing peaks.
+    """Return at most about ``points`` samples of signals, which include all peaks.
 
-    In each group of consecutive samples, the least and the greatest are kept in their
-    order; NaN becomes None.
+    In each group of consecutive samples, the smallest and the largest samples are kept
+    in their order.  NaN is replaced by None.
     """
     n = len(time)
     bucket = math.ceil(n / max(1, points // 2))

@@ -1,8 +1,8 @@
-"""Simulation of a recorded run: the same requests, with simulated physics.
+"""Simulation of a recorded run, with the same requests and simulated physics.
 
-The recording may come from a real robot or another engine.  Requests are executed at
+The recording may be from a real robot or another engine.  Requests are executed at
 their recorded steps, with the recorded positions of the speed slider.  Other events,
-such as a stop by a real robot's safety system or a push by hand, are not reproduced.
+such as a stop by a real robot's safety system or a manual push, are not reproduced.
 """
 
 from __future__ import annotations
@@ -35,15 +35,15 @@ if TYPE_CHECKING:
 
 ENGINE: Final = "mujoco"
 LONGEST_LAG: Final = 0.5
-"""Longest considered lag of the recorded robot behind the simulated one [s]."""
+"""Largest considered lag of the recorded robot behind the simulated robot [s]."""
 _LAG_STEP: Final = 0.002
-"""Step size of the search for that lag [s]."""
+"""Step size of the search for the lag of the recorded robot [s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointDifference:
-    """Difference between recording and simulation for one joint, lag compensated."""
+    """Difference between recording and simulation for one joint, without lag."""
 
     position_rms: float
     """Root mean square of the position difference [rad | m]."""
@@ -61,12 +61,12 @@ class SimulatedRun:
     """States of the simulated robot at the times of the recording's snapshots."""
 
     position: Array
-    """Simulated positions [rad | m], shape (n, n_joints), as in the recording."""
+    """Simulated positions [rad | m], shape (n, n_joints)."""
     effort: Array
     """Simulated efforts [N·m | N], shape (n, n_joints)."""
     lag: float
-    """Lag of the recorded arms behind the simulated ones [s], for which the positions
-    differ least."""
+    """Lag of the recorded arms behind the simulated arms [s], at which the position
+    differences are smallest."""
     joints: Mapping[str, JointDifference]
     """Differences by driven joint, in the order of the recording."""
     notes: tuple[str, ...]
@@ -80,12 +80,13 @@ def simulate_beside(
     """Simulate the requests of a recording, and compare the motions.
 
     Args:
-        recording: One file, from its first frame to its last.
-        when_done: Called now and then with the number of frames simulated and their
-            total.
+        recording: The recording, which is one file and is simulated from its first
+            frame to its last frame.
+        when_done: Callback that is called after each frame with the number of simulated
+            frames and the total number of frames.
 
     Raises:
-        RecordingError: If the file is not a recording, or has no frame.
+        RecordingError: If the file is not a recording, or contains no frame.
         Tool0Error: If the robot cannot be brought up, or its simulation fails.
     """
     if not isinstance(recording, RecordingFile):
@@ -133,7 +134,7 @@ class _Run:
         return _compared(recording, position, effort, tuple(self._repetition.notes))
 
     def _carry_out(self, first: int, step: int) -> int:
-        """Execute the requests before a step that had succeeded; return the next."""
+        """Execute successful requests before a step; return the next request index."""
         requests, repetition = self._requests, self._repetition
         while first < len(requests) and requests[first].step < step:
             recorded = requests[first]
@@ -149,7 +150,7 @@ class _Run:
         return first
 
     def _set_sliders(self, boxes: Sequence[ControlBoxState]) -> None:
-        """Set the simulated arms' speed sliders to the recorded ones."""
+        """Set the speed sliders of the simulated arms to the recorded positions."""
         present = {box.arm: box for box in self._simulation.snapshot.control_boxes}
         for box in boxes:
             mine = present.get(box.arm)
@@ -162,9 +163,10 @@ class _Run:
 
 
 def _from_here(recorded: RecordedRequest) -> RecordedRequest:
-    """Return a request whose path begins at the simulated arm's position.
+    """Return a request with a path that begins at the simulated arm's position.
 
-    The real arm was a fraction of a milliradian away, and its path began there.
+    The recorded path began at the position of the real arm, which differs by a fraction
+    of a milliradian.
     """
     params = recorded.params or {}
     times = params.get("times")
@@ -206,7 +208,7 @@ def _compared(
 
 
 def _lag(time: Array, recorded: Array, simulated: Array) -> float:
-    """Return the lag of the recorded motion [s]; 0 if nothing moved."""
+    """Return the lag of the recorded motion [s]; 0 if no joint moved."""
     if not recorded.size or not np.ptp(simulated, axis=0).any():
         return 0.0
 

@@ -1,4 +1,4 @@
-"""The snapshots of a recording, each created on access."""
+"""The snapshots of a recording, which are created on access."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ _DEFAULTS: Final[Mapping[str, Any]] = {
     "real_time_factor": 0.0,
     "overruns": 0,
 }
-"""Values of the state before its first record, such as in a file that was cut off."""
+"""Values of the state before its first record, which are used for a truncated file."""
 
 
 class Arrays(Protocol):
-    """Arrays with a row for every snapshot, as in ``RecordingFile``."""
+    """Arrays with a row for every snapshot, such as those of ``RecordingFile``."""
 
     def __len__(self) -> int: ...
     @property
@@ -69,7 +69,7 @@ class Arrays(Protocol):
 @final
 @dataclass(frozen=True, slots=True)
 class _State:
-    """Rarely changing values that hold from one snapshot on."""
+    """Rarely changing values that are valid from one snapshot to the next change."""
 
     fields: Mapping[str, Any]
     scene: tuple[SceneObject, ...]
@@ -84,7 +84,7 @@ class Snapshots(Sequence[Snapshot]):
     def __init__(
         self, recording: Arrays, changes: Mapping[int, Mapping[str, Any]]
     ) -> None:
-        """Take ``changes``, the fields that changed at a snapshot, by its number."""
+        """Use ``changes``, the changed fields at snapshots by snapshot number."""
         self._recording = recording
         state = _State(_DEFAULTS, (), {}, {})
         self._starts = [0]
@@ -103,7 +103,7 @@ class Snapshots(Sequence[Snapshot]):
     @overload
     def __getitem__(self, index: slice) -> list[Snapshot]: ...
     def __getitem__(self, index: int | slice) -> Snapshot | list[Snapshot]:
-        """Return one snapshot, or several for a slice."""
+        """Return one snapshot, or a list of snapshots for a slice."""
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
         i = range(len(self))[index]
@@ -179,7 +179,7 @@ def _arm_sample(
 
 
 def held(values: Array, frames: Sequence[int], n_frames: int) -> Array:
-    """Return values for all frames, each sample held until the next; NaN before."""
+    """Return values for all frames; each sample is held until the next sample."""
     array = np.full((n_frames, values.shape[1]), math.nan)
     array[frames] = values
     row = np.zeros(n_frames, dtype=np.intp)

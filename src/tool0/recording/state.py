@@ -1,4 +1,4 @@
-"""The rarely changing part of a snapshot, written as JSON when it changes."""
+"""The rarely changing part of a snapshot, which is written as JSON at each change."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _WRITTEN: Final = tuple(
 
 @final
 class Derived(Struct, frozen=True, kw_only=True):
-    """Values derived from a snapshot, not among its fields; see ``StateChange``."""
+    """Values that are derived from a snapshot, but are not its fields."""
 
     targets: Mapping[str, float] = {}
     modes: Mapping[str, MotionMode] = {}
@@ -28,14 +28,16 @@ class Derived(Struct, frozen=True, kw_only=True):
 
 @final
 class StateChange(RareChanges, frozen=True, kw_only=True):
-    """The fields of a snapshot that changed since the last one in the file."""
+    """The fields of a snapshot that changed since the last snapshot in the file."""
 
     targets: Mapping[str, float] | UnsetType = UNSET
-    """Joint → end of its motion [rad | m], for joints that are moved by position."""
+    """End positions of the current motions [rad | m], by joint, for joints that are
+    moved by position."""
     modes: Mapping[str, MotionMode] | UnsetType = UNSET
-    """Arm → mode of its motion."""
+    """Modes of motion, by arm."""
     bodies: tuple[str, ...] | UnsetType = UNSET
-    """Links and objects that touched something, in the order of their numbers."""
+    """Links and objects that have touched another body, in the order of their numbers
+    in ``/contacts``."""
 
 
 _encoder: Final = msgspec.json.Encoder()
@@ -48,9 +50,9 @@ def encode_change(
     derived: Derived,
     derived_before: Derived,
 ) -> bytes | None:
-    """Return the changes since ``before``; None if there are none.
+    """Return the changes since ``before``; None if there are no changes.
 
-    The simulation's real-time performance alone does not count as a change.
+    A change of the simulation's real-time performance alone is ignored.
     """
     found = changes(snapshot, before, _WRITTEN)
     for name in Derived.__struct_fields__:

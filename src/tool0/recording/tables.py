@@ -1,4 +1,4 @@
-"""A recording as a table in a file, and its events as lines of text."""
+"""Output of a recording as a table in a file, and of its events as lines of text."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _ORDER: Final = ("info", "warning", "error")
 _LONGEST: Final = 120
-"""Largest number of characters of a request's parameters in a line."""
+"""Largest number of characters of a request's parameters in a line of text."""
 
 
 def write_csv(recording: RecordingFile, path: Path) -> None:
@@ -40,7 +40,7 @@ def write_csv(recording: RecordingFile, path: Path) -> None:
 
 
 def write_parquet(recording: RecordingFile, path: Path) -> None:
-    """Write a Parquet file with the same columns as in CSV.
+    """Write a Parquet file with the same columns as the CSV file.
 
     Raises:
         RecordingError: If the file cannot be written, or pyarrow is not installed.
@@ -62,12 +62,13 @@ def write_parquet(recording: RecordingFile, path: Path) -> None:
 def log_entries(
     recording: RecordingFile, *, severity: Severity = "info", requests: bool = True
 ) -> list[RecordedEvent | RecordedRequest]:
-    """Return the events and requests in chronological order.
+    """Return the events and requests of a recording in chronological order.
 
     Args:
         recording: The recording.
         severity: Lowest severity of the events.
-        requests: Whether to include the requests within the recording.
+        requests: Whether to include the requests that were executed during the
+            recording.
     """
     least = _ORDER.index(severity)
     found: list[RecordedEvent | RecordedRequest] = [
@@ -94,7 +95,7 @@ def _shortened(params: object) -> str:
 
 
 def _quoted(name: str) -> str:
-    """Return a column's name escaped for CSV, since objects may have any name."""
+    """Return a column's name with CSV quoting, because objects may have any name."""
     if any(character in name for character in ',"\n'):
         return '"' + name.replace('"', '""') + '"'
     return name

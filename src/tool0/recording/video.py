@@ -1,4 +1,4 @@
-"""A recording as a video of any camera, at any size and speed."""
+"""Output of a recording as a video of any camera, at any size and speed."""
 
 from __future__ import annotations
 
@@ -23,11 +23,12 @@ MAX_SPEED: Final = 1000.0
 def cameras_of(
     recording: RecordingFile, newest: Callable[[], Snapshot] | None = None
 ) -> Cameras:
-    """Return the recorded robot's cameras, for images of its snapshots.
+    """Return the recorded robot's cameras, which render images of the snapshots.
 
     Args:
         recording: The recording.
-        newest: Returns the snapshot to show if none is given; by default, the last one.
+        newest: Function that returns the snapshot to show if no snapshot is given
+            (default: the last snapshot).
     """
     return Cameras(
         recording.description.model,
@@ -52,26 +53,29 @@ def write_video(
 ) -> int:
     """Write a recording as an MP4 file, and return the number of images.
 
-    Each image is rendered from the latest snapshot at its time, so the recording need
-    not contain images.
+    Each image is rendered from the latest snapshot at the image's time, so the
+    recording does not need to contain images.
 
     Args:
         recording: The recording.
-        path: The file; an existing one is replaced.
-        camera: A camera, or the name of one of the robot or its scene.
-        width: Width of the video [pixels]; even.
-        height: Height of the video [pixels]; even.
-        fps: Images per second of the video.
-        speed: Seconds of the recording per second of the video.
-        start: Simulated time of the first image [s]; the first snapshot's time if left
-            out.
-        end: Simulated time of the last image [s]; the last snapshot's time if left out.
-        when_written: Called after each image with the completed share, up to 1.
+        path: Path of the video file; an existing file is replaced.
+        camera: A camera, or the name of a camera of the robot or the scene.
+        width: Width of the video, which must be even [pixels].
+        height: Height of the video, which must be even [pixels].
+        fps: Number of images per second of the video [Hz].
+        speed: Number of seconds of the recording per second of the video.
+        start: Simulated time of the first image [s] (default: the time of the first
+            snapshot).
+        end: Simulated time of the last image [s] (default: the time of the last
+            snapshot).
+        when_written: Callback that is called after each image with the completed
+            fraction, up to 1.
 
     Raises:
         ConfigError: If a value is out of range, or the file cannot be written.
         RecordingError: If the recording has no snapshots in this range.
-        RenderError: If there is no OpenGL, no encoder or no such camera.
+        RenderError: If OpenGL or an encoder is not available, or there is no such
+            camera.
     """
     if not 0.0 < speed <= MAX_SPEED:
         raise ConfigError(f"speed must be above 0, up to {MAX_SPEED:g}, got {speed:g}")

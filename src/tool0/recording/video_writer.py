@@ -1,4 +1,4 @@
-"""Writer of MP4 files with H.264, which every browser plays; uses PyAV."""
+"""Writer of MP4 files with H.264, which every browser plays, based on PyAV."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ENCODERS: Final = ("libx264", "libopenh264")
-"""H.264 encoders, the better one first; PyAV's wheels include both."""
+"""H.264 encoders in order of preference; PyAV's wheels include both encoders."""
 _OPTIONS: Final = {"libx264": {"crf": "20", "preset": "fast"}}
 _BITS_PER_PIXEL: Final = 0.15
-"""Bits per pixel for the encoder without a quality option; ample for smooth
-surfaces."""
+"""Number of bits per pixel for the encoder without a quality option, which is
+sufficient for smooth surfaces."""
 
 
 def require_encoder(path: Path | str) -> None:
-    """Raise RenderError without an encoder, ConfigError if ``path`` is not writable."""
+    """Check that an encoder is available and ``path`` is writable."""
     _encoder()
     require_writable(Path(path))
 
@@ -33,23 +33,24 @@ def require_encoder(path: Path | str) -> None:
 class VideoWriter:
     """Context manager that writes images as one video.
 
-    After an error, the file is a valid video of the images written before.
+    After an error, the file is a valid video of the images that were written before the
+    error.
     """
 
     def __init__(
         self, path: Path | str, width: int, height: int, fps: float = 30.0
     ) -> None:
-        """Begin the file; an existing file is replaced.
+        """Create the file, or replace an existing file.
 
         Args:
-            path: The file: an MP4, whatever its name.
-            width: Width of each image [pixels]; even, because colour has half the
-                resolution.
-            height: Height of each image [pixels]; even.
-            fps: Images per second, 1 … 1000.
+            path: Path of the MP4 file, which may have any extension.
+            width: Width of each image [pixels].  The width must be even, because colors
+                are encoded at half the resolution.
+            height: Height of each image, which must be even [pixels].
+            fps: Number of images per second [Hz], 1 … 1000.
 
         Raises:
-            RenderError: If there is no encoder.
+            RenderError: If no encoder is available.
             ConfigError: If the file cannot be written, or an argument is out of range.
         """
         if not (width >= 2 and height >= 2 and width % 2 == height % 2 == 0):
@@ -79,10 +80,10 @@ class VideoWriter:
         self._stream: Any = stream
 
     def write(self, rgb: NDArray[np.uint8]) -> None:
-        """Add an image, shape (height, width, 3), 0 … 255.
+        """Add an image of shape (height, width, 3) with values 0 … 255.
 
         Raises:
-            ConfigError: If the image has another shape or type.
+            ConfigError: If the image has a wrong shape or type.
             RenderError: If the image cannot be encoded, or the disk is full.
         """
         if rgb.shape != self._shape or rgb.dtype != "uint8":
@@ -93,10 +94,10 @@ class VideoWriter:
         self._encode(self._av.VideoFrame.from_ndarray(rgb, format="rgb24"))
 
     def close(self) -> None:
-        """Finish the file; closing twice is allowed.
+        """Finish the file; the writer may be closed more than once.
 
         Raises:
-            RenderError: If the end cannot be encoded, or the disk is full.
+            RenderError: If the end of the video cannot be encoded, or the disk is full.
         """
         if self._stream is None:
             return
@@ -114,7 +115,7 @@ class VideoWriter:
         self.close()
 
     def _encode(self, frame: Any) -> None:
-        """Encode a frame; None ends the stream."""
+        """Encode a frame, or end the stream if ``frame`` is None."""
         if self._stream is None:
             raise RenderError(f"{self._path} is already closed")
         with self._translated_errors():
@@ -122,7 +123,7 @@ class VideoWriter:
 
     @contextlib.contextmanager
     def _translated_errors(self) -> Iterator[None]:
-        """Raise RenderError in place of FFmpeg's errors."""
+        """Raise RenderError instead of FFmpeg's errors."""
         try:
             yield
         except (self._av.error.FFmpegError, OSError) as error:

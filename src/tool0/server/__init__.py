@@ -1,1 +1,1 @@
-"""One server for all connections, over the Unix socket and over WebSocket."""
+"""The server for all connections over the Unix socket and over WebSocket."""

@@ -1,6 +1,7 @@
-"""Accepts connections, even while the process is short of file descriptors.
+"""Accepts connections, even if the process temporarily has no free file descriptors.
 
-asyncio's servers would log hundreds of failures at once, and retry after each of them.
+The servers of asyncio would log hundreds of failures at the same time, and would retry
+after each failure.
 """
 
 from __future__ import annotations
@@ -15,15 +16,16 @@ from typing import Final
 logger = logging.getLogger(__name__)
 
 RETRY_AFTER: Final = 1.0
-"""Wall time between two attempts while accepting fails [s]."""
+"""Wall time between two attempts to accept a connection after a failure [s]."""
 
 
 async def accept_forever(
     listener: socket.socket, take: Callable[[socket.socket], Awaitable[None]]
 ) -> None:
-    """Accept connections and pass each to ``take``, which then owns it.
+    """Accept connections and pass each connection to ``take``, which must close it.
 
-    A failure is logged only once until accepting succeeds again.
+    After a failure is logged, further failures are not logged until a connection is
+    accepted.
     """
     loop = asyncio.get_running_loop()
     has_failed = False
@@ -31,7 +33,7 @@ async def accept_forever(
         try:
             peer, _ = await loop.sock_accept(listener)
         except ConnectionError:
-            continue  # the peer has disconnected already
+            continue  # the peer has disconnected
         except OSError as error:
             if not has_failed:
                 logger.warning("cannot accept connections: %s", error.strerror)
@@ -44,7 +46,7 @@ async def accept_forever(
         except Exception:
             logger.exception("a connection failed")
             peer.close()
-        await asyncio.sleep(0)  # many peers at once must not delay the others
+        await asyncio.sleep(0)  # many new peers must not delay other tasks
 
 
 def descriptor_limit() -> float:

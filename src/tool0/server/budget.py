@@ -1,10 +1,11 @@
-"""The processor time that all clients of a process may use together.
+"""Limit of the processor time that all clients of a process use together.
 
-Each connection has an account, to which the work for that connection is charged.  While
-all connections together use less than their share, or only one of them is active, none
-has to wait.  Otherwise each may use an equal part, and a connection that has used more
-waits: its messages are not read meanwhile, so that its socket slows it down.  A stop
-never waits for its account.
+Each connection has an account, to which the work for this connection is charged.  No
+connection has to wait while all connections together use less than their share, or only
+one connection is active.  Otherwise, each connection may use an equal part of the
+share.  A connection that has used more than its part has to wait.  The messages of a
+waiting connection are not read, so the flow control of its socket slows down the
+client.  A stop request never has to wait for the account of its connection.
 """
 
 from __future__ import annotations
@@ -17,22 +18,23 @@ from contextlib import contextmanager
 from typing import Final, final
 
 SHARE: Final = 0.3
-"""Fraction of one processor that all clients together may use in the long run."""
+"""Fraction of one processor that all clients together may use on average."""
 BURST: Final = 0.5
-"""Work of all clients together for which none has to wait [s]."""
+"""Processor time that all clients together may use without waiting [s]."""
 RESERVE: Final = 0.01
-"""Work of one client that never has to wait for other clients [s]."""
+"""Processor time that one client may use without waiting for other clients [s]."""
 SLICE: Final = 0.3e-3
-"""Work until the event loop polls its sockets again [s], since a stop may have
-arrived."""
+"""Processor time after which the event loop polls its sockets again [s], because a stop
+request may have been received."""
 MAX_CHARGE: Final = 0.01
-"""Largest charge for one piece of work [s], so that a long plan does not silence its
-client."""
+"""Largest charge for one piece of work [s].  The limit prevents a long planning request
+from blocking its client."""
 _ACTIVE: Final = 0.1
-"""Time without any work after which a client leaves its part to others [wall s]."""
+"""Time without work after which a client is inactive, so that active clients share its
+part [wall s]."""
 _LONGEST_WAIT: Final = 0.05
-"""Longest time until a waiting account is checked again, since others may have left
-meanwhile [wall s]."""
+"""Longest time until a waiting account is checked again, because other clients may have
+become inactive [wall s]."""
 _SHORTEST_WAIT: Final = 1e-3
 """Shortest wait of an account [wall s]."""
 
@@ -49,22 +51,24 @@ class Budget:
         is_strict: bool = False,
         now: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Start with a full burst.
+        """Initialize the budget with the processor time of a full burst.
 
         Args:
-            share: Fraction of one processor for all clients together, in the long run.
-            burst: Work of all clients together for which none has to wait [s].
-            is_strict: Whether a client that is active alone has to wait, too.
+            share: Fraction of one processor that all clients together may use on
+                average.
+            burst: Processor time that all clients together may use without waiting [s].
+            is_strict: Whether a client also has to wait if it is the only active
+                client.
             now: Function that returns the wall time [s].
         """
         self.share, self._burst, self.now = share, burst, now
         self._is_strict = is_strict
         self._left, self._counted_at = burst, now()
         self._active: dict[Account, float] = {}
-        """Time at which each account was last charged."""
+        """Wall time at which each account was last charged [s]."""
         self._slice_began_at: float | None = None
-        """Processor time of the event loop's thread when it last polled its sockets
-        [s]; None if no work was done since then."""
+        """Processor time of the event loop's thread at the last poll of its sockets
+        [s]; None if no work has been done since the poll."""
         self._turns: deque[asyncio.Future[None]] = deque()
 
     def account(self) -> Account:
@@ -73,7 +77,7 @@ class Budget:
 
     @property
     def left(self) -> float:
-        """Remaining work for which no client has to wait [s]; at most 0 if overused."""
+        """Processor time that clients may use without waiting [s]; may be negative."""
         now = self.now()
         gained = (now - self._counted_at) * self.share
         self._left = min(self._burst, self._left + gained)
@@ -82,14 +86,15 @@ class Budget:
 
     @property
     def is_ample(self) -> bool:
-        """Whether no client has to wait."""
+        """Whether all clients may work without waiting."""
         return self.left > 0.0 or (self.n_active <= 1 and not self._is_strict)
 
     @property
     def n_active(self) -> int:
         """Number of accounts that were charged recently."""
         oldest = self.now() - _ACTIVE
-        # Sorted by these times, since a charged account moves to the end.
+        # The accounts are sorted by the times of their last charges, because a charged
+        # account is moved to the end.
         while self._active:
             account, charged_at = next(iter(self._active.items()))
             if charged_at >= oldest:
@@ -99,7 +104,7 @@ class Budget:
 
     @property
     def part(self) -> float:
-        """Equal part of one processor for each active account."""
+        """The equal part of one processor for each active account, as a fraction."""
         return self.share / max(1, self.n_active)
 
     @property
@@ -115,7 +120,7 @@ class Budget:
         self._active[account] = self._counted_at
 
     def begin_work(self) -> float:
-        """Return the processor time of this thread, which is the event loop's [s]."""
+        """Begin work in the event loop and return its thread's processor time [s]."""
         start = time.thread_time()
         if self._slice_began_at is None:
             self._slice_began_at = start
@@ -123,18 +128,18 @@ class Budget:
         return start
 
     async def turn(self) -> None:
-        """Wait until the event loop has polled its sockets; one client at a time."""
+        """Wait for the next turn, which begins after the event loop polls sockets."""
         self.begin_work()
         turn = asyncio.get_running_loop().create_future()
         self._turns.append(turn)
         await turn
 
     def _end_slice(self) -> None:
-        """Give the next client its turn after the event loop has polled its sockets."""
+        """Start the next client's turn after the event loop has polled its sockets."""
         self._slice_began_at = None
         while self._turns:
             turn = self._turns.popleft()
-            if not turn.done():  # otherwise its connection has ended
+            if not turn.done():  # the connection has not ended
                 turn.set_result(None)
                 self.begin_work()
                 break
@@ -142,7 +147,7 @@ class Budget:
 
 @final
 class Account:
-    """Processor time that one client has used."""
+    """Account of the processor time that one client has used."""
 
     def __init__(self, budget: Budget) -> None:
         self._budget = budget
@@ -150,7 +155,7 @@ class Account:
 
     @property
     def may_go_on(self) -> bool:
-        """Whether work for this client may begin at once."""
+        """Whether work for this client may begin immediately."""
         return not self._budget.is_slice_used and self._delay() <= 0.0
 
     @property
@@ -167,13 +172,13 @@ class Account:
                 await self._budget.turn()
 
     async def pay(self, seconds: float) -> None:
-        """Charge work for this client, and wait until more may begin."""
+        """Charge work for this client, and wait until more work may begin."""
         self._budget.begin_work()
         self.charge(seconds)
         await self.admit()
 
     async def give_way(self) -> None:
-        """Poll the event loop's sockets during long work, if it is time to."""
+        """Poll the event loop's sockets during long work if the slice is used up."""
         self._budget.begin_work()
         if self._budget.is_slice_used:
             await self._budget.turn()
@@ -186,7 +191,7 @@ class Account:
 
     @contextmanager
     def working(self) -> Iterator[None]:
-        """Charge the work of this thread, the event loop's, to this client."""
+        """Charge the work of this thread, which is the event loop's, to this client."""
         start = self._budget.begin_work()
         try:
             yield
@@ -194,7 +199,7 @@ class Account:
             self.charge(time.thread_time() - start)
 
     def _own(self) -> float:
-        """Return the work that this client may do regardless of the others [s]."""
+        """Return the processor time that this client may use in any case [s]."""
         now = self._budget.now()
         gained = (now - self._counted_at) * self._budget.part
         self._left = min(RESERVE, self._left + gained)

@@ -1,4 +1,4 @@
-"""A process beside a bring-up, started with the robot and restarted when it dies."""
+"""A process that is started with a robot and restarted when the process ends."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ if TYPE_CHECKING:
 C = TypeVar("C", bound="Companion")
 
 START_TIMEOUT: Final = 60.0
-"""Longest wait until the process is up [wall s]."""
+"""Longest wait until the process is ready [wall s]."""
 FIRST_PAUSE: Final = 0.5
-"""Pause before the process is started again after its death [wall s], doubled each
-time."""
+"""Pause before the first restart of the process [wall s].  The pause is doubled after
+each restart."""
 LONGEST_PAUSE: Final = 30.0
-"""Longest pause before the process is started again [wall s]."""
+"""Longest pause before the process is restarted [wall s]."""
 UNABLE: Final = 78
-"""Exit status of a program whose requirements are missing, so that it would only fail
-again."""
+"""Exit status of a program with missing requirements, which is not restarted because it
+would fail again."""
 _GRACE: Final = 3.0
 """Time within which the process must end when it is stopped [wall s]."""
 _LAST_LINES: Final = 12
@@ -48,12 +48,12 @@ _numbers = itertools.count(1)
 
 
 class Companion:
-    """Presents a robot through a program that runs until the companion is closed.
+    """Program that provides an interface of a robot until the companion is closed.
 
-    It is a context manager.  The program is restarted when it dies, unless its exit
-    status is ``UNABLE``.  A line ``{"ready": true, …}`` on its standard output reports
-    that the program is up; other lines are its log in ROS's format: ``[WARN] [time]
-    [name]: text``.
+    This class is a context manager.  The program is restarted when it ends, unless its
+    exit status is ``UNABLE``.  The line ``{"ready": true, …}`` on the standard output
+    of the program reports that the program is ready.  Other lines are log messages in
+    ROS's format: ``[WARN] [time] [name]: text``.
     """
 
     title: ClassVar[str]
@@ -69,13 +69,14 @@ class Companion:
         command: Callable[[str], list[str]],
         environment: Mapping[str, str],
     ) -> None:
-        """Start the program; ``_wait_for_report`` waits until it is up.
+        """Start the program; ``_wait_for_report`` waits until the program is ready.
 
         Args:
-            robot: A robot of this or another process, which the caller closes after the
-                companion; or the name of a bring-up, which may start later.
-            command: Function that returns the program and its arguments, given the name
-                of a bring-up.
+            robot: A robot of this process or another process, or the name of a
+                bring-up, which may start later.  The caller closes the robot after the
+                companion.
+            command: Function that returns the program and its arguments for the name of
+                a bring-up.
             environment: Environment variables of the program.
         """
         self._program = f"{self.title} {self.kind}"
@@ -109,7 +110,7 @@ class Companion:
         return None if child is None else child.pid
 
     def close(self) -> None:
-        """End the program; closing twice is allowed."""
+        """End the program; it may be closed more than once."""
         self._is_closing.set()
         child = self._child
         if child is not None:
@@ -118,11 +119,11 @@ class Companion:
         self._service.close()
 
     def _wait_for_report(self, timeout: float) -> Mapping[str, Any]:
-        """Wait until the program is up, and return its report.
+        """Wait until the program is ready, and return its report.
 
         Raises:
-            Tool0Error: Raised as ``unavailable`` if the program did not start, or not
-                within ``timeout`` [wall s].
+            Tool0Error: Raised as ``unavailable`` if the program does not start within
+                ``timeout`` [wall s].
         """
         with self._changed:
             self._changed.wait_for(lambda: self._report or self._failure, timeout)
@@ -131,10 +132,11 @@ class Companion:
             why = self._failure or f"it is not up after {timeout:g} s"
         raise self.unavailable(f"the {self._program} did not start: {why}")
 
-    # ---- in its thread --------------------------------------------------------------
+    # ---- in the companion's thread --------------------------------------------------
+    # --------------------------------------------------------------
 
     def _supervise(self) -> None:
-        """Run the program, again and again, until the companion is closed."""
+        """Run the program repeatedly until the companion is closed."""
         pause = FIRST_PAUSE
         while not self._is_closing.is_set():
             start = time.monotonic()
@@ -167,7 +169,7 @@ class Companion:
             pause = min(2.0 * pause, LONGEST_PAUSE)
 
     def _run(self) -> int:
-        """Run the program until it ends; return its exit status."""
+        """Run the program until it ends, and return its exit status."""
         self._lines.clear()
         ours, theirs = os.pipe()
         with open(ours, encoding="utf-8", errors="replace") as output:  # noqa: PTH123
@@ -182,7 +184,8 @@ class Companion:
                 self._child = child
                 if self._is_closing.is_set():
                     return 0
-                # The output of a program whose supervisor is killed would go on.
+                # If the program's supervisor is killed, the pipe stays open until this
+                # thread ends the program.
                 threading.Thread(target=child.wait, daemon=True).start()
                 for line in output:
                     self._take(line.rstrip("\n"))
@@ -191,7 +194,7 @@ class Companion:
         return status
 
     def _take(self, line: str) -> None:
-        """Handle a line of the program's output: a report or part of its log."""
+        """Handle a line of the program's output, which is a report or a log message."""
         if line.startswith("{"):
             with contextlib.suppress(ValueError):
                 report = json.loads(line)
@@ -214,12 +217,12 @@ class Companion:
 def _served_name(
     robot: Connected | str, label: str, stack: contextlib.ExitStack
 ) -> str:
-    """Return the name at which a robot is served, and serve it if it is local.
+    """Return the name at which a robot is served, and serve the robot if it is local.
 
     Args:
-        robot: A robot of this or another process, or the robot's name.
-        label: Part of the name if a name has to be made up.
-        stack: Ends the service.
+        robot: A robot of this process or another process, or the robot's name.
+        label: Part of the name if a name has to be generated.
+        stack: Exit stack to which the end of the service is added.
     """
     if isinstance(robot, str):
         return robot

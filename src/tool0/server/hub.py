@@ -1,4 +1,4 @@
-"""All connections of one robot; each of them can read and drive the robot."""
+"""All connections of one robot, each of which can read and control the robot."""
 
 from __future__ import annotations
 
@@ -42,46 +42,47 @@ logger = logging.getLogger(__name__)
 
 
 _ADVANCING: Final = (Run, Step)
-"""Requests that may execute the ticks of a simulation without real time; their ticks
-are charged to no client."""
+"""Requests that may execute the ticks of a simulation without real time.  The processor
+time of these ticks is not charged to a client."""
 _POST_COST: Final = 0.1e-3
-"""Processor time of a streamed request in the thread of the tick [s]."""
+"""Processor time of a streamed request in the tick thread [s]."""
 _STREAM_COST: Final = 2e-3
-"""Processor time of starting or ending a stream, which uses separate threads [s]."""
+"""Processor time for starting or ending a stream, which uses separate threads [s]."""
 
 
 class Service(Protocol):
-    """Accepts connections at an address, where it listens from its construction on."""
+    """Acceptor of connections, which listens at an address after construction."""
 
     @property
     def listener(self) -> socket.socket: ...
 
     @property
     def starts_at_once(self) -> bool:
-        """Whether to start before the first peer connects."""
+        """Whether the service starts before the first peer connects."""
 
     async def start(self, hub: Hub) -> None:
-        """Accept peers; runs in the server's event loop."""
+        """Accept peers; this coroutine runs in the server's event loop."""
 
     async def stop(self) -> None:
-        """Stop accepting peers; the hub then closes the connections."""
+        """Stop accepting peers; afterwards, the hub closes the connections."""
 
     async def end(self) -> None:
-        """End the remaining tasks in the event loop."""
+        """End the remaining tasks of the service in the event loop."""
 
     def release(self) -> None:
-        """Free the address, even if the service was never started."""
+        """Free the address, even if the service has not been started."""
 
 
 WORKERS: Final = 16
-"""Number of requests that are executed concurrently; further ones wait."""
+"""Number of requests that are executed concurrently.  Additional requests are
+queued."""
 _CLOSE_TIMEOUT: Final = 0.5
 """Longest wait for a peer to close its connection [wall s]."""
 
 
 @final
 class Hub:
-    """Carries out requests and feeds streams; it lives in the server's event loop."""
+    """Executor of requests and source of streams in the server's event loop."""
 
     def __init__(self, backend: Backend, name: str) -> None:
         self.backend = backend
@@ -91,18 +92,18 @@ class Hub:
         states = backend.states
         self._streams = None if states is None else StateStreams(states)
         self._workers = ThreadPoolExecutor(WORKERS, "tool0-server-worker")
-        # An emergency stop never waits for the requests of others.
+        # An emergency stop never has to wait for requests of other clients.
         self._urgent_worker = ThreadPoolExecutor(1, "tool0-server-stop")
         self._urgent: set[asyncio.Task[bool]] = set()
         self._outages = Outages()
         self.attach_view: Callable[[Session, SubscribeView], None] | None = None
         """Function that serves the panel's view to a session; None without a panel."""
         self.when_shown: Callable[[], None] = lambda: None
-        """Called when a page has drawn the robot."""
+        """Callback that is called when a page has drawn the robot."""
         self.when_refused: Callable[[str], None] = lambda message: None
-        """Called when a streamed setpoint was refused."""
+        """Callback that is called when a streamed setpoint was refused."""
         self.setpoint_requests: tuple[type[Request[Any]], ...] = (SteerJoints,)
-        """Types of requests that are streams of setpoints if they have no id."""
+        """Types of requests that are setpoints of a stream if they have no id."""
         self._hello = encode(
             Hello(
                 protocol=PROTOCOL,
@@ -128,7 +129,7 @@ class Hub:
             self._return_arms(session)
 
     async def close(self) -> None:
-        """Close every connection, but still carry out requests in progress."""
+        """Close every connection, but complete requests that are being executed."""
         self._setpoints.close()
         if self._streams is not None:
             self._streams.close()
@@ -138,13 +139,16 @@ class Hub:
         self._urgent_worker.shutdown(wait=False)
 
     def drop_stuck(self) -> None:
-        """Drop the connections whose peers do not read."""
+        """Drop the connections of peers that do not read their messages."""
         for session in list(self.sessions):
             if session.is_stuck():
                 session.drop()
 
     def look_for_outage(self) -> None:
-        """Drop waiting requests if this process was frozen; must be called often."""
+        """Drop waiting setpoints if this process was frozen.
+
+        Call this method regularly.
+        """
         if self._outages.look():
             self._setpoints.drop_all()
 
@@ -179,7 +183,7 @@ class Hub:
         return False
 
     def _stop(self, session: Session, ident: Ident, request: Request[Any]) -> None:
-        """Carry out a stop before everything that waits."""
+        """Execute a stop request before all waiting requests."""
         if (refusal := self._missing(request)) is not None:
             self._refuse(session, ident, refusal)
             return
@@ -190,7 +194,7 @@ class Hub:
         task.add_done_callback(self._urgent.discard)
 
     def _post(self, session: Session, request: Request[Any]) -> None:
-        """Hand a request to the thread of the tick, without waiting for it."""
+        """Pass a request to the tick thread without waiting for its execution."""
         session.account.charge(_POST_COST)
         loop = asyncio.get_running_loop()
 
@@ -204,14 +208,14 @@ class Hub:
             self._refuse(session, None, error)
 
     def _missing(self, request: Request[Any]) -> ControlError | None:
-        """Return why the robot does not offer a request; None if it does offer it."""
+        """Return the error for a request that the robot does not support, or None."""
         if request.is_of_connection:
             return None
         reason = self.backend.why_missing(type(request))
         return missing(type(request), reason) if reason else None
 
     def _refuse(self, session: Session, ident: Ident, error: Exception) -> None:
-        """Answer with an error; for a stream that keeps failing, only once a second."""
+        """Send an error; equal errors of a stream are sent at most once per second."""
         if ident is not None or self._outages.is_new(session, str(error)):
             session.send(encode_error(ident, _logged(error)))
 
@@ -234,9 +238,9 @@ class Hub:
             self._note_taken(session, request)
 
     def _note_taken(self, session: Session, request: TakeArm | ReturnArm) -> None:
-        """Note which peer moves an arm, after the request was carried out."""
+        """Record which peer moves an arm after the request has been executed."""
         arm = request.arm
-        if arm is None:  # the only one
+        if arm is None:  # the only arm
             arm = self.backend.answer(ListArms())[0].name
         by = None if isinstance(request, TakeArm) else request.by
         for other in self.sessions:
@@ -273,9 +277,9 @@ class Hub:
             session.send(reply)
 
     def _return_arms(self, session: Session) -> None:
-        """Stop the arms that a peer has taken, and forget that the peer moves them."""
+        """Stop the arms that a peer controls, and release them."""
         for arm, by in session.arms.items():
-            with contextlib.suppress(RuntimeError):  # the server ends
+            with contextlib.suppress(RuntimeError):  # the server is ending
                 self._workers.submit(self._return_arm, ReturnArm(arm=arm, by=by))
 
     def _return_arm(self, request: ReturnArm) -> None:
@@ -289,7 +293,10 @@ class Hub:
         request: Request[Any],
         workers: ThreadPoolExecutor,
     ) -> bool:
-        """Send the reply; return whether the request succeeded."""
+        """Execute a request and send the reply.
+
+        Return whether the request succeeded.
+        """
         loop = asyncio.get_running_loop()
         try:
             text, goals, seconds = await loop.run_in_executor(
@@ -308,9 +315,9 @@ class Hub:
     def _reply(
         self, ident: Ident, request: Request[Any]
     ) -> tuple[bytes, list[tuple[int, Goal]], float]:
-        """Return the reply, the goals that the request started, and the cost [s].
+        """Return the reply, the started goals and the processor time [s].
 
-        It runs in a worker thread.
+        This method runs in a worker thread.
         """
         start = time.thread_time()
         response = self.backend.answer(request)
@@ -332,8 +339,8 @@ class Hub:
         number: int,
         goal: Goal,
     ) -> None:
-        """Report a goal's end to the connection that started it, from any thread."""
-        assert goal.result is not None  # it has finished
+        """Report the end of a goal to the connection that started the goal."""
+        assert goal.result is not None  # the goal has finished
         message = GoalEnded(
             goal=number, controller=goal.controller, outcome=outcome_of(goal.result)
         )
@@ -353,7 +360,7 @@ class Hub:
 
 
 async def _close(session: Session) -> None:
-    with contextlib.suppress(Exception):  # it may be closed, or stuck
+    with contextlib.suppress(Exception):  # may be closed or stuck
         await asyncio.wait_for(session.close(), _CLOSE_TIMEOUT)
 
 
@@ -370,7 +377,7 @@ _CHECK_PERIOD: Final = 0.1
 async def serve(
     backend: Backend, services: Sequence[Service], name: str, wake: socket.socket
 ) -> None:
-    """Serve until ``wake`` becomes readable."""
+    """Serve a robot until ``wake`` becomes readable."""
     wake.setblocking(False)
     stop = asyncio.create_task(asyncio.get_running_loop().sock_recv(wake, 1))
     hub = Hub(backend, name)

@@ -1,4 +1,4 @@
-"""Lines of JSON over the Unix socket, read no faster than they are processed."""
+"""Lines of JSON over the Unix socket, which are read only as fast as processed."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from tool0.errors import TransportError
 from tool0.server.budget import Account
 
 MAX_LINE: Final = 1 << 23
-"""Longest request [bytes]; enough for 10 000 points of 6 joints with velocities and
-accelerations."""
+"""Largest size of a request, which is sufficient for 10 000 points of 6 joints with
+velocities and accelerations [bytes]."""
 _CHUNK: Final = 1 << 15
-"""Number of bytes that are read at once, and kept before a program has to wait."""
+"""Largest number of bytes in one read, and number of buffered bytes at which reading is
+paused."""
 _READ_COST: Final = 50e-6
 """Processor time of the system calls for one read [s]."""
 _arriving: Final = memoryview(bytearray(_CHUNK))
-"""Buffer into which the event loop reads; its content is copied at once."""
+"""Buffer into which the event loop reads data, which is copied immediately."""
 
 
 @final
@@ -32,16 +33,16 @@ class LineTransport(asyncio.BufferedProtocol):
         self._transport: asyncio.Transport
         self._buffer = bytearray()
         self._searched = 0
-        """Number of bytes at the start of the buffer that are known to contain no
-        newline."""
+        """Number of bytes at the start of the buffer that do not contain a newline."""
         self._is_paused = False
         self._has_ended = False
-        """Whether no more data will arrive."""
+        """Whether no more data will be received."""
         self._is_lost = False
         self._arrived, self._is_writable = asyncio.Event(), asyncio.Event()
         self._is_writable.set()
 
-    # ---- what asyncio calls ---------------------------------------------------------
+    # ---- interface for asyncio ------------------------------------------------------
+    # ---------------------------------------------------------
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         assert isinstance(transport, asyncio.Transport)
@@ -75,10 +76,12 @@ class LineTransport(asyncio.BufferedProtocol):
     def resume_writing(self) -> None:
         self._is_writable.set()
 
-    # ---- what a session calls -------------------------------------------------------
+    # ---- interface for a session ----------------------------------------------------
+    # -------------------------------------------------------
 
     async def send(self, texts: Sequence[bytes]) -> None:
-        # A failed write closes the transport at once; asyncio reports it later.
+        # A failed write closes the transport immediately, but asyncio reports the
+        # failure later.
         if self._is_lost or self._transport.is_closing():
             raise ConnectionResetError
         self._transport.write(b"\n".join((*texts, b"")))
@@ -95,14 +98,14 @@ class LineTransport(asyncio.BufferedProtocol):
                 self._read_on()
                 await self._arrived.wait()
                 if len(self._buffer) > _CHUNK:
-                    await self.account.admit()  # each part of a long line is charged
+                    await self.account.admit()  # charges each part of a long line
             elif line.strip():
                 return line
             else:
                 await self.account.give_way()
 
     def _take(self) -> bytes | None:
-        """Return the next line; None if it has not arrived completely."""
+        """Return the next line; None if the line has not been received completely."""
         end = self._buffer.find(b"\n", self._searched)
         if (len(self._buffer) if end < 0 else end) > MAX_LINE:
             raise TransportError(

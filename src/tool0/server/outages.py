@@ -1,4 +1,4 @@
-"""Refuses motions that peers requested while this process was frozen."""
+"""Rejection of motions that peers requested while this process was frozen."""
 
 from __future__ import annotations
 
@@ -30,11 +30,14 @@ from tool0.protocol.trajectories import CommandTrajectory, FollowTrajectory
 from tool0.server.session import Session
 
 READING: Final = 1.0
-"""Wall time after an outage until messages sent meanwhile have been read [s]."""
+"""Wall time after an outage within which messages that were sent during the outage are
+read [s]."""
 _REPEATED: Final = 1.0
-"""Wall time between two equal errors to one peer for requests without a reply [s]."""
+"""Least wall time between two equal errors that are sent to one peer for requests
+without a reply [s]."""
 PAUSE: Final = 0.5
-"""Wall time without setpoints after which a refused stream counts as a new one [s]."""
+"""Wall time without setpoints after which a refused stream is treated as a new stream
+[s]."""
 MOVING: Final = (
     CommandGripper,
     CommandJoints,
@@ -63,26 +66,26 @@ MOVING: Final = (
     StepRun,
     TakeArm,
 )
-"""Requests that can cause motion; ``command_trajectory`` without points is a stop."""
+"""Requests that can cause motion.  However, ``command_trajectory`` without points is a
+stop request."""
 
 
 @final
 class Outages:
-    """The outages of this process, as seen by its connections."""
+    """The outages of this process and their effects on its connections."""
 
     def __init__(self) -> None:
         self._freeze: FreezeMeter | None = None
-        """Meter of freezes, made at the first check since a server may wait long for
-        its first peer."""
+        """Meter of freezes, which is created at the first check because a server may
+        wait for its first peer for a long time."""
         self._duration = 0.0
         self._until = 0.0
         self._errors: dict[Session, tuple[str, float]] = {}
         self._refused: dict[Session, float] = {}
-        """Time at which each session last had a setpoint of a stream refused [wall
-        s]."""
+        """Time of the last refused setpoint of a stream in each session [wall s]."""
 
     def look(self) -> bool:
-        """Return whether the process was frozen since the last call."""
+        """Return whether the process has been frozen since the last call."""
         self._freeze = self._freeze or FreezeMeter()
         duration = self._freeze.look()
         if duration:
@@ -93,10 +96,10 @@ class Outages:
     def refusal(
         self, session: Session, request: Request[Any], *, is_streamed: bool
     ) -> ControlError | None:
-        """Return why a request is not carried out; None if it is carried out.
+        """Return the error for a request that must not be executed, or None.
 
-        Setpoints that continue a stream are refused until the stream pauses, since
-        nobody has confirmed that the robot should still move.
+        Setpoints of a stream that continues after an outage are refused until the
+        stream pauses, because the sender may not know that the robot has stopped.
         """
         if not isinstance(request, MOVING) or not (self._until or self._refused):
             return None
@@ -115,7 +118,7 @@ class Outages:
         )
 
     def is_new(self, session: Session, message: str) -> bool:
-        """Return whether a peer has not received this error within the last second."""
+        """Return whether an error was not sent to a peer within the last second."""
         now = time.monotonic()
         last, at = self._errors.get(session, ("", 0.0))
         if message == last and now - at < _REPEATED:
@@ -124,6 +127,6 @@ class Outages:
         return True
 
     def forget(self, session: Session) -> None:
-        """Forget a connection that has ended."""
+        """Discard the data about a connection that has ended."""
         self._errors.pop(session, None)
         self._refused.pop(session, None)

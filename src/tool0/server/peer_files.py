@@ -1,4 +1,4 @@
-"""Files that a peer may name; panel pages may only name some of them."""
+"""Files that the requests of a peer may use; panel pages may use only some files."""
 
 from __future__ import annotations
 
@@ -16,19 +16,20 @@ _PACKAGE: Final = "package://"
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PeerFiles:
-    """Files of this machine that a peer may have the robot read and write."""
+    """Files of this machine that the robot may read and write for a peer."""
 
     folders: Sequence[Path]
-    """Folders whose files, also in subfolders, a peer may have read and written."""
+    """Folders with files that may be read and written, including files in
+    subfolders."""
     known: Callable[[], Collection[Path]]
-    """Function that returns other files which a peer may have read.  Files of ROS
-    packages may be read, too."""
+    """Function that returns other files that may be read.  Files of ROS packages may
+    also be read."""
 
     resolve: Callable[[str], Path]
     """Function that returns the file of a URI, or raises Tool0Error."""
 
     def refusal(self, request: Request[Any]) -> ControlError | None:
-        """Return why a request may not use one of its files; None if it may use all."""
+        """Return the error for a request with a forbidden file, or None."""
         for field in request.written_paths:
             path = getattr(request, field)
             if path is not None and not self._is_inside(path):
@@ -48,7 +49,7 @@ class PeerFiles:
         )
 
     def _is_inside(self, path: str) -> bool:
-        """Return whether a path leads into one of ``folders``, with links followed."""
+        """Return whether a path is inside one of ``folders`` after resolving links."""
         real = _real(path)
         return real is not None and any(
             real.is_relative_to(folder.resolve()) for folder in self.folders
@@ -67,7 +68,7 @@ class PeerFiles:
 
 
 def _real(path: str) -> Path | None:
-    """Return a path with its links followed; None if it is not a valid path."""
+    """Return a path with resolved links; None if the path is not valid."""
     try:
         return Path(path).expanduser().resolve()
     except (OSError, RuntimeError, ValueError):

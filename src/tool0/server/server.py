@@ -1,7 +1,7 @@
 """The server: a thread that serves a robot to all connections.
 
-asyncio and its users are imported when the first peer connects, so that a bring-up
-without peers starts faster.
+The module asyncio, and the modules that use it, are imported when the first peer
+connects, so a bring-up without peers starts faster.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ MAX_PEERS: Final = 256
 
 @final
 class UnixSocketService:
-    """Serves a hub under a claimed name."""
+    """Service for a hub at a claimed name."""
 
     starts_at_once: Final = False
 
     def __init__(self, claim: Claim) -> None:
-        """Listen; peers have to wait until the server accepts them.
+        """Start listening; peers have to wait until the server accepts them.
 
         Raises:
             TransportError: If the socket cannot be created.
@@ -69,7 +69,7 @@ class UnixSocketService:
             self._accepting.cancel()
 
     async def end(self) -> None:
-        """Do nothing, since the hub has closed the connections."""
+        """Do nothing, because the hub has closed the connections."""
 
     def release(self) -> None:
         self.listener.close()
@@ -77,7 +77,7 @@ class UnixSocketService:
 
 
 async def _serve(hub: Hub, peer: socket.socket, has_room: bool) -> None:
-    """Serve a program until it disconnects; reject it if there are too many."""
+    """Serve a program until it disconnects, or reject it unless ``has_room``."""
     import asyncio
 
     from tool0.protocol.codec import encode_error
@@ -90,7 +90,7 @@ async def _serve(hub: Hub, peer: socket.socket, has_room: bool) -> None:
         await hub.serve(lines)
     else:
         text = f"{MAX_PEERS} programs are connected already; close one"
-        with contextlib.suppress(OSError):  # the peer closed first
+        with contextlib.suppress(OSError):  # the peer has disconnected
             await lines.send([encode_error(None, TransportError(text))])
     await lines.close()
     await lines.closed()
@@ -100,7 +100,8 @@ def _listen(claim: Claim) -> socket.socket:
     """Return a listening socket that only this user can open."""
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
-        # The folder is 0700 already, so no other user can connect before the chmod.
+        # The folder has the mode 0700, so no other user can connect before the chmod
+        # call.
         listener.bind(str(claim.path))
         claim.path.chmod(0o600)
         listener.listen(16)
@@ -112,17 +113,20 @@ def _listen(claim: Claim) -> socket.socket:
 
 
 _CLOSES_WITHIN: Final = 5.0
-"""Longest wait for the server's thread to close [wall s]."""
+"""Longest wait for the end of the server's thread [wall s]."""
 
 
 @final
 class Server(contextlib.AbstractContextManager["Server"]):
-    """Serves a robot from construction until ``close``."""
+    """Server of a robot, which runs from its construction until ``close``."""
 
     def __init__(
         self, backend: Backend, services: Sequence[Service], name: str = ""
     ) -> None:
-        """Start serving at the services' addresses; ``name`` is the bring-up's name."""
+        """Start serving at the addresses of the services.
+
+        ``name`` names the bring-up.
+        """
         self._backend = backend
         self._services = tuple(services)
         self._name = name
@@ -134,7 +138,7 @@ class Server(contextlib.AbstractContextManager["Server"]):
         self._thread.start()
 
     def close(self) -> None:
-        """Close every connection and end; closing twice is allowed."""
+        """Close every connection and end; the server may be closed more than once."""
         if self._waker.fileno() < 0 or not self._process.is_this:
             return
         with contextlib.suppress(OSError):  # the server has failed

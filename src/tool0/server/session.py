@@ -1,4 +1,4 @@
-"""One connection: its messages, and the requests that wait for each other.
+"""One connection, with its messages and its requests, which are executed in order.
 
 ::
 
@@ -7,7 +7,8 @@
                     ▼                      account     └► requests, in order ─► hub
                   hub: at once             admits)
 
-A stop waits for nothing that was sent before it: it is found in the text as it arrives.
+A stop request does not wait for earlier messages, because it is detected in the text
+when it is received.
 """
 
 from __future__ import annotations
@@ -33,32 +34,34 @@ from tool0.server.peer_files import PeerFiles
 logger = logging.getLogger(__name__)
 
 MAX_QUEUE: Final = 256
-"""Number of replies and events that may wait for a page that reads slowly."""
+"""Largest number of replies and events that may be queued for a page that reads
+slowly."""
 MAX_UNREAD: Final = 1 << 24
-"""Size of the replies that may wait for a program [bytes]; beyond it, none of the
-program's requests are decoded."""
+"""Size of the queued replies to a program at which the program's requests are no longer
+decoded [bytes]."""
 MAX_SNAPSHOTS: Final = 1024
-"""Number of snapshots that may wait for a slow reader before the oldest are dropped."""
+"""Number of queued snapshots for a slow reader at which the oldest snapshots are
+dropped."""
 STUCK_AFTER: Final = 10.0
-"""Wall time after which a connection whose peer does not read is dropped [s]."""
+"""Wall time after which a connection is dropped if its peer does not read [s]."""
 _CHUNK: Final = 4096
-"""Number of bytes that count as one message."""
+"""Size of a chunk of requests [bytes]."""
 MAX_TEXTS: Final = 1 << 18
-"""Size of the messages that may wait to be decoded [bytes], each with ``_OVERHEAD``;
-beyond it, nothing more is read."""
+"""Size of the undecoded messages at which reading is paused [bytes].  The size includes
+``_OVERHEAD`` for each message."""
 _OVERHEAD: Final = 64
 """Size that is added to the size of each waiting message [bytes]."""
 MAX_BACKLOG: Final = 4096
-"""Size of the requests of one connection that may wait for each other, in chunks: 16
-MiB.  Further requests are rejected, so that messages behind them are always read."""
+"""Largest size of the waiting requests of one connection, in chunks, which is 16 MiB.
+Additional requests are rejected, so later messages are always read."""
 _SENT_AT_ONCE: Final = 1 << 14
-"""Size of the replies that are sent together [bytes], since sending costs more than
-encoding."""
+"""Size at which replies are sent together [bytes], because sending needs more processor
+time than encoding."""
 _REPLY_COST: Final = 0.1e-3
 """Processor time of sending a reply [s]."""
 _REQUEST_COST: Final = 0.3e-3
-"""Processor time of a request in other threads, such as that of the tick, including the
-time to wake them [s]."""
+"""Processor time of a request in other threads, such as the tick thread, including the
+time to wake these threads [s]."""
 _OVERTAKEN: Final = ControlError(
     "a stop overtook this request, which would have undone it; send it again"
 )
@@ -69,48 +72,49 @@ _TOO_MANY: Final = TransportError(
 
 Ident = int | str | None
 TakeAtOnce = Callable[["Session", Ident, Request[Any]], bool]
-"""Handles a request that need not wait for others; returns whether it did."""
+"""Function that handles a request without waiting for other requests, if possible, and
+returns whether it has handled the request."""
 Stop = Callable[["Session", Ident, Request[Any]], None]
-"""Carries out a stop immediately."""
+"""Function that executes a stop request immediately."""
 CarryOut = Callable[["Session", Ident, Request[Any]], Awaitable[None]]
-"""Carries out all other requests, one after the other."""
+"""Function that executes all other requests, one after the other."""
 
 
 class Transport(Protocol):
-    """Carries text to and from one peer."""
+    """Transport of text to and from one peer."""
 
     @property
     def is_trusted(self) -> bool:
-        """Whether the peer is a program of this user, which is allowed to read late."""
+        """Whether the peer is a program of this user, which may read slowly."""
 
     @property
     def files(self) -> PeerFiles | None:
-        """Files that the peer may name; None if it may name all."""
+        """Files that the peer's requests may use; None if they may use all files."""
 
     @property
     def account(self) -> Account:
         """Account that is charged for the peer's work."""
 
     async def send(self, texts: Sequence[bytes]) -> None:
-        """Send messages; ConnectionError if the peer has disconnected."""
+        """Send messages; raise ConnectionError if the peer has disconnected."""
 
     async def receive(self) -> bytes | str | None:
         """Return the next message; None if the peer has disconnected.
 
         Raises:
-            TransportError: If the message is too long to be read; the stream may then
-                be lost.
+            TransportError: If the message is too long to be read, in which case the
+                stream may be lost.
         """
 
     async def close(self) -> None:
         """Close the connection properly."""
 
     def abort(self) -> None:
-        """End the connection at once."""
+        """End the connection immediately."""
 
 
 class _Waiting(NamedTuple):
-    """A request that waits for the ones before it."""
+    """A request that waits for earlier requests."""
 
     n_chunks: int
     ident: Ident
@@ -119,7 +123,7 @@ class _Waiting(NamedTuple):
 
 @final
 class Session:
-    """Sends at the reader's pace, so that no other connection has to wait."""
+    """One connection; a peer that reads slowly does not delay other connections."""
 
     def __init__(
         self,
@@ -141,40 +145,45 @@ class Session:
         self._was_read = asyncio.Event()
         self._snapshots: deque[bytes] = deque()
         self.missed = 0
-        """Number of snapshots dropped since the last one that was queued."""
+        """Number of snapshots that were dropped since the last complete state was
+        queued."""
         self.arms: dict[str, str] = {}
-        """Arms that the peer has taken, each with the program that the peer named."""
+        """Name of the controlling program by arm, for the arms that the peer
+        controls."""
         self._latest: dict[str, bytes] = {}
         self._texts: deque[bytes | str | None] = deque()
-        """Messages that have not been decoded yet; None marks the end."""
+        """Messages that have not been decoded yet; None is the end marker."""
         self._n_texts = 0
         """Size of the undecoded messages [bytes]."""
         self._has_text, self._has_room = asyncio.Event(), asyncio.Event()
         self._waiting: deque[_Waiting | None] = deque()
-        """Requests that wait; None marks the end."""
+        """Waiting requests; None is the end marker."""
         self._current: Request[Any] | None = None
-        """Request that is being carried out."""
+        """Request that is being executed."""
         self._has_work = asyncio.Event()
         self._backlog = 0
-        """Size of the requests that wait or are being carried out, in chunks."""
+        """Size of the requests that are waiting or being executed, in chunks."""
         self._loop = asyncio.get_running_loop()
         self._sending_since: float | None = None
         self._tasks: list[asyncio.Task[None]] = []
         self._is_gone = False
-        """Whether the peer no longer reads anything."""
+        """Whether the peer no longer reads any messages."""
 
     @property
     def is_busy(self) -> bool:
-        """Whether requests wait or are in progress; later ones must not overtake."""
+        """Whether requests are waiting or being executed, so new requests must wait."""
         return self._backlog > 0
 
     def is_stuck(self) -> bool:
-        """Return whether the peer has not read for too long."""
+        """Return whether the peer has not read messages for too long."""
         since = self._sending_since
         return since is not None and self._loop.time() - since > STUCK_AFTER
 
     def send(self, text: bytes) -> None:
-        """Send ``text`` after all others; a page with too much waiting is dropped."""
+        """Send ``text`` after all queued messages.
+
+        A page with a full queue is dropped.
+        """
         if len(self._queue) >= MAX_QUEUE and not self._transport.is_trusted:
             self.drop()
             return
@@ -183,7 +192,10 @@ class Session:
         self._wake.set()
 
     def send_snapshot(self, text: bytes) -> None:
-        """Send a snapshot of a stream; a slow reader loses the oldest ones."""
+        """Send a snapshot of a stream.
+
+        The oldest snapshots are dropped for a slow reader.
+        """
         if len(self._snapshots) >= MAX_SNAPSHOTS:
             self._snapshots.popleft()
             self.missed += 1
@@ -191,12 +203,12 @@ class Session:
         self._wake.set()
 
     def send_latest(self, kind: str, text: bytes) -> None:
-        """Send ``text`` in place of an unsent older one of the same kind."""
+        """Send ``text`` in place of an older unsent text of the same kind."""
         self._latest[kind] = text
         self._wake.set()
 
     def drop(self) -> None:
-        """End the connection at once."""
+        """End the connection immediately."""
         self._transport.abort()
         self.end()
 
@@ -224,7 +236,7 @@ class Session:
             if isinstance(end, Exception):
                 logger.error("a connection failed", exc_info=end)
 
-    # ---- what is sent ---------------------------------------------------------------
+    # ---- sending --------------------------------------------------------------------
 
     async def _write(self) -> None:
         try:
@@ -240,7 +252,7 @@ class Session:
             self._was_read.set()
 
     def _next(self) -> list[bytes]:
-        """Return the next text to send, with several replies at once; empty if done."""
+        """Return the next texts to send, which are empty if there are none."""
         if self._queue:
             texts, size = [], 0
             while self._queue and size < _SENT_AT_ONCE:
@@ -255,7 +267,7 @@ class Session:
             return [self._latest.pop(next(iter(self._latest)))]
         return []
 
-    # ---- what arrives ---------------------------------------------------------------
+    # ---- receiving ------------------------------------------------------------------
 
     async def _read(self) -> None:
         try:
@@ -275,12 +287,12 @@ class Session:
                 self._take(text)
             await self.account.give_way()
             while self._n_texts >= MAX_TEXTS:
-                # Nothing is read, so flow control slows the peer down.
+                # Reading is paused, so flow control slows down the peer.
                 self._has_room.clear()
                 await self._has_room.wait()
 
     def _take(self, text: bytes | str) -> None:
-        """Take a message; carry out a stop before waiting messages are decoded."""
+        """Handle a message; a stop is executed before waiting messages are decoded."""
         if may_be_urgent(text) and self._take_stop(text):
             return
         if not self._texts and self._may_decode():
@@ -291,11 +303,11 @@ class Session:
         self._has_text.set()
 
     def _take_stop(self, text: bytes | str) -> bool:
-        """Carry out a stop; return False if the message is not one."""
+        """Execute a stop; return False if the message is not a stop."""
         try:
             ident, request = decode_request(text, suggests=False)
         except RequestReadError:
-            return False  # it is answered in its turn
+            return False  # answered in order
         if not request.is_urgent:
             return False
         self._revoke(request)
@@ -308,11 +320,11 @@ class Session:
         return True
 
     def _revoke(self, stop: Request[Any]) -> None:
-        """Refuse waiting requests that would undo a stop which overtakes them."""
+        """Refuse waiting requests that would undo a stop that overtakes them."""
         methods = stop.revokes
         for text in [text for text in self._texts if _names(text, methods)]:
-            assert text is not None  # it names something
-            with contextlib.suppress(RequestReadError):  # answered in its turn
+            assert text is not None  # it contains a method
+            with contextlib.suppress(RequestReadError):  # answered in order
                 ident, request = decode_request(text, suggests=False)
                 if _undoes(request, stop):
                     self._texts.remove(text)
@@ -328,7 +340,7 @@ class Session:
         return self.account.may_go_on and self._n_unread < MAX_UNREAD
 
     async def _decode(self) -> None:
-        """Decode waiting messages, as fast as the account allows and the peer reads."""
+        """Decode waiting messages at the pace of the account and the reading peer."""
         while True:
             await self._has_text.wait()
             self._has_text.clear()
@@ -338,7 +350,7 @@ class Session:
                     self._was_read.clear()
                     await self._was_read.wait()
                 if not self._texts:
-                    break  # revoked meanwhile
+                    break  # the messages were revoked
                 text = self._texts.popleft()
                 if text is None:
                     self._waiting.append(None)
@@ -350,7 +362,7 @@ class Session:
                     self._process(text)
 
     def _process(self, text: bytes | str) -> None:
-        """Decode a message; carry it out, or queue it behind those before it."""
+        """Decode a message, and execute or queue its request."""
         self.account.charge(_REPLY_COST)
         try:
             ident, request = decode_request(text, suggests=self.account.has_spare)
@@ -369,14 +381,14 @@ class Session:
         self._has_work.set()
 
     async def _work(self) -> None:
-        """Carry out requests, one after the other."""
+        """Execute requests, one after the other."""
         while True:
             await self._has_work.wait()
             self._has_work.clear()
             while self._waiting:
                 await self.account.admit()
                 if not self._waiting:
-                    break  # revoked meanwhile
+                    break  # the requests were revoked
                 item = self._waiting.popleft()
                 if item is None:
                     return
@@ -400,7 +412,7 @@ def _names(text: bytes | str | None, methods: Collection[str]) -> bool:
 
 
 def _undoes(request: Request[Any], stop: Request[Any]) -> bool:
-    """Return whether ``request``, sent before ``stop``, would undo it."""
+    """Return whether ``request``, sent before ``stop``, would undo ``stop``."""
     if method_name(type(request)) not in stop.revokes:
         return False
     arms = {getattr(request, "arm", None), getattr(stop, "arm", None)}

@@ -10,25 +10,25 @@ from typing import Any, Final, final
 import msgspec
 
 INTERVAL: Final = 0.1
-"""Shortest time between two setpoints of a stream that are carried out [wall s]."""
+"""Shortest time between two setpoints of a stream that are executed [wall s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class StreamedSetpoint:
-    """Newest setpoint of a stream, and its sender."""
+    """The newest setpoint of a stream, with its sender."""
 
     sender: object
     request: Any
-    """A request with ``positions``."""
+    """Request with ``positions``."""
 
 
 @final
 class SetpointStreams:
-    """Keeps the newest setpoint of each stream until it is due.
+    """Buffer of the newest setpoint of each stream until it is due.
 
-    If many slider events arrive, only the newest is executed.  The last one is always
-    executed, even if its sender has disconnected.
+    If many setpoints are received, only the newest setpoint is executed.  The last
+    setpoint is always executed, even if its sender has disconnected.
     """
 
     def __init__(
@@ -40,9 +40,10 @@ class SetpointStreams:
         self._locks: dict[str, asyncio.Lock] = {}
 
     def submit(self, setpoint: StreamedSetpoint) -> None:
-        """Replace the waiting setpoint by ``setpoint``.
+        """Replace the waiting setpoint with ``setpoint``.
 
-        Joints named only in the older setpoint of the same sender keep its positions.
+        Joints that are only in the older setpoint of the same sender keep their
+        positions from this setpoint.
         """
         key = getattr(setpoint.request, "controller", "")
         before = self._waiting.get(key)
@@ -55,12 +56,12 @@ class SetpointStreams:
             self._tasks[key] = asyncio.create_task(self._run(key))
 
     def drop(self, keys: Collection[str]) -> None:
-        """Drop the waiting setpoint, since a newer request supersedes it."""
+        """Drop the waiting setpoints of streams that a newer request supersedes."""
         for key in keys:
             self._waiting.pop(key, None)
 
     async def settle(self, keys: Collection[str]) -> None:
-        """Drop the waiting setpoints, and wait for setpoints in progress."""
+        """Drop waiting setpoints, and wait for setpoints that are being executed."""
         self.drop(keys)
         for key in keys:
             if key in self._locks:
@@ -84,7 +85,7 @@ class SetpointStreams:
             while key in self._waiting:
                 start = loop.time()
                 async with lock:
-                    setpoint = self._waiting.pop(key, None)  # handled meanwhile
+                    setpoint = self._waiting.pop(key, None)  # may have been dropped
                     if setpoint is not None:
                         await self._carry_out(setpoint)
                 await asyncio.sleep(start + INTERVAL - loop.time())

@@ -38,36 +38,37 @@ from tool0.server.session import Session
 logger = logging.getLogger(__name__)
 
 POLL_PERIOD: Final = 0.004
-"""Period of polling for states [wall s]: twice the shortest snapshot period; no state
-is missed in between."""
+"""Period of polling for states [wall s], which is twice the shortest snapshot period.
+No state is lost between two polls."""
 _FLUSH_PERIOD: Final = 0.05
-"""Wall time after which a delayed state is sent in any case [s]."""
+"""Wall time after which a delayed state is sent in all cases [s]."""
 _FAST_PERIOD: Final = 0.02
-"""Wall time between states while simulated time runs fast [s]: each state delays the
-tick by some 0.4 ms, since both need the interpreter."""
+"""Wall time between states while simulated time runs fast [s].  Each state delays the
+tick by about 0.4 ms, because both need the interpreter's lock."""
 _COMPANION_LOGGERS: Final = ("tool0.ros2", "tool0.ur")
-"""Loggers of companions, which have already logged these messages themselves."""
+"""Loggers of messages that companions have already logged."""
 _ROUNDING: Final = 1e-6
-"""Tolerance of times [s]."""
+"""Tolerance for comparisons of times [s]."""
 
 
 class _Pace(NamedTuple):
-    """Way in which a stream learns of new states."""
+    """Method by which a stream receives new states."""
 
     rate: float
     """Rate of the stream's subscription to the bus [Hz]."""
     interval: float
     """Wall time between two polls of the bus [s]."""
     is_woken: bool = False
-    """Whether the thread of the tick wakes the event loop for each snapshot; this costs
-    the thread one system call, but none if the event loop is already awake."""
+    """Whether the tick thread wakes the event loop for each snapshot.  A wake-up
+    requires one system call in the tick thread, but no call if the event loop is
+    already awake."""
     is_fast: bool = False
-    """Whether the newest snapshot is polled; the stream then costs the tick only the
+    """Whether the newest snapshot is polled, which delays the tick only by the
     interpreter's switches to another thread."""
 
     @staticmethod
     def of(request: Subscribe, speed: float | None) -> _Pace:
-        """Return the pace for a request and the speed of simulated time."""
+        """Return the pace for a request at a speed of simulated time."""
         rate, default_rate = request.rate, 1.0 / SNAPSHOT_PERIOD
         if not request.newest_only:
             return _Pace(rate, POLL_PERIOD)
@@ -78,43 +79,45 @@ class _Pace(NamedTuple):
 
 @final
 class StateStream:
-    """Sends states and events to all sessions with the same request.
+    """Stream of states and events to all sessions with the same request.
 
-    It lives in the event loop, so that its cost in the tick does not depend on the
-    number of sessions.  A state is encoded once for all of them.
+    The stream runs in the event loop, so its effect on the tick does not depend on the
+    number of sessions.  A state is encoded once for all sessions.
     """
 
     def __init__(self, states: States, request: Subscribe) -> None:
-        """Start sending."""
+        """Start sending states."""
         self._states = states
         self._request = request
         self._mask = StateMask(request.fields, request.controllers, request.arms)
         self._loop = asyncio.get_running_loop()
         self.opened: asyncio.Future[None] = self._loop.create_future()
-        """Done once states arrive; fails with ControlError if they cannot."""
+        """Future that is done when states are received; fails with ControlError if no
+        states can be received."""
         self._sessions: dict[Session, bool] = {}
         """Whether each session has received a complete state."""
         self._last: Snapshot | None = None
         """Newest snapshot that was sent."""
         self._due_time = -math.inf
-        """Time of the last state that was due at the rate [s]; states sent in between
-        because of changes do not delay the next one."""
+        """Time of the last state that was due at the rate [s].  Additional states that
+        are sent because of changes do not delay the next due state."""
         self._pace = _Pace.of(request, states.snapshot.speed)
         self._subscription: Subscription | None = None
         self._is_waking = False
         """Whether the event loop will send soon."""
         self._polled: Snapshot | None = None
-        """Newest snapshot with arms, if arms are sent while time runs fast."""
+        """Newest snapshot with arms, if arms are sent while simulated time runs
+        fast."""
         self._task = asyncio.create_task(self._run())
 
     def add(self, session: Session) -> None:
-        """Add a session, to which states are sent from now on."""
+        """Add a session, to which all later states are sent."""
         self._sessions[session] = False
         if self._request.newest_only and self._last is not None:
             self._send_to(session, self._last)
 
     def remove(self, session: Session) -> bool:
-        """Remove a session; return whether there are others."""
+        """Remove a session; return whether there are other sessions."""
         self._sessions.pop(session, None)
         return bool(self._sessions)
 
@@ -127,18 +130,19 @@ class StateStream:
         """End the stream."""
         self._task.cancel()
 
-    # ---- from the bus ----------------------------------------------------------------
+    # ---- receiving from the bus ------------------------------------------------------
+    # ----------------------------------------------------------------
 
     async def _run(self) -> None:
         try:
             while True:
                 await self._follow()
-        except ControlError as error:  # no such rate, or the simulation has ended
+        except ControlError as error:  # invalid rate, or the simulation has ended
             if not self.opened.done():
                 self.opened.set_exception(error)
 
     async def _follow(self) -> None:
-        """Send the states of the bus until the speed of time changes."""
+        """Send the states of the bus until the speed of simulated time changes."""
         self._pace = pace = _Pace.of(self._request, self._states.snapshot.speed)
         self._subscription = await self._subscribed()
         if not self.opened.done():
@@ -155,7 +159,11 @@ class StateStream:
             self._subscription = None
 
     async def _subscribed(self) -> Subscription:
-        """Return a subscription, made in another thread since it waits for the tick."""
+        """Return a subscription.
+
+        Another thread creates the subscription, because its creation waits for the
+        tick.
+        """
         made = asyncio.ensure_future(asyncio.to_thread(self._subscribe))
         try:
             return await asyncio.shield(made)
@@ -174,11 +182,11 @@ class StateStream:
             when_published=self._wake if pace.is_woken else None,
         )
         if not self._request.newest_only:
-            subscription.pending()  # the stream starts with the next one
+            subscription.pending()  # the stream starts with the next snapshot
         return subscription
 
     def _close(self, subscription: Subscription) -> None:
-        """Close a subscription in another thread, because it waits for the tick."""
+        """Close a subscription in another thread, which waits for the tick."""
 
         def close() -> None:
             with contextlib.suppress(ControlError):  # the simulation has ended
@@ -187,25 +195,29 @@ class StateStream:
         self._loop.run_in_executor(None, close)
 
     def _wake(self) -> None:
-        """Schedule sending in the event loop; called in the thread of the tick."""
+        """Schedule sending in the event loop.
+
+        This method is called in the tick thread.
+        """
         if not self._is_waking:
             self._is_waking = True
             with contextlib.suppress(RuntimeError):  # the server has ended
                 self._loop.call_soon_threadsafe(self._deliver)
 
-    # ---- to the sessions -------------------------------------------------------------
+    # ---- sending to the sessions -----------------------------------------------------
+    # -------------------------------------------------------------
 
     def _deliver(self) -> None:
-        """Send the states that have arrived."""
+        """Send the states that have been received."""
         self._is_waking = False
         if self._subscription is None:
-            return  # it has just ended
+            return  # the subscription has ended
         try:
             self._send_events(self._subscription)
             for snapshot in self._arrived(self._subscription):
                 if self._is_due(snapshot):
                     self._send_state(snapshot)
-        except Exception:  # one failure must not end the stream
+        except Exception:  # a failure must not end the stream
             logger.exception("a state could not be sent")
 
     def _send_events(self, subscription: Subscription) -> None:
@@ -221,7 +233,7 @@ class StateStream:
         return subscription.pending()
 
     def _is_due(self, now: Snapshot) -> bool:
-        """Return whether a snapshot is due at this rate, or shows another change."""
+        """Return whether a snapshot is due at this rate or contains another change."""
         if self._mask.needs_arms and not now.arms:
             return False  # from before the subscription
         before, pace = self._last, self._pace
@@ -267,11 +279,11 @@ class StateStreams:
         self._log: LogForwarder | None = None
 
     async def add(self, session: Session, request: Subscribe) -> None:
-        """Send states to ``session``, in place of the states it has received so far.
+        """Send states to ``session``, in place of the states of its earlier request.
 
         Raises:
             ControlError: If a requested arm does not exist, or the rate is not
-                possible.
+                supported.
         """
         known = [box.arm for box in self._states.snapshot.control_boxes]
         for arm in request.arms:
@@ -316,7 +328,7 @@ class StateStreams:
 
 @final
 class LogForwarder(logging.Handler):
-    """Forwards tool0's warnings and errors, in the event loop."""
+    """Log handler that forwards tool0's warnings and errors in the event loop."""
 
     def __init__(self, send: Callable[[LogMessage], None]) -> None:
         super().__init__(logging.WARNING)
@@ -325,7 +337,7 @@ class LogForwarder(logging.Handler):
         logging.getLogger("tool0").addHandler(self)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Forward the record; print it if the program has no handler."""
+        """Forward the record, and print it if the program has no log handler."""
         if not record.name.startswith(_COMPANION_LOGGERS):
             is_error = record.levelno >= logging.ERROR
             message = LogMessage(
@@ -337,19 +349,19 @@ class LogForwarder(logging.Handler):
             logging.lastResort.handle(record)
 
     def close(self) -> None:
-        """Stop forwarding."""
+        """Stop forwarding log records."""
         logging.getLogger("tool0").removeHandler(self)
         super().close()
 
 
 def event_message(states: States, event: Event) -> EventMessage | None:
-    """Return an event in the form in which it is sent; None if it is not sent.
+    """Return the message for an event; None if the event is not sent.
 
-    Some events are only for the panel and the log.
+    Some events are only sent to the panel and the log.
     """
     match event:
         case GoalFinished(goal):
-            assert goal.result is not None  # it has finished
+            assert goal.result is not None  # the goal has finished
             return GoalEnded(
                 goal=states.goals.number(goal),
                 controller=goal.controller,

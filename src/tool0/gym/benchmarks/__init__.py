@@ -1,1 +1,1 @@
-"""Tasks with more than cubes: insertion, assembly, a drawer, clutter, a handover."""
+"""Tasks beyond cubes: insertion, assembly, a drawer, clutter and a handover."""

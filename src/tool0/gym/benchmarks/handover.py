@@ -1,4 +1,4 @@
-"""Hand a bar from one arm to another, which cannot reach the bar on the table."""
+"""Hand a bar from one arm to another arm that cannot reach the bar on the table."""
 
 from __future__ import annotations
 
@@ -26,38 +26,44 @@ BAR = "bar"
 LENGTH, MASS, WIDEST = 0.24, 0.1, 0.03
 """Length [m], mass [kg], and largest width and height [m] of the bar."""
 HELD_AT = 0.085
-"""Distance from the bar's centre at which a gripper holds it [m]."""
+"""Distance from the bar's center at which a gripper holds the bar [m]."""
 NEAR, FAR, SIDE = 0.34, 0.52, 0.3
-"""Range of the bar's initial centre: least and largest distance ahead of the giver, and
-largest distance to each side, for arms of scale 1 [m]."""
+"""Limits of the initial position of the bar's center: least and largest distance in
+front of the giver, and largest distance to each side, for arms of scale 1 [m]."""
 EDGE = 0.31
-"""Least distance of the bar ahead of the giver, for an arm of scale 1 [m]: the table's
-edge."""
+"""Least distance of the bar in front of the giver, which is the distance of the table's
+edge, for an arm of scale 1 [m]."""
 CLOSE = 0.4
-"""Least distance from the giver's axis to the tcp when it grasps the bar, for an arm of
-scale 1 [m]; closer, a small arm with a long gripper would touch itself."""
+"""Least distance from the giver's axis to the TCP when it grasps the bar, for an arm of
+scale 1 [m].  At a shorter distance, a small arm with a long gripper would collide with
+itself."""
 PARTS = 13
 """Number of points along the bar that the taker must not reach."""
 ATTEMPTS = 200
-"""Number of attempts to draw a valid place; then the last draw is used."""
+"""Number of attempts to draw a valid place.  If all attempts fail, the last place is
+used."""
 LIFTED = 0.08
-"""Height above which the bar counts as lifted [m]."""
+"""Least height of a lifted bar above its initial height [m]."""
 RELEASED = 0.006
-"""Opening beyond the bar's width from which the bar counts as released [m]."""
+"""Excess of the gripper's opening over the bar's width above which the bar is released
+[m]."""
 AT_END = 0.03
-"""Distance from a grasp point within which a tcp counts as being at that end [m]."""
+"""Largest distance between a TCP and the grasp point of an end of the bar at which the
+TCP is at this end [m]."""
 BELOW = 0.03
-"""Distance below the meeting height; a bar that is lower first rises vertically [m]."""
+"""Distance below the height of the handover at which a bar first rises vertically
+[m]."""
 MET, STRAIGHT = 0.006, 0.06
-"""Largest offset [m] and angle [rad] of the bar for the taker to approach."""
+"""Largest position error [m] and angle [rad] of the bar at which the taker approaches
+the bar."""
 SLACK = 3.0
-"""Factor on these tolerances once the taker is at the bar."""
+"""Factor by which MET and STRAIGHT increase when the taker is at the bar."""
 LEAVE = 0.12
 """Height above the bar to which a gripper retreats [m]."""
 
 
 class _Ends(NamedTuple):
-    """The state from each arm's view, with the bar's x axis from giver to taker."""
+    """State as seen by each arm, with the bar's x axis from the giver to the taker."""
 
     give: State
     take: State
@@ -67,10 +73,10 @@ class _Ends(NamedTuple):
 
 @final
 class Handover(Task):
-    """One arm lifts a bar, the other grasps it in the air, and the first lets go.
+    """Task in which one arm lifts a bar, and a second arm takes the bar in the air.
 
-    The bar lies where only the first arm reaches it.  Each arm holds one half of the
-    bar.
+    The bar lies at a place that only the first arm can reach.  Each arm holds one half
+    of the bar.
     """
 
     instruction = "Hand the bar over from the left arm to the right arm."
@@ -88,7 +94,7 @@ class Handover(Task):
         self._take = Hold(self._width, (HELD_AT, 0.0, above), turns=2)
         start, back = self._giver.start_position, self._taker.start_position
         self._meeting = (start + back) / 2.0
-        """Position of the bar's centre at the handover [m]."""
+        """Position of the bar's center at the handover [m]."""
 
     def scene(self) -> Scene:
         table = self.workspace.scene(())
@@ -157,11 +163,11 @@ class Handover(Task):
         )
 
     def _ends(self, state: State) -> _Ends:
-        """Return the states with the bar turned so that the giver's end is at -x.
+        """Return the states as if the bar were turned so that the giver's end is at -x.
 
-        The giver's end is the end where the giver's tcp is, or the end opposite the
-        taker's tcp.  If no tcp is at the bar, it is the end that points away from the
-        taker.
+        The giver's end is the end at the giver's TCP or, if the giver's TCP is not at
+        the bar, the end opposite the taker's TCP.  If no TCP is at the bar, the giver's
+        end is the end that points away from the taker.
         """
         position, quat = state.object_position[:, 0], state.object_quat[:, 0]
         yaw = yaws_of_quats(quat)
@@ -199,7 +205,7 @@ class Handover(Task):
     def _give_it(
         self, ends: _Ends, commanded: Frames, own: Grasp, is_taken: Mask
     ) -> Target:
-        """Return the giver's next target: to the bar, to the handover, then away."""
+        """Return the giver's next target to grasp, carry or release the bar."""
         state = ends.give
         bar = state.object_position[:, 0]
         is_low = bar[:, 2] < self._meeting[2] - BELOW
@@ -210,7 +216,7 @@ class Handover(Task):
         position = np.where(own.held[:, None], carry, own.target.position)
         yaw = np.where(own.held, yaw_of(state.tcp_rotation) + turn, own.target.yaw)
         opening = np.where(own.held, 0.0, own.target.opening)
-        # The bar is taken: let go of it, then retreat.
+        # When the taker holds the bar, the giver opens its gripper and retreats.
         is_open = state.opening > self._width + RELEASED
         up = commanded.position.copy()
         up[:, 2] = self._meeting[2] + LEAVE
@@ -225,7 +231,7 @@ class Handover(Task):
     def _take_it(
         self, ends: _Ends, commanded: Frames, own: Grasp, is_met: Mask
     ) -> Target:
-        """Return the taker's next target: above the handover, then down to the bar."""
+        """Return the taker's next target, which is above the handover or at the bar."""
         wait = self._meeting + np.array([HELD_AT, 0.0, LEAVE])
         yaw = commanded.yaw + self._take.turn(commanded.yaw, np.array([[1.0, 0, 0, 0]]))
         widest = self._taker.gripper.max_opening
@@ -245,5 +251,5 @@ def _turned(quat: Array) -> Array:
 
 
 def _place(state: State, hold: Hold) -> Array:
-    """Return the tcp's position to hold the bar [m], shape (n, 3)."""
+    """Return the TCP's position to hold the bar [m], shape (n, 3)."""
     return hold.places(state.object_position[:, 0], state.object_quat[:, 0])

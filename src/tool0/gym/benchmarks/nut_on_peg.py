@@ -26,29 +26,29 @@ INNER, OUTER, THICKNESS, NUT_MASS = 0.03, 0.06, 0.025, 0.1
 HANDLE_LENGTH, HANDLE_WIDTH = 0.06, 0.022
 """Length of the handle along the nut's x axis, and its width [m]."""
 HELD_AT = 0.07
-"""Distance from the nut's centre, along the handle, at which the gripper holds it
+"""Distance from the nut's center, along the handle, at which the gripper holds the nut
 [m]."""
 PEG_WIDTH, PEG_HEIGHT = 0.024, 0.08
 """Width and height of the peg [m]."""
 APART = 0.17
-"""Least distance of nut and peg at the start [m]."""
+"""Least distance between the nut and the peg at the start [m]."""
 AROUND, LEVEL, RELEASED = 0.006, 0.006, 0.006
-"""Largest offset from the peg and largest height error of a nut on the peg, and opening
-beyond the handle's width from which the nut counts as released [m]."""
+"""Largest horizontal offset and largest height error of a nut on the peg, and excess of
+the gripper's opening over the handle's width above which the nut is released [m]."""
 RAISED, LOW = 0.015, 0.002
-"""Height above the peg at which the nut is carried to it, and height from which the nut
-may move across [m]."""
+"""Height above the peg at which the nut is carried to the peg, and least height above
+the peg at which the nut may move horizontally [m]."""
 OVER, STRAIGHT = 0.001, 0.03
-"""Largest offset [m] and angle [rad] at which the nut may go down over the peg."""
+"""Largest offset [m] and angle [rad] at which the nut may be lowered over the peg."""
 SWING = 3.0
-"""Factor on these tolerances on the way down."""
+"""Factor by which OVER and STRAIGHT increase while the nut is lowered."""
 DOWN = 0.25
-"""Speed on the way down, as a fraction of the fastest action."""
+"""Speed near the peg, as a fraction of the fastest action."""
 
 
 @final
 class NutOnPeg(Task):
-    """Grasp the nut by its handle, put it over the fixed peg, and let go."""
+    """Task of putting a nut with a handle over a fixed peg, and releasing the nut."""
 
     instruction = "Put the nut over the peg."
     objects = (NUT, PEG)
@@ -133,10 +133,10 @@ class NutOnPeg(Task):
         is_around = (bottom < top + LOW) & (off < AROUND)
         is_high = bottom > top + LOW
         high = top + RAISED + THICKNESS / 2.0
-        # The nut swings as the arm starts to go down.
+        # The nut swings when the arm starts to move down.
         slack = np.where(is_sent_below(state, commanded, nut, high), SWING, 1.0)
         is_over = (off < slack * OVER) & (np.abs(turn) < slack * STRAIGHT)
-        # The nut goes up, across, and down.
+        # The nut is moved up, horizontally and then down.
         may_sink = is_around | (is_over & is_high)
         height = np.where(may_sink, goal[:, 2] + DROP, high)
         across = is_around | is_high
@@ -147,7 +147,7 @@ class NutOnPeg(Task):
         speed = np.where(off < 2.0 * AROUND, DOWN, 1.0)
         placed = is_around & (np.abs(nut[:, 2] - goal[:, 2]) < 2.0 * DROP)
         position = np.where(held[:, None], position, target.position)
-        # The nut is in place: let go of it, then retreat.
+        # When the nut is in place, the gripper opens and the arm retreats.
         up = commanded.position.copy()
         up[:, 2] = TABLE_TOP + space.grasp_height + space.lift
         gone = state.opening > HANDLE_WIDTH + 0.01

@@ -22,21 +22,22 @@ DRAWER, CABINET = "drawer", "cabinet"
 DEPTH, WIDTH, HEIGHT, DRAWER_MASS = 0.18, 0.12, 0.05, 0.4
 """Outer size of the drawer along x, y and z [m], and its mass [kg]."""
 PLATE, WALL = 0.006, 0.01
-"""Thickness of the plates of the drawer, and of the cabinet [m]."""
+"""Thickness of the drawer's plates and of the cabinet's walls [m]."""
 PLAY = 0.001
-"""Clearance beside the drawer on each side, and above the drawer [m]."""
+"""Clearance on each side of the drawer and above the drawer [m]."""
 SLIDING, GRIP = 0.2, 0.8
-"""Friction coefficients of the cabinet, which has plastic runners, and of the
-drawer."""
+"""Friction coefficient of the cabinet, which has plastic runners, and friction
+coefficient of the drawer."""
 HANDLE_LENGTH, HANDLE_WIDTH, HANDLE_HEIGHT = 0.06, 0.018, 0.03
-"""Size of the handle, an upright plate in front, along x, y and z [m]."""
+"""Size of the handle, which is an upright plate at the front, along x, y and z [m]."""
 HELD_AT = 0.047
-"""Distance of the tcp in front of the drawer [m], so that the gripper's base clears the
-cabinet."""
+"""Distance of the TCP in front of the drawer [m], at which the gripper's base clears
+the cabinet."""
 PULLED = 0.1
-"""Travel after which the drawer counts as open [m]."""
+"""Least travel of an open drawer [m]."""
 TURNED = 0.4
-"""Largest deviation of the cabinet's yaw from facing the robot [rad]."""
+"""Largest angle between the cabinet's front direction and the direction to the robot
+[rad]."""
 SLOW = 0.3
 """Speed of the pull, as a fraction of the fastest action."""
 
@@ -45,9 +46,9 @@ SLOW = 0.3
 class OpenDrawer(Task):
     """Open a drawer that slides in a fixed cabinet.
 
-    The drawer is a separate body that the cabinet guides with a little play: it can
-    tilt, and be pulled out.  The cabinet's origin is in the middle of its floor; the
-    drawer opens along its x axis.
+    The drawer is a separate body that the cabinet guides with a little clearance.  The
+    drawer can tilt and can be pulled out.  The origin of the cabinet is in the middle
+    of the cabinet's floor.  The drawer opens along the x axis.
     """
 
     instruction = "Open the drawer."
@@ -141,7 +142,7 @@ def _plate(x: float, y: float, z: float, *size: float) -> tuple[Geometry, Pose]:
 
 
 def _drawer() -> Compound:
-    """Return the drawer, with its origin at the centre and the handle at +x."""
+    """Return the drawer, with its origin at the center and its handle at +x."""
     x, y, z = (DEPTH - PLATE) / 2.0, (WIDTH - PLATE) / 2.0, (HEIGHT - PLATE) / 2.0
     handle = (DEPTH + HANDLE_LENGTH) / 2.0
     return Compound(
@@ -157,7 +158,7 @@ def _drawer() -> Compound:
 
 
 def _cabinet() -> Compound:
-    """Return the cabinet's plates, with the origin in the middle of the floor."""
+    """Return the cabinet, with its origin in the middle of the floor."""
     y = WIDTH / 2.0 + PLAY
     inside = HEIGHT + PLAY
     whole = inside + 2.0 * WALL

@@ -1,4 +1,4 @@
-"""Insert a square peg in the gripper into a hole with 0.5 mm of clearance."""
+"""Insert a square peg from the gripper into a hole with 0.5 mm of clearance."""
 
 from __future__ import annotations
 
@@ -22,32 +22,36 @@ PEG, SOCKET = "peg", "socket"
 PEG_WIDTH, PEG_LENGTH, PEG_MASS = 0.025, 0.1, 0.1
 """Width [m], length [m] and mass [kg] of the peg."""
 CLEARANCE = 0.0005
-"""Excess of the hole's width over the peg's [m]."""
+"""Excess of the hole's width over the peg's width [m]."""
 OUTER, HEIGHT = 0.085, 0.04
-"""Width and height of the socket, which is open at the bottom [m]."""
+"""Width and height of the socket, which has a hole that is open at the bottom [m]."""
 SLIDING = 0.3
-"""Friction coefficient of the socket, roughly that of polished steel."""
+"""Friction coefficient of the socket, which is about the coefficient of polished
+steel."""
 HELD_AT = 0.025
-"""Height of the tcp above the peg's middle [m]."""
+"""Height of the TCP above the peg's middle [m]."""
 DEPTH = 0.025
-"""Depth from which the peg counts as inserted [m]."""
+"""Least depth of an inserted peg [m]."""
 INSIDE = 0.002
-"""Largest horizontal offset of the end of a peg that counts as in the hole [m]."""
+"""Largest horizontal offset of a peg's end from the hole at which the peg is in the
+hole [m]."""
 FAR_ABOVE, ABOVE = 0.02, 0.004
-"""Height of the peg's end above the socket, on the way there and over the hole [m]."""
+"""Height of the peg's end above the socket, first far from the hole and then above the
+hole [m]."""
 BEGUN = 0.002
-"""Height of the peg's end below which the peg counts as entering the hole [m]."""
+"""Height of the peg's end above the socket below which the peg is entering the hole
+[m]."""
 CENTRED, STRAIGHT = 0.00015, 0.006
-"""Largest offset [m] and angle [rad] at which the peg may go down."""
+"""Largest offset [m] and angle [rad] at which the peg may be lowered."""
 SWING = 5.0
-"""Factor on these tolerances on the way down."""
+"""Factor by which CENTRED and STRAIGHT increase while the peg is lowered."""
 DOWN = 0.05
-"""Speed on the way down, as a fraction of the fastest action."""
+"""Speed while the peg is lowered, as a fraction of the fastest action."""
 
 
 @final
 class PegInsertion(Task):
-    """Insert the peg that the gripper holds into the fixed socket."""
+    """Task of inserting the peg that the gripper holds into a fixed socket."""
 
     instruction = "Insert the peg into the hole."
     objects = (PEG, SOCKET)
@@ -110,17 +114,17 @@ class PegInsertion(Task):
         peg = yaws_of_quats(state.object_quat[:, 0])
         turn = folded(yaws_of_quats(state.object_quat[:, 1]) - peg, 4)
         off = length(end[:, :2] - hole)
-        # The peg swings as the arm starts to go down.
+        # The peg swings when the arm starts to move down.
         down = is_sent_below(state, commanded, end, self._top + ABOVE)
         slack = np.where(down, SWING, 1.0)
         is_centred = (off < slack * CENTRED) & (np.abs(turn) < slack * STRAIGHT)
-        # A peg that touches the rim, or is in the hole, goes on.
+        # A peg that touches the rim or is in the hole continues to be lowered.
         is_begun = (end[:, 2] < self._top + BEGUN) & (off < INSIDE)
         is_ready = is_begun | is_centred
         is_far = ~is_begun & (off > 0.02)
         height = np.where(is_far, FAR_ABOVE, np.where(is_ready, -DEPTH - 0.005, ABOVE))
         low = end[:, 2] < self._top + ABOVE / 2.0
-        # A peg that is beside the hole goes up first.
+        # A low peg far from the hole is first raised vertically.
         place = np.column_stack([hole, self._top + height])
         place[low & is_far, :2] = end[low & is_far, :2]
         position = carried(state, commanded, end, place, turn)
@@ -135,7 +139,7 @@ class PegInsertion(Task):
 
 
 def frame(inner: float, outer: float, height: float) -> Compound:
-    """Return a square block with a square through hole, made of four boxes [m]."""
+    """Return a square block with a square through-hole, made of four boxes [m]."""
     wall = (outer - inner) / 2.0
     away = (inner + wall) / 2.0
     long, short = Box(size=(wall, outer, height)), Box(size=(inner, wall, height))

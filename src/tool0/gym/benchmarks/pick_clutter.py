@@ -1,4 +1,4 @@
-"""Pick one cube out of a clutter of other objects, and lift it."""
+"""Pick one cube from a clutter of other objects, and lift the cube."""
 
 from __future__ import annotations
 
@@ -32,24 +32,24 @@ OTHERS: Final[dict[str, Geometry]] = {
 TALLEST = 0.042
 """Height of the tallest object [m]."""
 DENSITY = 900.0
-"""Density of all objects [kg/m³], that of plastic."""
+"""Density of all objects [kg/m³], which is the density of plastic."""
 LARGEST_EDGE = 0.036
 """Largest edge of the target cube [m]."""
 LIFTED = 0.08
-"""Height above which the target counts as lifted [m]."""
+"""Least height of a lifted target above its initial height [m]."""
 FINGER_ROOM, FINGER_WIDTH = 0.032, 0.03
-"""Space that a finger needs beside the target, along the pads' axis and across it
-[m]."""
+"""Space that a finger needs beside the target, along the closing direction of the pads
+and perpendicular to this direction [m]."""
 GAP, SPREAD = 0.003, 0.03
-"""Least gap between objects, and width of the ring around the target in which they are
-placed [m]; the ring widens if there is no room."""
+"""Least gap between objects, and width of the ring around the target in which the
+objects are placed [m].  The ring is widened if it has no free place."""
 CROWDED = 400
-"""Number of attempts to place one object before the ring widens."""
+"""Number of attempts to place one object before the ring is widened."""
 
 
 @final
 class PickClutter(Task):
-    """Lift the red cube from among six other objects close around it.
+    """Task of lifting the red cube, which six other objects closely surround.
 
     Two opposite sides of the cube have room for the fingers.
     """
@@ -97,7 +97,8 @@ class PickClutter(Task):
     def draw(self, rng: np.random.Generator) -> Start:
         middle = self.workspace.draw_on_table(rng, 1)[0, :2]
         yaws = rng.uniform(-np.pi, np.pi, len(self.objects))
-        # Largest first: small objects find room between large ones.
+        # The largest objects are placed first, because small objects fit between large
+        # objects.
         order = np.argsort(-self._radii)
         found: dict[int, Array] = {}
         for k in order.tolist():
@@ -153,7 +154,7 @@ class PickClutter(Task):
         )
 
     def _clear_yaw(self, state: State) -> Array:
-        """Return the yaw of the tcp with the most room for the fingers [rad], (n,)."""
+        """Return the TCP's yaw with the most space for the fingers [rad], (n,)."""
         cube = yaws_of_quats(state.object_quat[:, 0])
         away = state.object_position[:, 1:, :2] - state.object_position[:, :1, :2]
         sides = [
@@ -168,7 +169,7 @@ class PickClutter(Task):
 def _room(away: Array, yaw: Array | float) -> Array:
     """Return the distance of points from the fingers' space at the target [m], (…).
 
-    ``away`` is relative to the target's centre [m], shape (…, 2).  At the tcp's ``yaw``
+    ``away`` is relative to the target's center [m], shape (…, 2).  At the TCP's ``yaw``
     [rad], the pads close along the y axis.
     """
     c, s = np.cos(yaw), np.sin(yaw)

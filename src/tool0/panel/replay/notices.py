@@ -12,18 +12,19 @@ if TYPE_CHECKING:
     from tool0.recording.reading import RecordingFile
 
 MOST: Final = 20_000
-"""Maximum number of notices; if there are more, only the first ones are sent."""
+"""Maximum number of notices.  If there are more events, only the first notices are
+sent."""
 _CODES: Final = frozenset(get_args(NoticeCode))
 
 
 def notices_of(recording: RecordingFile) -> list[Notice]:
-    """Return the recording's events and grips in chronological order."""
+    """Return notices of the recording's events and grips in chronological order."""
     found = sorted([*_events(recording), *_grips(recording)], key=lambda item: item[0])
     start = float(recording.time[0])
     return [
         Notice(
             number=number,
-            # as if it had been in real time all along
+            # as if the recording had been made in real time
             wall_time=round(recording.info.wall_start + time - start, 3),
             time=round(time, 3),
             severity=severity,
@@ -50,7 +51,7 @@ def _events(
 def _grips(
     recording: RecordingFile,
 ) -> Iterator[tuple[float, Severity, NoticeCode, str]]:
-    """Yield an event when a gripper's fingers start or stop pressing on something."""
+    """Yield an event when a gripper's fingers start or stop pressing on an object."""
     before: frozenset[str] = frozenset()
     for frame, gripping in recording.gripping:
         now, time = frozenset(gripping), float(recording.time[frame])

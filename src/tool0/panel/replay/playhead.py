@@ -1,4 +1,4 @@
-"""The playback position in a recording: plays, pauses, loops, and seeks."""
+"""The playback position in a recording, with play, pause, loop and seek functions."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ MIN_SPEED, MAX_SPEED = 0.01, 100.0
 
 @final
 class Playhead:
-    """A time between two ends that advances with the wall clock.
+    """A time between a start and an end that advances with the wall clock.
 
-    It is thread-safe.
+    This class is thread-safe.
     """
 
     def __init__(
@@ -32,60 +32,60 @@ class Playhead:
 
     @property
     def time(self) -> float:
-        """The time that is shown [s]."""
+        """The displayed simulated time [s]."""
         with self._lock:
             return self._update()
 
     @property
     def is_playing(self) -> bool:
-        """Whether time passes; playback stops at the end unless it loops."""
+        """Whether the playback is running; it stops at the end unless it loops."""
         with self._lock:
             self._update()
             return self._is_playing
 
     @property
     def speed(self) -> float:
-        """Recorded time per wall time."""
+        """Recorded seconds per wall second."""
         return self._speed
 
     @property
     def loops(self) -> bool:
-        """Whether playback starts again at the end."""
+        """Whether playback continues from the start after the end."""
         return self._loops
 
     def play(self) -> None:
-        """Let time advance; at the end, start again from the beginning."""
+        """Start the playback; at the end, playback starts again from the start."""
         with self._lock:
             if self._update() >= self._end:
                 self._time = self._start
             self._is_playing = True
 
     def pause(self) -> None:
-        """Stop the time from advancing."""
+        """Pause the playback."""
         with self._lock:
             self._update()
             self._is_playing = False
 
     def seek(self, time: float) -> None:
-        """Go to a time, clamped to the ends."""
+        """Set the displayed time [s], clamped to the range of the recording."""
         with self._lock:
             self._update()
             self._time = min(self._end, max(self._start, time))
 
     def set_speed(self, speed: float) -> None:
-        """Change the speed from now on, clamped to its bounds."""
+        """Set the speed of the playback, clamped to the range of speeds."""
         with self._lock:
             self._update()
             self._speed = min(MAX_SPEED, max(MIN_SPEED, speed))
 
     def set_loops(self, loops: bool) -> None:
-        """Choose whether playback loops or stops at the end."""
+        """Set whether playback loops or stops at the end."""
         with self._lock:
             self._update()
             self._loops = loops
 
     def _update(self) -> float:
-        """Advance by the wall time since the last call; return the new time."""
+        """Advance by the wall time since the last call, and return the new time."""
         now = self._clock()
         passed, self._since = now - self._since, now
         if self._is_playing:

@@ -1,4 +1,4 @@
-"""A recording for ``tool0 replay``, whose pages play it and show the recorded robot."""
+"""A recording for ``tool0 replay``, which pages play with the recorded robot."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 class Replay:
     """A recording and its playhead, which all pages share.
 
-    It is both the server's backend and the source of the view.
+    This class is both the server's backend and the source of the view.
     """
 
     mode: Final = "replay"
@@ -58,9 +58,9 @@ class Replay:
     def __init__(
         self, recording: RecordingFile, beside: SimulatedRun | None = None
     ) -> None:
-        """Start paused; raise RecordingError if there are no snapshots.
+        """Start with a paused playback; raise RecordingError if there are no snapshots.
 
-        ``beside`` is a simulated run that plots show next to the recording.
+        ``beside`` is a simulated run that is plotted next to the recording.
         """
         if len(recording) == 0:
             raise RecordingError(f"{recording.path} has no snapshots to show")
@@ -107,7 +107,8 @@ class Replay:
         self._scene = self._scene_of(0, snapshot.scene)
         self._frame = self.frame()
 
-    # ---- what pages show; the server's thread calls ----------------------------------
+    # ---- view for pages, used in the server's thread ---------------------------------
+    # ----------------------------------
 
     def scene(self) -> ViewScene:
         return self._scene
@@ -155,7 +156,7 @@ class Replay:
         )
 
     def notifications(self) -> Sequence[Notification]:
-        return ()  # the pages have all of them
+        return ()  # pages have all notices
 
     def close(self) -> None:
         self.cameras.close()
@@ -165,10 +166,10 @@ class Replay:
     def post(
         self, request: Request[Any], when_failed: Callable[[Exception], None]
     ) -> None:
-        """Do nothing: streams are not offered."""
+        """Do nothing, because streams are not supported."""
 
     def check_setpoint(self, request: Request[Any]) -> None:
-        """Do nothing: streams are not offered."""
+        """Do nothing, because streams are not supported."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
         return ()
@@ -199,15 +200,16 @@ class Replay:
                 return playhead.time
         return None
 
-    # ---- inside ----------------------------------------------------------------------
+    # ---- details ---------------------------------------------------------------------
+    # ----------------------------------------------------------------------
 
     def _index(self) -> int:
         """Return the index of the last snapshot at or before the playhead."""
-        # a time received as text may lack digits
+        # A time that was received as text may be rounded.
         return max(0, bisect_right(self._times, self.playhead.time + 1e-9) - 1)
 
     def _read(self, request: ReadReplay) -> ReplaySamples:
-        """Return the samples in a range and the nearest one on either side."""
+        """Return the samples in a range, and the nearest sample outside each end."""
         first = max(0, bisect_right(self._times, request.start) - 1)
         end = bisect_right(self._times, request.end) + 1
         columns = [self._signals[name][first:end] for name in request.signals]
