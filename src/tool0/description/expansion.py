@@ -1,10 +1,10 @@
-"""Expansion of xacro without ROS: ``$(find pkg)``, ``$(dirname)``, located errors.
+"""Expansion of xacro without ROS, including ``$(find)`` and located errors.
 
-The expander is PyPI's ``xacro``.  Outside ROS, its ``$(find)`` tries to import ament,
-its ``$(dirname)`` does not know the folder, its warnings go to stderr, and it reads
-YAML with the slow pure-Python loader.  ``_substituted`` replaces those functions while
-one document is expanded.  xacro keeps its state in module globals, so one lock covers
-every expansion, and everything is restored afterwards.
+The expander is PyPI's ``xacro``.  Outside ROS, this package tries to import ament for
+``$(find)``, cannot resolve ``$(dirname)``, writes warnings to stderr, and reads YAML
+with the slow pure-Python loader.  ``_substituted`` replaces those functions while one
+document is expanded. xacro keeps its state in module globals.  Therefore one lock
+protects every expansion, and all replaced globals are restored afterwards.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Expanded(NamedTuple):
     known: set[str]
     """The arguments that the files declare or read."""
     arguments: Mapping[str, str]
-    """Arguments that have a value: the given one, or the declared default."""
+    """Values of the arguments by name: the given value, or the declared default."""
 
 
 def expand(path: Path, args: Mapping[str, str] | None = None) -> Expanded:
@@ -69,7 +69,7 @@ def expand(path: Path, args: Mapping[str, str] | None = None) -> Expanded:
 def expand_leniently(path: Path, args: Mapping[str, str] | None = None) -> Expanded:
     """Return the xacro file ``path``, expanded with ``args``.
 
-    Like xacro, it ignores arguments that no file declares.
+    Arguments that no file declares are ignored, as they are by xacro.
 
     Raises:
         DescriptionError: If the expansion fails, with file, line, macro and includes.
@@ -102,8 +102,8 @@ def _expanded(
 def _defaults_of_root(document: Document) -> dict[str, str]:
     """Return the arguments with a default that attributes of ``<robot>`` use.
 
-    The elements that declare them are inside ``<robot>``, where xacro reads them too
-    late.
+    The elements that declare these arguments are inside ``<robot>``. xacro reads them
+    after it has evaluated the attributes of ``<robot>``.
     """
     root = document.documentElement
     if root is None:
@@ -124,18 +124,19 @@ def _defaults_of_root(document: Document) -> dict[str, str]:
 def _imported() -> ModuleType:
     """Return PyPI's xacro, without Python 3.10's warnings about its private names.
 
-    A sourced ROS provides another xacro of any version, which PYTHONPATH puts first.
+    If a ROS installation is sourced, its xacro, in any version, comes first in
+    PYTHONPATH.
     """
     before = list(sys.path)
     of_ros = set(os.environ.get("PYTHONPATH", "").split(os.pathsep))
-    sys.path.sort(key=of_ros.__contains__)  # stable: ROS's folders go last
+    sys.path.sort(key=of_ros.__contains__)  # stable sort: ROS's folders are last
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)
             import xacro
     finally:
         sys.path[:] = before
-    return xacro  # type: ignore[no-any-return]  # it has no types
+    return xacro  # type: ignore[no-any-return]  # xacro has no type hints
 
 
 @final
@@ -148,10 +149,10 @@ class _Expansion:
         """The arguments that the files declare or read."""
 
     def parse(self, inp: None, filename: str) -> Document:
-        """Replace ``xacro.parse`` such that elements know their lines."""
+        """Replace ``xacro.parse`` such that elements have source locations."""
         path = source_path(Path(filename))
         if not path.is_file():
-            self._xacro.filestack.pop()  # like xacro, since this file was never entered
+            self._xacro.filestack.pop()  # like xacro, since the file could not be read
             problem = self._why_no_file(path, is_empty=filename.endswith(os.sep))
             raise self._xacro.XacroException(exc=FileNotFoundError(problem))
         document = parse_file(path)
@@ -206,7 +207,7 @@ class _Expansion:
         return str(resolve_args(text, context=context))
 
     def _why_no_file(self, path: Path, *, is_empty: bool) -> str:
-        """Return why a path is not a file, or which arguments made the name empty."""
+        """Return the reason why a path is not a file, such as empty arguments."""
         if is_empty:
             args: dict[str, str] = self._xacro.substitution_args_context["arg"]
             empty = sorted(name for name, value in args.items() if not value.strip())
@@ -221,7 +222,7 @@ class _Expansion:
         return f"there is no file '{path}'"
 
     def load_yaml(self, filename: str) -> Any:  # whatever YAML holds
-        """Replace ``xacro.load_yaml``; the C loader is used if available."""
+        """Replace ``xacro.load_yaml``; the C loader is used if it is available."""
         path = source_path(Path(self._xacro.abs_filename_spec(str(filename))))
         if not path.is_file():
             problem = self._why_no_file(path, is_empty=not str(filename).strip())
@@ -230,10 +231,10 @@ class _Expansion:
 
 
 def read_parameters(path: Path) -> YamlEntry:
-    """Return a YAML file's content as xacro reads it, with units such as ``!degrees``.
+    """Return a YAML file's content as read by xacro, with units such as ``!degrees``.
 
     Raises:
-        DescriptionError: If it cannot be read, or is empty.
+        DescriptionError: If the file cannot be read, or is empty.
     """
     units = {
         unit.value.tag: functools.partial(_construct, unit)
@@ -252,7 +253,7 @@ def _construct(unit: Any, loader: Any, node: Any) -> Any:  # xacro's and PyYAML'
     """Return a number with a unit, converted to SI, or raise ValueError."""
     try:
         return unit.constructor(loader, node)
-    except Exception as error:  # xacro evaluates it as Python
+    except Exception as error:  # xacro evaluates the number as Python code
         raise ValueError(str(error)) from None
 
 
@@ -260,10 +261,11 @@ def _construct(unit: Any, loader: Any, node: Any) -> Any:  # xacro's and PyYAML'
 class Parameters(dict[str, Any]):
     """A YAML mapping whose keys are also attributes: ``limits.elbow.upper``.
 
-    A missing key raises AttributeError with file, line and the nearest key.
+    Access to a missing key raises AttributeError with file, line and the most similar
+    key.
     """
 
-    _place = ""  # in the class, so that no attribute hides a key of the YAML
+    _place = ""  # a class attribute, so that no instance attribute hides a YAML key
 
     def __getattr__(self, key: str) -> Any:
         try:
@@ -289,7 +291,7 @@ def _wrapped(entry: YamlEntry) -> Any:
 
 @contextmanager
 def _substituted(xacro: ModuleType, run: _Expansion) -> Iterator[None]:
-    """Replace, within the context, the parts of xacro that need ROS with ``run``."""
+    """Replace the parts of xacro that need ROS with ``run`` within the context."""
     replacements = {
         "eval_extension": run.substitute,
         "parse": run.parse,
@@ -321,7 +323,7 @@ def _log(name: str, write: Callable[..., None]) -> Callable[..., None]:
     def report(*args: object, **_: object) -> None:
         write("xacro: %s", " ".join(map(str, args)))
 
-    report.__name__ = name  # name under which xacro offers it to expressions
+    report.__name__ = name  # name by which expressions in xacro call the function
     return report
 
 
@@ -333,7 +335,7 @@ def _compile(expression: str) -> Any:  # a code object
 def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
     """Return ``xacro.safe_eval`` with cached compilation.
 
-    ``${prefix}`` alone is evaluated about a hundred times per robot.
+    For example, ``${prefix}`` is evaluated about a hundred times per robot.
     """
 
     def safe_eval(
@@ -352,8 +354,8 @@ def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
 def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
     """Return ``xacro.eval_text`` with a fast path around its lexer.
 
-    Text without ``$``, or with only plain ``${…}``, is evaluated here; xacro evaluates
-    everything else.
+    Text without ``$``, or with only plain ``${…}``, is evaluated here.  Any other text
+    is evaluated by xacro.
     """
     original: Callable[[str, Any], Any] = xacro.eval_text
     compiled = _safe_eval(xacro)
@@ -368,12 +370,13 @@ def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
     def eval_text(text: str, symbols: Any) -> Any:
         if text and "$" not in text:
             return text
-        parts = _EXPRESSION.split(text)  # literals at even places, expressions at odd
+        # literals have even indices, expressions have odd indices
+        parts = _EXPRESSION.split(text)
         if len(parts) < 3 or any("$" in part for part in parts):
             return original(text, symbols)
         parts[1::2] = [evaluate(part, symbols) for part in parts[1::2]]
         if len(parts) == 3 and not parts[0] and not parts[2]:
-            return parts[1]  # with its type
+            return parts[1]  # a single expression keeps its type
         return "".join(map(str, parts))
 
     return eval_text
