@@ -34,7 +34,8 @@ class Quantity:
 
     name: str
     units: Mapping[str, float]
-    """The SI unit and another common unit, each with its factor to the SI unit."""
+    """The SI unit and another common unit, each with the factor that converts values to
+    the SI unit."""
     suspect: float
     """Magnitude at and above which a value is probably in the other unit [SI unit]."""
 
