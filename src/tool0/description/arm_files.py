@@ -55,7 +55,7 @@ def check_arm_files(files: Mapping[str, Path]) -> None:
     """Raise an error with file and line for the first missing or impossible value.
 
     ``files`` maps the names of the arm's files, such as ``joint_limits``, to their
-    paths.  Names without a check are skipped.
+    paths.  Files without a check are skipped.
 
     Raises:
         DescriptionError: If a key is missing or unknown, or a value is not a number.

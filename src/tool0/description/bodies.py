@@ -79,7 +79,7 @@ class MovingBody:
     placement: Matrix
     """Frame of the joint in the parent body's frame, shape (4, 4)."""
     links: tuple[tuple[str, Matrix], ...]
-    """Links of the body, each with its frame in the body's frame."""
+    """Links of the body, and the frame of each link in the body's frame."""
     inertia: BodyInertia
     """Inertia in the frame of the joint's child link."""
 
@@ -138,7 +138,7 @@ def with_added(
 def total_inertia(
     model: RobotModel, links: Iterable[tuple[str, Matrix]]
 ) -> BodyInertia:
-    """Return the total inertia of links, each given with its frame."""
+    """Return the total inertia of ``links``, which are given with their frames."""
     return BodyInertia.total(
         [
             BodyInertia.of(inertial, frame)
@@ -179,8 +179,8 @@ def _fixed_links(
 ROTOR_INERTIA = 0.1
 """Inertia of an arm joint's rotor and gear, reflected to the joint [kg·m²].
 
-Manufacturers do not publish this inertia.  The value is that of MuJoCo's UR5e and UR10e
-models
+Manufacturers do not publish this inertia.  The value is taken from MuJoCo's UR5e and
+UR10e models
 (https://github.com/google-deepmind/mujoco_menagerie/tree/main/universal_robots_ur5e).
 """
 STANDARD_GRAVITY: Vector3 = (0.0, 0.0, -9.81)
@@ -221,7 +221,7 @@ class DynamicSpring(NamedTuple):
 
 
 class DynamicsTable(NamedTuple):
-    """Constants that ``JointDynamics`` computes with."""
+    """Constants with which ``JointDynamics`` computes."""
 
     gravity: float
     """Gravity vector [m/s²]."""
@@ -306,7 +306,7 @@ class JointDynamics:
         """
         frames = self.frames(position)
         mass = self._mass.copy()
-        moment_x = [0.0] * self._n  # Σ m x and Σ m y beyond a joint [kg·m]
+        moment_x = [0.0] * self._n  # sums of m x and m y beyond a joint [kg·m]
         moment_y = [0.0] * self._n
         for i, (frame, center) in enumerate(zip(frames, self._center, strict=True)):
             cx, cy, cz = center
@@ -322,7 +322,7 @@ class JointDynamics:
             frame, parent = frames[i], parents[i]
             if is_prismatic[i]:
                 load = g * mass[i] * frame[8]
-            else:  # the height's derivative: z of (axis cross lever)
+            else:  # derivative of the height: z of (axis x lever)
                 lever_x = moment_x[i] - mass[i] * frame[9]
                 lever_y = moment_y[i] - mass[i] * frame[10]
                 load = g * (frame[6] * lever_y - frame[7] * lever_x)

@@ -134,13 +134,14 @@ def looking(
     at: Sequence[float],
     up: Sequence[float] = (0.0, 0.0, 1.0),
 ) -> Pose:
-    """Return the pose of an optical frame that looks from one point at another [m].
+    """Return the pose of a camera at ``position`` [m] that looks at ``at`` [m].
 
     The point ``at`` is at the center of the image, and ``up`` points upwards in the
     image.
 
     Raises:
-        ConfigError: If the points coincide, or ``up`` is parallel to the view.
+        ConfigError: If the points coincide, or ``up`` is parallel to the viewing
+            direction.
     """
     (x, y, z), (ux, uy, uz) = position, up
     forward = _unit(tuple(b - a for a, b in zip(position, at, strict=True)))
@@ -187,7 +188,7 @@ def default_cameras(model: RobotModel) -> tuple[Camera, ...]:
 
 
 def _view_of_all(model: RobotModel) -> tuple[Vector3, Vector3]:
-    """Return a viewpoint from which all arms are visible, and its target [m]."""
+    """Return a viewpoint from which all arms are visible, and a target point [m]."""
     poses = link_poses(model)
     views = []
     for name, arm in find_arms(model).items():

@@ -1,10 +1,10 @@
-"""The built-in arms and grippers, and your own.  Each is a folder of YAML files.
+"""Catalogue of the built-in arms and grippers, and of your own parts.
 
-The folders of the built-in parts are in ``arms`` and ``grippers`` of
-``tool0_description/config``.  A folder contains kinematics, limits, masses, appearance,
-poses and display names.  A gripper's folder also contains the gripper's xacro macro.
-If a folder does not contain a file, the file that all arms, or all grippers, share is
-used.
+Each part is a folder with YAML files.  The folders of the built-in parts are in
+``arms`` and ``grippers`` of ``tool0_description/config``.  A folder contains
+kinematics, limits, masses, appearance, poses and display names.  A gripper's folder
+also contains the gripper's xacro macro.  If a folder does not contain a file, the file
+that all arms, or all grippers, share is used.
 """
 
 from __future__ import annotations

@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from xml.dom.minidom import Document, Element
 
 WORLD = "world"
-"""The link that carries every robot of a cell."""
+"""Name of the link that carries all robots of a cell."""
 
 
 def merge_robots(cell: Cell, name: str, documents: Sequence[Document]) -> Document:
     """Return one URDF, called ``name``, with the elements of all robots' URDFs.
 
-    The robots share one link ``world``.
+    All robots share the link ``world``.
 
     Raises:
         ConfigError: If two robots have a link or joint of the same name.
@@ -60,7 +60,7 @@ def _root(document: Document) -> Element:
 
 
 class _Footprint(NamedTuple):
-    """The vertical cylinder around the space that a base occupies, in the world."""
+    """Vertical cylinder, in the world, around the space that a base occupies."""
 
     x: float
     y: float

@@ -1,7 +1,7 @@
 """Selection of the robot, or the cell of robots, to simulate.
 
 These options are declared only in ``DescriptionConfig``.  ``tool0.bringup``, the
-command line and ``ur_robotiq.urdf.xacro`` all accept its fields.
+command line and ``ur_robotiq.urdf.xacro`` all accept the fields of this class.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class DescriptionConfig:
     ``relax_inertia`` and ``srdf`` is the argument of the same name in
     ``tool0_description/urdf/ur_robotiq.urdf.xacro``.
     A field that is not given (None) leaves the argument at its default.  Relative paths
-    start at the working directory.
+    are relative to the working directory.
 
     Raises:
         ConfigError: If two of ``robot``, ``cell`` and ``robots`` are given, if one of
@@ -67,10 +67,9 @@ class DescriptionConfig:
     """
 
     arm: str | None = None
-    """The arm: a name such as ur10e, or a folder of your own; ur5 if not given."""
+    """Name of the arm, such as ur10e, or your own folder.  The default is ur5."""
     gripper: str | Unset | None = UNSET
-    """The gripper on tool0: a name, a folder of your own, or none; 2f85 if not
-    given."""
+    """Name of the gripper on tool0, your own folder, or none.  The default is 2f85."""
     gripper_model: Literal["mimic", "linkage"] | None = None
     """mimic (the default): the fingers follow the drive; linkage: five-bar fingers
     that wrap around an object (MuJoCo only)."""
@@ -85,16 +84,16 @@ class DescriptionConfig:
     Each entry contains the name, the arm, the gripper (optional), the position of the
     base [m] and, optionally, roll, pitch and yaw [rad]."""
     namespaces: bool = False
-    """In ROS, give each robot of a cell its own namespace and controller manager, like
-    `namespaces: true` in the cell's file."""
+    """Give each robot of a cell a separate namespace and controller manager in ROS.
+    `namespaces: true` in the cell's file has the same effect."""
     args: Mapping[str, Argument] | None = None
-    """Arguments of the xacro file; they override the other options."""
+    """Arguments of the xacro file, which override the other options."""
     relax_inertia: bool = False
     """Replace physically impossible inertias in your own file, with a warning, instead
     of rejecting the robot."""
     srdf: File | None = None
-    """SRDF file; planned motions ignore collisions between the pairs of links in its
-    `<disable_collisions>`."""
+    """SRDF file.  Planned motions ignore collisions between the pairs of links that
+    `<disable_collisions>` in this file lists."""
     mount_xyz: Sequence[Metres] | None = None
     """Position of the gripper in tool0 [m]."""
     mount_rpy: Sequence[Radians] | None = None
@@ -137,7 +136,8 @@ class DescriptionConfig:
     safety_k_position: float | None = None
     """Position gain of the soft limits [1/s]."""
     tf_prefix: str | None = None
-    """Prefix of the frames in ROS; the robot itself does not change."""
+    """Prefix of the frames in ROS.  The names in the robot's description do not
+    change."""
 
     def __post_init__(self) -> None:
         for name in ("base_rpy", "mount_rpy"):
@@ -188,13 +188,13 @@ class DescriptionConfig:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CellRobot:
-    """One robot of a cell."""
+    """Settings of one robot of a cell."""
 
     name: str
     """Name of the robot, such as ``left``.  The names of this robot's links, joints and
     controllers then start with ``left_``."""
     description: DescriptionConfig
-    """Options of this robot: arm, gripper, base, mount and so on."""
+    """Options of this robot, such as its arm, gripper, base and mount."""
     initial_pose: str | Mapping[str, float] | None = None
     """Start pose: the name of a pose, or the positions of joints by name without the
     prefix [rad | m].  The default is the pose ``home``."""
@@ -235,10 +235,10 @@ class Cell:
     """
 
     name: str = ""
-    """Name of the whole model.  If it is empty, the name is composed from the robots'
-    names."""
+    """Name of the whole model.  An empty name is replaced by a name that is composed of
+    the robots' names."""
     robots: tuple[CellRobot, ...]
-    """The robots, in the order of their joints."""
+    """Robots of the cell, in the order of their joints."""
     scene: Scene | File | None = None
     """The objects around the robots; ``SimulationConfig.scene`` replaces them."""
     namespaces: bool = False

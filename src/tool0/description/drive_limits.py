@@ -13,7 +13,7 @@ from tool0.errors import ControlError
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DriveLimits:
-    """Speed and force limits of a gripper goal, like the registers rSP and rFR.
+    """Speed and force limits of a gripper goal, equivalent to rSP and rFR.
 
     Speed and force are those of the pads.  The limits of the joint depend on the
     joint's position: ``velocity = speed / lever`` and ``effort = force · lever``.
@@ -24,10 +24,10 @@ class DriveLimits:
 
     gripper: ParallelGripper
     speed: float | None = None
-    """Largest speed of the pads relative to each other [m/s].  If it is None, the
-    joint's velocity limit applies."""
+    """Largest speed of the pads relative to each other [m/s].  If ``speed`` is None,
+    the joint's velocity limit applies."""
     force: float | None = None
-    """Largest force at each pad [N].  If it is None, the joint's effort limit
+    """Largest force at each pad [N].  If ``force`` is None, the joint's effort limit
     applies."""
     effort: float | None = None
     """Largest effort of the driven joint [N·m | N], as an alternative to ``force``."""

@@ -2,9 +2,10 @@
 
 The expander is PyPI's ``xacro``.  Outside ROS, this package tries to import ament for
 ``$(find)``, cannot resolve ``$(dirname)``, writes warnings to stderr, and reads YAML
-with the slow pure-Python loader.  ``_substituted`` replaces those functions while one
-document is expanded. xacro keeps its state in module globals.  Therefore one lock
-protects every expansion, and all replaced globals are restored afterwards.
+with the slow pure-Python loader.  While a document is expanded, ``_substituted``
+replaces the functions of xacro that need ROS. xacro keeps its state in module globals.
+Therefore one lock protects every expansion, and all replaced globals are restored
+afterwards.
 """
 
 from __future__ import annotations
@@ -49,12 +50,12 @@ class Expanded(NamedTuple):
 def expand(path: Path, args: Mapping[str, str] | None = None) -> Expanded:
     """Return the xacro file ``path``, expanded with ``args``.
 
-    Attributes of ``<robot>`` may use arguments that have a default; xacro alone would
-    require a value for them.
+    Attributes of ``<robot>`` may use arguments that have a default; without this
+    function, xacro would require a value for these arguments.
 
     Raises:
-        DescriptionError: If the expansion fails, with file, line, macro and includes,
-            or if no file declares one of the arguments.
+        DescriptionError: If the expansion fails, or if no file declares one of the
+            arguments.  The error states file, line, macro and includes.
     """
     expanded = _expanded(path, args, _defaults_of_root)
     for name in args or {}:
@@ -72,7 +73,8 @@ def expand_leniently(path: Path, args: Mapping[str, str] | None = None) -> Expan
     Arguments that no file declares are ignored, as they are by xacro.
 
     Raises:
-        DescriptionError: If the expansion fails, with file, line, macro and includes.
+        DescriptionError: If the expansion fails.  The error states file, line, macro
+            and includes.
     """
     return _expanded(path, args, lambda _: {})
 
@@ -94,7 +96,7 @@ def _expanded(
                 document = run.parse(None, start)
                 given = {**defaults(document), **(args or {})}
                 xacro.process_doc(document, mappings=given, verbosity=0)
-            except Exception as error:  # the file's Python raises anything
+            except Exception as error:  # any exception of the file's Python
                 raise _describe(xacro, error) from error
     return Expanded(document, run.known, given)  # xacro has added the defaults
 
@@ -152,7 +154,7 @@ class _Expansion:
         """Replace ``xacro.parse`` such that elements have source locations."""
         path = source_path(Path(filename))
         if not path.is_file():
-            self._xacro.filestack.pop()  # like xacro, since the file could not be read
+            self._xacro.filestack.pop()  # as xacro does if a file cannot be read
             problem = self._why_no_file(path, is_empty=filename.endswith(os.sep))
             raise self._xacro.XacroException(exc=FileNotFoundError(problem))
         document = parse_file(path)
@@ -259,7 +261,7 @@ def _construct(unit: Any, loader: Any, node: Any) -> Any:  # xacro's and PyYAML'
 
 @final
 class Parameters(dict[str, Any]):
-    """A YAML mapping whose keys are also attributes: ``limits.elbow.upper``.
+    """A YAML mapping with keys that are also attributes: ``limits.elbow.upper``.
 
     Access to a missing key raises AttributeError with file, line and the most similar
     key.
@@ -345,7 +347,7 @@ def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
         hidden = [name for name in code.co_names if name.startswith("__")]
         if hidden:
             raise xacro.XacroException(f"names such as {hidden[0]} are not allowed")
-        symbols.update(__builtins__={})  # like xacro, hides Python's builtins
+        symbols.update(__builtins__={})  # hides Python's builtins, as xacro does
         return eval(code, symbols, local)
 
     return safe_eval
@@ -363,7 +365,7 @@ def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
     def evaluate(expression: str, symbols: Any) -> Any:
         try:
             return compiled(expression, symbols)
-        except Exception as error:  # the file's Python raises anything
+        except Exception as error:  # any exception of the file's Python
             suffix = f"when evaluating expression '{expression}'"
             raise xacro.XacroException(exc=error, suffix=suffix) from error
 

@@ -1,4 +1,4 @@
-"""Forward kinematics in plain floats: joint positions, link poses and velocities.
+"""Forward kinematics with plain floats: joint positions, link poses and velocities.
 
 ``joint_tree`` computes the kinematics of many joint positions at the same time, and
 ``flat_frames`` computes the kinematics in the tick.
@@ -42,7 +42,7 @@ def link_poses(
     joint.
 
     Raises:
-        ModelError: If ``position`` names a joint that the robot does not have.
+        ModelError: If ``position`` contains a joint that the robot does not have.
     """
     given = position or {}
     _check_names(model, given)
@@ -105,7 +105,9 @@ def _at_zero(origin: Pose) -> Transform:
 
 
 def joint_position(joint: Joint, position: Mapping[str, T]) -> T | float:
-    """Return the given position of ``joint``, that of its mimic relation, or 0.
+    """Return the position of ``joint``.
+
+    The result is the given position, the position from the mimic relation, or 0.
 
     Positions are numbers or arrays.
     """
@@ -121,7 +123,8 @@ def joint_positions(
     """Return the positions of the movable joints [rad | m], shape (n_joints,).
 
     Args:
-        model: The robot.  The positions are in the order of its ``movable_joints``.
+        model: The robot.  The positions are in the order of the robot's
+            ``movable_joints``.
         given: Positions of some joints, by name.
         otherwise: Positions used for the joints that are not in ``given``.  The values
             for mimic joints are ignored, since these follow their master joints.

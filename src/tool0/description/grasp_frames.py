@@ -12,7 +12,7 @@ def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
     """Return the pads of ``gripper``, the links that have a ``<gazebo>`` surface.
 
     Raises:
-        ControlError: If the gripper does not have exactly two such links.
+        ControlError: If the gripper does not have exactly two pads.
     """
     base = model.joint(gripper.joint).parent
     pads = [name for name in model.links_from(base) if model.link(name).surface]
@@ -39,7 +39,7 @@ def grasp_frame(
 ) -> Transform:
     """Return the frame midway between the pads, in the link ``relative_to``.
 
-    The y axis points from one pad to the other, and the z axis points away from the
+    The y axis points from one pad to the other pad, and the z axis points away from the
     gripper's base.  If the pads move on circles, their distance from the base depends
     on the opening.  For a 2F-85, this distance changes by up to 14 mm.
 

@@ -1,8 +1,8 @@
 """Forward kinematics of the moving joints for many joint positions.
 
-Fixed joints are merged into the placements of the moving ones.  ``forward_kinematics``
-computes a single posture from positions by joint name, and ``flat_frames`` computes a
-single posture in the tick.
+Fixed joints are merged into the placements of the moving joints.
+``forward_kinematics`` computes a single posture from positions by joint name, and
+``flat_frames`` computes a single posture in the tick.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class TreeJoint(NamedTuple):
 
 
 class JointFrames(NamedTuple):
-    """The frames of m joints in the root, after their motion, at n positions."""
+    """Frames of m joints in the root at n positions, including the joints' motions."""
 
     rotations: list[Array]
     """Rotation matrices of the frames: m arrays of shape (n, 3, 3)."""

@@ -47,7 +47,7 @@ _LINKAGE_FILE = "linkage.yaml"
 """File name of a gripper's linkage model.  Some grippers do not have this file."""
 _PREFIX = re.compile(r"\w*")
 _UPRIGHT = 0.01
-"""Largest tilt of an arm with a pedestal [rad]."""
+"""Largest tilt at which an arm has a pedestal [rad]."""
 
 _ARM_ARGUMENTS = {
     "default_kinematics": "kinematics_params",

@@ -68,8 +68,9 @@ class Inertial:
     def principal_moments(self) -> Vector3:
         """The eigenvalues of the inertia [kg·m²], in ascending order.
 
-        They are computed in closed form for symmetric 3 by 3 matrices, because NumPy is
-        slow to import; see https://en.wikipedia.org/wiki/Eigenvalue_algorithm.
+        The eigenvalues are computed in closed form for symmetric 3 by 3 matrices,
+        because NumPy is slow to import; see
+        https://en.wikipedia.org/wiki/Eigenvalue_algorithm.
         """
         a, b, c = self.ixx, self.iyy, self.izz
         d, e, f = self.ixy, self.ixz, self.iyz
@@ -286,8 +287,8 @@ class Joint:
     friction: float = 0.0
     mimic: Mimic | None = None
     passive: bool = False
-    """Whether the joint is driven only by a kinematic loop.  Its mimic relation is
-    valid while nothing touches the loop."""
+    """Whether the joint is driven only by a kinematic loop.  The joint's mimic relation
+    is valid while nothing touches the loop."""
     spring: Spring | None = None
     safety: SafetyController | None = None
 
@@ -315,7 +316,7 @@ class Joint:
 
 
 class Interface(enum.Enum):
-    """The command interface of a joint, named as in ros_control."""
+    """Command interface of a joint, with the name that ros_control uses."""
 
     EFFORT = "hardware_interface/EffortJointInterface"
     POSITION = "hardware_interface/PositionJointInterface"
@@ -337,8 +338,8 @@ class Transmission:
     """Inertia of the rotor on the motor side of the transmission [kg·m²]."""
     gravity_compensation: bool = False
     """Whether the drive compensates for gravity, so that the commanded effort is added
-    to the compensation.  This is meant for drives with such a large reduction that
-    gravity has little effect."""
+    to the compensation.  Gravity compensation is meant for drives with such a large
+    reduction that gravity has little effect."""
     command_limits: JointLimits = field(default_factory=JointLimits)
     """Limits of the drive's commands, in addition to the joint's limits."""
 
@@ -363,7 +364,7 @@ class LoopJoint:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotaryOpening:
-    """Opening of a gripper whose revolute joint moves each pad on a circle.
+    """Opening of a gripper with a revolute joint that moves each pad on a circle.
 
     ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``.  This is the
     relation for parallelogram linkages.
@@ -400,7 +401,7 @@ class RotaryOpening:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinearOpening:
-    """Opening of a gripper whose prismatic joint moves each pad on a straight line.
+    """Opening of a gripper with a prismatic joint that moves each pad on a line.
 
     ``opening(q) = 2 (pad_offset + pad_slope · q)``.
     """
@@ -446,11 +447,11 @@ class ParallelGripper:
     force: tuple[float, float]
     """Weakest and strongest grip force at each pad [N]."""
     protocol: str | None = None
-    """Device protocol of the gripper's ports, one of ``GRIPPER_PROTOCOLS``.  The value
-    is None if the gripper does not use any of these protocols."""
+    """Device protocol of the gripper's ports, one of ``GRIPPER_PROTOCOLS``.  The
+    protocol is None if the gripper does not use any of these protocols."""
     passive: tuple[tuple[str, Mimic], ...] = ()
-    """Mimic relations of the linkage's joints.  They are valid while the pads are
-    parallel, and invalid when the fingers wrap around an object."""
+    """Mimic relations of the linkage's joints.  The relations are valid while the pads
+    are parallel, and invalid when the fingers wrap around an object."""
 
     @property
     def quantity(self) -> Quantity:
@@ -493,7 +494,7 @@ class RobotModel:
     joints: tuple[Joint, ...]
     """The joints in depth-first order from the root.  Children are in URDF order."""
     transmissions: tuple[Transmission, ...] = ()
-    """Drives, one per driven joint."""
+    """Drives of the robot, with one drive per driven joint."""
     grippers: tuple[ParallelGripper, ...] = ()
     """Parallel grippers of the robot."""
     loops: tuple[LoopJoint, ...] = ()
@@ -547,9 +548,9 @@ class RobotModel:
     def wrench_sensors(self) -> dict[str, str]:
         """The links of the force-torque sensors in ``hardware``, by sensor name.
 
-        The sensor's parameter ``frame_id`` contains the name of the link.  If there is
-        no link of this name, the link is the flange with the same prefix as the sensor.
-        Sensors for which neither link exists are left out.
+        The sensor's parameter ``frame_id`` contains the name of the link.  If the
+        parameter does not contain the name of a link, the sensor's link is the flange
+        with the same prefix as the sensor.  Sensors without a link are left out.
         """
         found = {}
         for item in (item for component in self.hardware for item in component.items):

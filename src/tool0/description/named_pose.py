@@ -19,4 +19,4 @@ class NamedPose:
     positions: Positions
     """Positions by joint name [rad | m]."""
     saved: bool
-    """Whether a user saved the pose.  If not, the pose is built in."""
+    """Whether a user saved the pose.  Poses that are not saved are built in."""

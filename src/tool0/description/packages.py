@@ -2,10 +2,10 @@
 
 The search has three steps.  Bundled packages are searched first.  Then the entries of
 ``ROS_PACKAGE_PATH`` are searched; an entry is a package or a folder that contains
-packages.  At last, the packages that ROS 2 has installed below the entries of
+packages.  Finally, the packages that ROS 2 has installed below the entries of
 ``AMENT_PREFIX_PATH`` are searched.  ``preferring`` gives other packages precedence over
-all of these packages.  An example is the packages of a file's workspace, which
-``packages_around`` returns.
+all of these packages.  For example, the packages of a file's workspace, which
+``packages_around`` returns, can get precedence.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def preferring(packages: Mapping[str, Path]) -> Iterator[None]:
 
 
 def resolve_uri(uri: str, location: SourceLocation | None = None) -> Path:
-    """Return the path of ``package://…``, ``file://…`` or a plain path.
+    """Return the path for a URI ``package://…`` or ``file://…``, or a plain path.
 
     A relative path is relative to the file that contains it.  The caller checks
     whether the file exists.

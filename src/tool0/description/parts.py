@@ -137,7 +137,7 @@ def gripper_joints(model: RobotModel) -> frozenset[str]:
 def _named(
     items: Iterable[tuple[str, Item]], ending: str, alone: str
 ) -> dict[str, Item]:
-    """Return items by the prefix before ``ending``; ``alone`` replaces no prefix.
+    """Return items by the prefix before ``ending``; an empty prefix is ``alone``.
 
     If two items have the same short name, the second item is returned by its full name.
     """

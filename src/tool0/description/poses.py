@@ -86,10 +86,12 @@ class PoseStore:
         return {**self.own, **saved}
 
     def find(self, name: str) -> NamedPose:
-        """Return the pose with a name; the file is not read for a built-in pose.
+        """Return the pose called ``name``.
+
+        The file of saved poses is not read for a built-in pose.
 
         Raises:
-            ControlError: If there is no such pose.
+            ControlError: If there is no pose of this name.
             ConfigError: If the file of saved poses cannot be read or parsed.
         """
         if name in self.own:
@@ -106,8 +108,8 @@ class PoseStore:
 
         Args:
             name: Name of the pose.
-            robot: Name of the robot that provides the joints.  If it is left out, the
-                joints of all robots are returned.
+            robot: Name of the robot that provides the joints.  If the name is left out,
+                the joints of all robots are returned.
 
         Raises:
             ControlError: If there is no pose of this name, or the pose contains no
@@ -135,9 +137,10 @@ class PoseStore:
         """Return the default start positions of the joints [rad | m].
 
         The start position of a joint is its initial value in ``<ros2_control>``.  If
-        there is no initial value, it is the position in the pose ``home``.  If ``home``
-        does not contain the joint either, it is the position within the limits that is
-        nearest to zero.  The initial poses of a cell's robots override these values.
+        there is no initial value, the start position is that in the pose ``home``.  If
+        ``home`` does not contain the joint, the start position is the position within
+        the limits that is nearest to zero.  The initial poses of a cell's robots
+        override these values.
 
         Raises:
             ConfigError: If the initial pose of a robot in a cell is invalid.
@@ -193,7 +196,7 @@ class PoseStore:
         """Delete a saved pose.
 
         Raises:
-            ControlError: If there is no such pose, or it is built in.
+            ControlError: If there is no pose of this name, or the pose is built in.
             ConfigError: If the file of saved poses cannot be read, parsed or written.
         """
         self._refuse_own(name, "only saved poses can be deleted")

@@ -64,7 +64,7 @@ class Solution:
     positions: Mapping[str, float]
     """Positions by joint name [rad], ordered from base to tip."""
     branch: Branch
-    """Branch of the posture.  None of the branch's fields is None."""
+    """Branch of the posture.  No field of the branch is None."""
     distance: float
     """Distance from the posture ``near`` [s].  Each joint's rotation is divided by the
     joint's largest velocity; the distance is the root of the sum of squares of these

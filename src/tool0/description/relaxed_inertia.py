@@ -25,7 +25,7 @@ def require_inertias(document: Document, *, relax: bool) -> None:
     Raises:
         ModelError: If a link has an impossible inertia and ``relax`` is not set, or if
             the inertia has no positive principal moment.  The error states the first
-            such link.
+            link with an impossible inertia.
     """
     for link, tensor, error in _impossible(document):
         if not relax:
@@ -66,7 +66,10 @@ def _impossible(
 
 
 def _middle_moment(tensor: Element) -> float:
-    """Return the middle principal moment [kg·m²]; if it is not > 0, the largest."""
+    """Return the middle principal moment of inertia [kg·m²].
+
+    If the middle moment is not above zero, the largest moment is returned.
+    """
     ixx, iyy, izz, ixy, ixz, iyz = (
         number(tensor, key, 0.0) for key in (*_DIAGONAL, *_PRODUCTS)
     )

@@ -51,7 +51,7 @@ MAX_FRICTION = 1e6
 and would only degrade the engines' numerical accuracy."""
 
 _WORLD = "world"
-"""Name of a root link that Gazebo treats as the world itself."""
+"""Name of a root link that Gazebo treats as the world."""
 _TRUE = {"true", "1"}
 _MANY = ("include", "model", "gripper")
 """Elements of an SDF <model> that would add further bodies to the model."""
@@ -116,7 +116,7 @@ def read_rigid_model(text: str) -> RigidModel:
 
     Raises:
         DescriptionError: If the text cannot be read, or the model is not a single body.
-        ModelError: If the model is physically impossible.
+        ModelError: If a parameter of the model is physically impossible.
     """
     if len(text) > LONGEST_MODEL:
         raise DescriptionError(
@@ -218,7 +218,7 @@ def _read_urdf(document: Document, robot: Element) -> RigidModel:
 def _joined(
     T_model_link: Transform, placed: Sequence[tuple[Geometry, Transform]]
 ) -> tuple[Solid, Transform]:
-    """Return shapes, placed in the model, as one shape, and the pose of that shape.
+    """Return placed shapes as one shape, and the pose of this shape in the model.
 
     If there are several shapes, the pose is that of the shapes' link.
     """

@@ -173,7 +173,7 @@ def _check_drivable(
 def _mimic(
     element: Element, item: HardwareItem, joint: Joint, joints: Mapping[str, Joint]
 ) -> Mimic | None:
-    """Return the mimic relation of ``joint`` in this tag, or else in ``<joint>``.
+    """Return the mimic relation of ``joint`` from this tag or from ``<joint>``.
 
     The attribute ``mimic`` states whether ``<mimic>`` is kept or removed.  Before ROS 2
     Jazzy, the mimic relation was stated by parameters.

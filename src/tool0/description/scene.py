@@ -19,8 +19,8 @@ from tool0.errors import ConfigError, SourceLocation
 
 DEFAULT_FRICTION = 1.0
 LONGEST_MODEL = 1_000_000
-"""Largest length of a model's text [characters].  It is much longer than the text of
-one body, and short enough to be parsed within one second."""
+"""Largest length of a model's text [characters].  This length is much larger than that
+of one body's text, and a text of this length can be parsed within one second."""
 DEFAULT_RGBA: RGBA = (0.90, 0.60, 0.00, 1.0)
 """Orange, a color that is not used by any bundled robot."""
 

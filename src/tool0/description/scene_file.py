@@ -18,8 +18,8 @@ camera looks::
       - {name: above, pose: {xyz: [0.5, 0, 1.2], look_at: [0.5, 0, 0], up: [1, 0, 0]}}
       - {name: palm, link: tool0, pose: {xyz: [0, 0, 0.1], rpy: [0, 0, 0]}, far: 2}
 
-A bin is a fixed open box.  It is converted to five objects: ``tray.floor``,
-``tray.front`` and so on.
+A bin is a fixed open box.  The bin is converted to five objects, such as ``tray.floor``
+and ``tray.front``.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ def scene_path(given: Path | str) -> Path:
 
 
 def load_scene(path: Path | str) -> Scene:
-    """Return the objects in a YAML file, or in the built-in scene of that name.
+    """Return the objects in a YAML file, or in the built-in scene of this name.
 
     Raises:
         ConfigError: If the file contains a mistake.  The error states file and line.
@@ -148,7 +148,7 @@ def _read_list(
 
 
 def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
-    """Return the objects that an entry describes: one object, or the five of a bin."""
+    """Return the objects that an entry describes: one, or the five parts of a bin."""
     values = Namespace(entry)
     values.only("name", "pose", "mass", "friction", "rgba", *_KINDS)
     mass = values.number("mass") if values.find("mass") is not None else None
@@ -224,7 +224,7 @@ def _compound(values: Namespace, of: str) -> Compound:
 
 
 def _geometry(kind: str, values: Namespace, of: str) -> Geometry:
-    """Return the shape described by ``values``; ``of`` is the text for its owner."""
+    """Return the shape described by ``values``; errors state its owner ``of``."""
     shape = _shape(values, kind)
 
     def numbers(

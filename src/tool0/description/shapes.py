@@ -61,7 +61,7 @@ class Sphere:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mesh:
-    """A mesh from a file; the function ``mesh`` creates one."""
+    """A mesh from a file, which is created by the function ``mesh``."""
 
     uri: str
     """URI of the file, as written in the source: ``package://…``, ``file://…`` or a
@@ -80,11 +80,11 @@ Geometry = Box | Cylinder | Sphere | Mesh
 class Compound:
     """Several shapes of the same density that form one rigid body.
 
-    Where two shapes overlap, the masses of both are added.
+    Where two shapes overlap, the masses of both shapes are added.
     """
 
     parts: tuple[tuple[Geometry, Pose], ...]
-    """Shapes, each with its pose in the body's frame."""
+    """Shapes of the body, and the pose of each shape in the body's frame."""
 
     def __post_init__(self) -> None:
         try:
@@ -102,7 +102,7 @@ class Compound:
 
 
 Solid = Geometry | Compound
-"""Shape of an object: one shape, or several as a compound."""
+"""Shape of an object: a single shape, or a compound of several shapes."""
 
 
 def placed_geometries(solid: Solid) -> tuple[tuple[Geometry, Pose], ...]:
@@ -126,8 +126,8 @@ def read_geometry(
     Args:
         kind: The kind of shape.
         numbers: Function that reads ``size``, ``radius``, ``length`` or ``scale`` from
-            attributes, child elements or YAML values.  Its arguments are the name, the
-            count and an optional default.
+            attributes, child elements or YAML values.  The function's arguments are the
+            name, the count and an optional default.
         uri: Function that returns the URI of a mesh, and the source location of the
             URI.
 
@@ -162,7 +162,7 @@ def sizes(geometry: Geometry) -> tuple[float, ...]:
 
 
 def kind_of(solid: Solid) -> Solid | type[Geometry]:
-    """Return the type of a box, cylinder or sphere; other shapes are not changed.
+    """Return the type of a box, cylinder or sphere; other shapes stay unchanged.
 
     Two shapes with equal results differ only in their ``sizes``.
     """
@@ -309,7 +309,7 @@ def mesh(file: Path | str, scale: float | Vector3 = 1.0) -> Mesh:
 
     ``file`` is a path, or a URI that starts with ``package://`` or ``file://``.
     ``scale`` converts the lengths in the file to [m]; for example, 0.001 is the scale
-    for mm.  It is one number, or one number per axis.
+    for mm.  ``scale`` is one number, or one number per axis.
 
     Raises:
         DescriptionError: If the file is missing or its format is not supported.

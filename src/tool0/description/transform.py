@@ -246,7 +246,8 @@ AnyPose = Transform | Pose | Iterable[Sequence[float]]
 def as_matrix(pose: AnyPose) -> NDArray[np.float64]:
     """Return a pose as a homogeneous matrix, shape (4, 4).
 
-    A rotation that is not exactly orthogonal is replaced by the nearest orthogonal one.
+    A rotation that is not exactly orthogonal is replaced by the nearest orthogonal
+    matrix.
 
     Raises:
         ModelError: If the value is not a pose.

@@ -65,7 +65,7 @@ class Frames(NamedTuple):
 
 
 def cross_matrices(vectors: Array) -> Array:
-    """Return K with K @ u = v x u for vectors v, (…, 3); shape (…, 3, 3)."""
+    """Return matrices K, (…, 3, 3), with K @ u = v x u for vectors v, (…, 3)."""
     K = np.zeros((*vectors.shape, 3))
     K[..., 2, 1], K[..., 0, 2], K[..., 1, 0] = np.moveaxis(vectors, -1, 0)
     K[..., 1, 2], K[..., 2, 0], K[..., 0, 1] = np.moveaxis(-vectors, -1, 0)
@@ -76,7 +76,8 @@ def rotations_about(K: Array, K_squared: Array, angle: Array) -> Array:
     """Return rotations by ``angle`` [rad], shape (…), about unit axes.
 
     The function implements Rodrigues' formula.  ``K`` contains the cross-product
-    matrices of the axes.  Its shape is (3, 3) or that of the result, (…, 3, 3).
+    matrices of the axes.  The shape of ``K`` is (3, 3) or that of the result, (…, 3,
+    3).
     """
     sin, versine = np.sin(angle), 1.0 - np.cos(angle)
     turn = sin[..., None, None] * K
@@ -194,7 +195,7 @@ def yaw_of(R: Array) -> Array:
 
 
 def turn_z_to(axis: Sequence[float]) -> Array:
-    """Return a rotation, shape (3, 3), whose third column is the unit ``axis``."""
+    """Return a rotation, shape (3, 3), with the unit ``axis`` as third column."""
     z = np.asarray(axis, dtype=float)
     helper = np.eye(3)[int(np.argmin(np.abs(z)))]
     x = np.cross(helper, z)

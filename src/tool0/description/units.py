@@ -81,8 +81,8 @@ FAR: Final = 100.0
 LARGEST_MOVABLE: Final = 5.0
 """Smallest edge length at which a movable body's size is probably in mm [m]."""
 LARGEST_FIXED: Final = 20.0
-"""Smallest edge length at which a fixed body's size is probably in mm [m].  The value
-is larger than that of movable bodies, since the fixed body may be the ground."""
+"""Smallest edge length at which a fixed body's size is probably in mm [m].  This length
+is larger than that for movable bodies, since the fixed body may be the ground."""
 
 
 def read_number(text: str, *quantities: Quantity) -> tuple[float, Quantity | None]:

@@ -68,7 +68,7 @@ def read_model(document: Document) -> RobotModel:
 
     Raises:
         DescriptionError: If an element or attribute is missing or cannot be read.
-        ModelError: If the robot is physically impossible.
+        ModelError: If a parameter of the robot is physically impossible.
     """
     robot = document.documentElement
     if robot is None or robot.tagName != "robot":
@@ -224,8 +224,9 @@ def _apply_gazebo(
             joints[name] = _with_spring(joints[name], element)
         elif name in links:
             links[name] = _with_surface(links[name], element)
-        elif name:  # only Gazebo uses an element without a name
-            # This is only a warning, as in Gazebo, since published robots contain such
+        elif name:
+            # Only Gazebo uses an element without a name.  A reference to an unknown
+            # name is only a warning, as in Gazebo, since published robots contain such
             # references.
             logger.warning(
                 "%s: <gazebo> refers to '%s', which is no link: it has no effect%s",

@@ -61,7 +61,8 @@ from tool0.description.xml_source import (
 from tool0.errors import ConfigError, DescriptionError, LimitsError, ModelError
 
 SHEET = 1e-3
-"""Thickness that replaces one edge of length 0 of a box, such as a flat floor [m]."""
+"""Thickness that replaces an edge of length 0 of a box, such as that of a flat floor
+[m]."""
 
 _LIMITED = (JointType.REVOLUTE, JointType.PRISMATIC)
 _WITH_AXIS = (*_LIMITED, JointType.CONTINUOUS, JointType.PLANAR)
@@ -90,7 +91,10 @@ def read_link(element: Element, materials: Mapping[str, RGBA]) -> Link:
 
 
 def read_inertial(link: Element, name: str) -> Inertial | None:
-    """Return the ``<inertial>`` of a link or None; raise ModelError if impossible."""
+    """Return the ``<inertial>`` of a link, or None if there is no such element.
+
+    A physically impossible inertia raises ModelError.
+    """
     element = only_child(link, "inertial")
     if element is None:
         return None
@@ -294,7 +298,7 @@ def read_transmission(
 def _read_interface(
     element: Element, joint: Element, actuator: Element | None
 ) -> Interface:
-    """Return the interface in ``joint``, or the interface in ``actuator`` otherwise."""
+    """Return the interface in ``joint``, or that in ``actuator`` if it is missing."""
     valid = [item.value for item in Interface]
     for owner in (joint, actuator):
         for named in () if owner is None else children(owner, "hardwareInterface"):

@@ -76,7 +76,7 @@ class LocatedElement(Element):
     def writexml(
         self, writer: Any, indent: str = "", addindent: str = "", newl: str = ""
     ) -> None:
-        """Write the element and its children; an element with only text is one line."""
+        """Write the element and its children; text-only elements have one line."""
         attributes = "".join(
             f' {name}="{value.translate(_ESCAPES)}"'
             for name, value in self._values.items()
@@ -318,7 +318,7 @@ def origin(element: Element) -> Pose:
 
 
 def not_negative(value: float, what: str, element: Element) -> float:
-    """Return ``value``, or raise ModelError, starting with ``what``, if it is < 0."""
+    """Return ``value``, or raise ModelError with the text ``what`` if it is < 0."""
     if not value >= 0:
         raise ModelError(f"{what} {value:g}; it must not be negative", locate(element))
     return value
@@ -346,7 +346,7 @@ def choice(text: str, valid: Sequence[str], element: Element, what: str) -> str:
 def require_known(
     name: str, valid: Collection[str], what: str, location: SourceLocation | None
 ) -> None:
-    """Raise ModelError, starting with ``what``, unless ``name`` is in ``valid``."""
+    """Raise ModelError with the text ``what`` unless ``name`` is in ``valid``."""
     if name not in valid:
         raise ModelError(f"{what} '{name}'{did_you_mean(name, list(valid))}", location)
 

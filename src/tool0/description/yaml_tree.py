@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Scalar = str | float | int | bool | None
 Constructor = Callable[[Any, Any], Any]
-"""Constructor of a tagged scalar.  Its arguments are PyYAML's loader and node."""
+"""Constructor of a tagged scalar, with PyYAML's loader and node as arguments."""
 
 MOST_ENTRIES = 30_000
 """Largest number of values in one text.  The number is limited, since a few lines with
@@ -97,7 +97,7 @@ class YamlEntry:
         )
 
     def leaves(self) -> Iterator[YamlEntry]:
-        """Yield every value that is not a mapping, depth first."""
+        """Yield every value that is not a mapping, in depth-first order."""
         if not self.is_mapping:
             yield self
         for child in self.children.values():
@@ -202,8 +202,8 @@ def text_of(file: Path) -> str:
 def require_yaml(text: str, location: SourceLocation) -> None:
     """Raise ConfigError if a text cannot be parsed, or is nested too deeply.
 
-    Parsing is not recursive, but composing is, and deep nesting would cause a stack
-    overflow in the C library.
+    Parsing is not recursive.  Composing is recursive, and deep nesting would cause a
+    stack overflow in the C library.
     """
     import yaml
 
@@ -246,13 +246,13 @@ def _too_deep(where: SourceLocation) -> ConfigError:
 
 
 def _line_of(mark: Any, first: SourceLocation) -> SourceLocation:
-    """Return the location of a PyYAML mark in a text whose first line is ``first``."""
+    """Return the location of a PyYAML mark in a text that starts at ``first``."""
     line = (first.line or 1) + (0 if mark is None else mark.line)
     return SourceLocation(first.file, line)
 
 
 def merged(*entries: YamlEntry) -> YamlEntry:
-    """Return a copy of the first mapping, updated with the values of the others."""
+    """Return a copy of the first mapping, updated with the other mappings."""
     result = YamlEntry(entries[0].key, entries[0].location, {})
     for entry in entries:
         _merge(result, _copied(entry))
@@ -268,7 +268,7 @@ def _copied(entry: YamlEntry) -> YamlEntry:
 
 
 def _merge(target: YamlEntry, source: YamlEntry) -> None:
-    """Merge ``source`` into ``target``; both are mappings."""
+    """Merge the mapping ``source`` into the mapping ``target``."""
     for name, child in source.children.items():
         present = target.children.get(name)
         if present is not None and present.is_mapping and child.is_mapping:

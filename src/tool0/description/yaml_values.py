@@ -92,7 +92,7 @@ class Namespace:
         return frozenset(map(self.path_of, self.reading.adjustable))
 
     def path_of(self, key: str) -> str:
-        """Return the path in this mapping of the entry with a full key."""
+        """Return the path, in this mapping, of the entry with the full key ``key``."""
         return key.removeprefix(f"{self.entry.key}/")
 
     def _recorded(self, path: str, value: Recorded) -> Recorded:
@@ -100,7 +100,7 @@ class Namespace:
         return value
 
     def only(self, *valid: str) -> None:
-        """Raise ConfigError if there is a key outside ``valid``."""
+        """Raise ConfigError if there is a key that is not in ``valid``."""
         for name, entry in self.entry.children.items():
             if name not in valid:
                 raise ConfigError(
@@ -221,10 +221,10 @@ class Namespace:
 
 
 def number_of(entry: YamlEntry, *quantities: Quantity) -> float:
-    """Return a finite number in SI units, written in a unit of ``quantities`` if any.
+    """Return a finite number in SI units; it may have a unit of ``quantities``.
 
     Raises:
-        ConfigError: If the value is not a finite number in one of these units.  The
+        ConfigError: If the value is not a finite number, or has another unit.  The
             error states the location of the value.
     """
     value = entry.scalar

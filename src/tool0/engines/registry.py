@@ -45,11 +45,11 @@ class EngineDefinition:
     """Type of the engine's specific options: a frozen dataclass with a default for each
     field."""
     create: Callable[[RobotDescription, EngineSettings, Any], Engine]
-    """Function that starts the engine.  Its arguments are the robot, the settings and
-    an instance of ``options``.
+    """Function that starts the engine, with the robot, the settings and an instance of
+    ``options`` as arguments.
 
-    The function imports the simulator.  It raises ConfigError for unsupported settings,
-    and EngineUnavailableError if the simulator is missing.
+    The function imports the simulator.  Unsupported settings raise ConfigError, and a
+    missing simulator raises EngineUnavailableError.
     """
     package: str | None = None
     """Name of the Python package with a version that affects the results; None if there

@@ -1,11 +1,11 @@
-"""Compile the C sources of this folder into a shared library, if it is out of date.
+"""Compile the C sources in this folder into a library, if it is out of date.
 
 usage: python -m tool0.kernel.build [--install-compiler]
 
-The library is written to the same folder.  If CC is set, it contains the command of the
-compiler.  Otherwise, the compiler is the first one of cc, gcc, clang and ziglang (`pip
-install ziglang`) that works.  `--install-compiler` installs ziglang if no compiler
-works.  The library does not depend on the version of Python.
+The library is written to the same folder.  If CC is set, its value is the command of
+the compiler.  If CC is not set, the compiler is the first of cc, gcc, clang and ziglang
+(`pip install ziglang`) that works.  `--install-compiler` installs ziglang if no
+compiler works.  The library does not depend on the version of Python.
 
 `hatch_build.py` loads this file by its path before tool0's requirements are installed.
 Therefore this file imports only the standard library.
@@ -46,8 +46,8 @@ _PROBE: Final = """\
 #include <string.h>
 double probe(double x) { return pthread_self() == 0 ? x : sin(x); }
 """
-"""Program with which a compiler is tested.  It needs headers and libraries that are
-missing on some machines."""
+"""Program with which a compiler is tested.  The program needs headers and libraries
+that are missing on some machines."""
 
 
 class KernelBuildError(Exception):
@@ -149,7 +149,7 @@ def find_compiler() -> list[str]:
 
 
 def _compilers() -> Iterator[list[str]]:
-    """Yield the commands of existing compilers; only that in CC, if CC is set."""
+    """Yield the command in CC, or the commands of all existing compilers."""
     import importlib.util
     import platform
     import shlex

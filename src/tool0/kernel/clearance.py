@@ -203,7 +203,7 @@ class Clearances:
             compiled: The kernel.
             memory: Memory of the engine.
             joints: Joints that move.
-            pairs: Pairs of shapes.  Their ``least`` must include ``slack``.
+            pairs: Pairs of shapes.  The distances ``least`` must include ``slack``.
             slack: Distance by which the check of a motion advances at least [m].
             upright: The tool that must be kept upright, if any.
         """
@@ -294,7 +294,7 @@ class Clearances:
         Args:
             start: A free pose, shape (n_joints,).
             goals: Free poses, shape (n, n_joints).
-            samples: Bounds of the samples, shape (n_joints,) each.
+            samples: Lower and upper bounds of the samples, each of shape (n_joints,).
             beside: Distance by which most samples may be outside the range between the
                 start and a goal [rad].
             seed: Seed of the samples.
@@ -336,8 +336,8 @@ class Clearances:
     ) -> FloatArray:
         """Return a path in which detours are replaced by straight parts.
 
-        The method first removes poses that are not needed.  It then tries to replace
-        ``tries`` random parts of the path.
+        The method first removes poses that are not needed.  Then the method tries to
+        replace ``tries`` random parts of the path.
         """
         most = 2 * len(way) + 16
         room = np.empty((most, self.n_joints))

@@ -81,7 +81,7 @@ class DeviceControl:
             grippers: Grippers for which goals with limits can be started.
             state: State of the engine.
             position: Positions of the joints [rad | m], shape (n, n_joints).
-            motor_joints: The joint of each motor.
+            motor_joints: Number of the joint of each motor.
             period: Length of a tick [s].
             device: Warp's name of the device.
 
@@ -157,7 +157,7 @@ class DeviceControl:
         """Efforts that were applied in the last step [N·m | N], as a Warp array."""
         return self._effort
 
-    # ---- what a tick launches -------------------------------------------------------
+    # ---- launches in a tick ---------------------------------------------------------
 
     def upload(self) -> None:
         """Copy the commands to the device if they have changed."""
@@ -484,7 +484,7 @@ def _laws(
 def _constants(
     laws: Sequence[TrajectoryLaw | None],
 ) -> tuple[list[bool], list[tuple[float, ...]], list[float]]:
-    """Return the error wrapping, the gains and the feed-forward of each joint."""
+    """Return whether errors wrap, the gains and the feed-forward, for each joint."""
     wraps: list[bool] = []
     gains: list[tuple[float, ...]] = []
     feed_forward: list[float] = []

@@ -1,6 +1,7 @@
 """Tables and state of the drives of a robot, for ``drives.c``.
 
-The classes mirror the structures in ``drives.h``.  The fields are documented there.
+The classes mirror the structures in ``drives.h``.  The fields are documented in
+``drives.h``.
 """
 
 from __future__ import annotations
@@ -159,8 +160,8 @@ class Drives(ctypes.Structure):
 class NativeDrives:
     """Drives of one robot, in the memory that ``drives.c`` reads and writes.
 
-    ``drives_efforts`` changes only values that are in ``RobotHardware.state``.  It
-    never changes the setup.
+    ``drives_efforts`` changes only values that are in ``RobotHardware.state``.  The
+    setup is never changed.
     """
 
     struct: Drives

@@ -35,9 +35,9 @@ class Kernel:
     def load(self, state: JointState) -> TickProgram | None:
         """Return a program that executes the ticks that start at ``state``, or None.
 
-        None means that only Python can execute the ticks.  This is the case if there is
-        no compiled kernel, if the kernel cannot step the engine, or if a controller has
-        no law.
+        The result is None if there is no compiled kernel, if the kernel cannot step the
+        engine, or if a controller has no law.  Only Python can execute the ticks in
+        these cases.
         """
         stepper, compiled = self._engine.stepper, self._compiled
         if compiled is None or stepper is None:

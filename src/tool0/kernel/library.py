@@ -18,8 +18,8 @@ from tool0.kernel.build import FOLDER, LIBRARY, KernelUnusableError, open_librar
 logger = logging.getLogger(__name__)
 
 VARIABLE: Final = "TOOL0_KERNEL"
-"""Environment variable.  Its value ``python`` selects the Python reference, which is
-slower and has the same results."""
+"""Environment variable that selects the kernel.  The value ``python`` selects the
+Python reference, which is slower and has the same results."""
 COMPILE_COMMAND: Final = shlex.join([sys.executable, "-m", "tool0.kernel.build"])
 
 
@@ -31,7 +31,8 @@ class KernelStatus:
     path: Path
     """Path of the library; the file may be missing."""
     library: ctypes.CDLL | None
-    """The loaded library.  Calls of its functions release the interpreter's lock."""
+    """The loaded library.  Calls of the library's functions release the interpreter's
+    lock."""
     reason: str = ""
     """Reason why the library is not used; empty if it is used."""
 

@@ -133,8 +133,8 @@ class BatchKernel:
             times: Times of the points relative to ``now`` [s], in increasing order,
                 shape (n, m).
             positions: Positions of the points [rad | m], shape (n, m, k).
-            velocities: Velocities at the points [rad/s | m/s], shape (n, m, k).  If it
-                is None, the motions between the points are linear.
+            velocities: Velocities at the points [rad/s | m/s], shape (n, m, k).  If
+                ``velocities`` is None, the motions between the points are linear.
 
         Returns:
             Whether all motions have started, and the row that prevented the start.  If

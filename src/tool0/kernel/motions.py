@@ -31,8 +31,9 @@ class JointGoal(NamedTuple):
 class Motions:
     """Motions of k joints of n robots, divided into pieces.
 
-    The motions are lines or cubics, followed by rest.  They are equal to those of a
-    JointTrajectoryController that receives points without accelerations on its topic.
+    The motions are lines or cubics, followed by rest.  The motions are equal to those
+    of a JointTrajectoryController that receives points without accelerations on its
+    topic.
     """
 
     def __init__(self, position: Array, wraps: Sequence[bool]) -> None:
@@ -84,8 +85,8 @@ class Motions:
             times: Times of the points relative to ``now`` [s], in increasing order,
                 shape (r, m).
             positions: Positions of the points [rad | m], shape (r, m, j).
-            velocities: Velocities at the points [rad/s | m/s], shape (r, m, j).  If it
-                is None, the motions between the points are linear.
+            velocities: Velocities at the points [rad/s | m/s], shape (r, m, j).  If
+                ``velocities`` is None, the motions between the points are linear.
 
         Returns:
             None, or the number of a row that requests an implausible motion.  If a row

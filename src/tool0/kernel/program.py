@@ -263,7 +263,7 @@ class Ended(IntEnum):
 
 
 REFRESHES = {Ended.MASSES: refresh_masses, Ended.MOBILITY: refresh_mobilities}
-"""Functions that compute the quantities that are due, by reason."""
+"""Functions that compute the quantities that are due, by the reason why a run ended."""
 _ENDED = tuple(Ended)  # indexing takes a tenth of the time of Ended(...)
 
 
@@ -446,7 +446,7 @@ class TickProgram:
 
     @property
     def steps_left(self) -> int:
-        """Number of steps with which Python must finish a tick after its laws."""
+        """Number of steps that Python must execute to finish the current tick."""
         left: int = self._struct.steps_left
         return left
 

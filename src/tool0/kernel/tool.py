@@ -52,8 +52,8 @@ class ToolKernel:
         Args:
             compiled: The kernel.
             base: Pose of the arm's base in the root, shape (4, 4).
-            joints: Six poses, shape (4, 4).  Each is the pose of a joint at position 0
-                in the frame of the previous joint.
+            joints: Six poses, shape (4, 4): the pose of each joint at position 0 in the
+                frame of the previous joint.
             axes: Axes of the joints in the frames of the joints, shape (6, 3).
             tool: Pose of the tool in the last joint, shape (4, 4).
             damping: Square of the damping of the Jacobian's inverse [m²].

@@ -71,7 +71,7 @@ class ToolForcesKernel:
         Args:
             compiled: The kernel.
             table: Constants of ``ToolDynamics``.
-            joints: Joint numbers in the engine of the bodies in ``table``.
+            joints: Joint numbers, in the engine, of the bodies in ``table``.
             dt: Length of a physics step [s].
         """
         n = len(table.bodies)

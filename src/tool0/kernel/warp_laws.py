@@ -206,9 +206,9 @@ def start_motions(
 ) -> None:
     """Start motions from the setpoints to ``positions``, as ``Motions.start`` does.
 
-    A motion is a line, or a cubic if ``velocities`` is not empty.  It is followed by
-    rest.  Positions beyond a limit are clamped.  A robot with a number that is not
-    finite is marked as diverged.
+    A motion is a line, or a cubic if ``velocities`` is not empty, followed by rest.
+    Positions beyond a limit are clamped.  A robot with a number that is not finite is
+    marked as diverged.
     """
     robot, k = wp.tid()
     if is_chosen[robot] == 0:

@@ -1,4 +1,4 @@
-"""Client of the bridge's socket, which sends one answer per request (see bridge.cc)."""
+"""Client of the bridge, which sends one answer per request (see bridge.cc)."""
 
 from __future__ import annotations
 
@@ -24,11 +24,14 @@ ANSWER_TIMEOUT = 1.5
 seconds."""
 SPAWN_TIMEOUT = 12.0
 """Timeout for requests during which the bridge can wait up to 10 s [s]."""
-_MAX_PACKET = 1 << 16  # [bytes]
-# Longest time between an answer and the next request at full speed [s].
+_MAX_PACKET = 1 << 16
+"""Largest size of a packet [bytes]."""
 _FULL_SPEED_GAP = 1e-4
-_SPIN_POLLS = 400  # polls for an answer at full speed; one poll takes about 0.5 µs
-_MAX_SPIN_BACKOFF = 511  # largest number of answers for which polling is skipped
+"""Longest time between an answer and the next request at full speed [s]."""
+_SPIN_POLLS = 400
+"""Number of polls for an answer at full speed.  One poll takes about 0.5 µs."""
+_MAX_SPIN_BACKOFF = 511
+"""Largest number of answers for which polling is skipped."""
 
 
 class RequestKind(IntEnum):
@@ -68,9 +71,9 @@ class BridgeListener:
     def accept(
         self, dt: float, check: Callable[[], None], timeout: float
     ) -> socket.socket:
-        """Return the socket of a bridge with this version, for steps of ``dt`` [s].
+        """Return the socket of a bridge with this ``VERSION``, for steps of ``dt`` [s].
 
-        ``check`` is called while waiting.  It must raise an error if the bridge cannot
+        ``check`` is called while waiting, and must raise an error if the bridge cannot
         connect any more.
 
         Raises:
@@ -130,8 +133,8 @@ class BridgeConnection:
     ) -> None:
         """Use the socket ``peer``, connected to the bridge.
 
-        When the connection is lost, ``on_lost`` is called.  It ends the server and
-        returns the error that the current request and all later requests raise.
+        ``on_lost`` is called when the connection is lost.  The function ends the server
+        and returns the error that the current request and all later requests raise.
         """
         self._peer = peer
         self._on_lost = on_lost
@@ -244,7 +247,7 @@ def pack_floats(values: Sequence[float]) -> bytes:
 
 
 def pack_pose(pose: Matrix) -> bytes:
-    """Return the homogeneous matrix ``pose`` as position and quaternion w x y z."""
+    """Return the homogeneous matrix ``pose`` as position and quaternion (wxyz)."""
     return pack_floats([*pose[:3, 3], *quat_wxyz(pose)])
 
 

@@ -8,9 +8,9 @@ controller managers, since it replaces them.
 A mimic joint is constrained by ODE's gearbox joint if this joint is exact.  Otherwise,
 the bridge simulates gear teeth.  The gearbox holds w_child + ratio · w_parent = 0
 between the angular velocities of two bodies, but ignores the common carrier of the
-bodies.  It is therefore exact only for ratio -1 and parallel axes, since the carrier's
-velocity then cancels.  With any other ratio, the gearbox resists the carrier's rotation
-without a reaction on the carrier.
+bodies.  The gearbox is therefore exact only for ratio -1 and parallel axes, since the
+carrier's velocity then cancels.  With any other ratio, the gearbox resists the
+carrier's rotation without a reaction on the carrier.
 
 The bridge simulates two prismatic joints on one carrier as two racks that mesh with a
 pinion.
@@ -54,13 +54,13 @@ class MimicConstraint:
     joint: int
     """Index of the mimic joint among the movable joints."""
     other: int
-    """Index of the joint coupled with the mimic joint.  It is the joint of the parent
-    body, or another joint on the same parent body."""
+    """Index of the joint coupled with the mimic joint.  The coupled joint is the joint
+    of the parent body, or another joint on the same parent body."""
     multiplier: float
     """Ratio of the mimic joint's position to the other joint's position."""
     is_gearbox: bool
-    """Whether a gearbox joint couples the two joints exactly.  If not, the bridge
-    couples them."""
+    """Whether a gearbox joint couples the two joints exactly.  Joints without a gearbox
+    joint are coupled by the bridge."""
 
 
 def mimic_constraints(

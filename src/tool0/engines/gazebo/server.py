@@ -43,10 +43,10 @@ _NOISE: Final = re.compile(
     r"$|Gazebo multi-robot simulator|Copyright|Released under|http://gazebosim"
     # The render engine draws nothing without a display.
     r"|\[Msg\]|\[\w+\] \[RenderEngine"
-    # libsdformat prints this line before it tries SDF.
+    # libsdformat prints this line before it tries to parse SDF.
     r"|Error:\s+Could not find the 'robot'"
 )
-"""Lines that every gzserver prints and that never explain a failure."""
+"""Pattern of lines that every gzserver prints and that never explain a failure."""
 _ERROR: Final = re.compile(r"\[Err\]|Error|\[Wrn\] \[Server")
 
 
@@ -65,7 +65,7 @@ def _window_program(installation: GazeboInstallation) -> Path:
 
 
 _PORTS = range(12000, 32000)
-"""Ports for gzserver.  They are below the ports that Linux assigns to outgoing
+"""Ports for gzserver, which are below the ports that Linux assigns to outgoing
 connections."""
 
 
@@ -88,9 +88,9 @@ class GazeboServer:
     ) -> None:
         """Start gzserver with ``world`` and the bridge; ``open_window`` needs ``gui``.
 
-        If ``renders`` is set, gzserver can render, which its sensors need.  If it is
-        not set, gzserver gets no display, because an X error while loading OGRE would
-        block gzserver.
+        If ``renders`` is set, gzserver can render, which its sensors need.  If
+        ``renders`` is not set, gzserver gets no display, because an X error while
+        loading OGRE would block gzserver.
 
         Raises:
             EngineUnavailableError: If a window is requested and cannot be opened.
@@ -106,8 +106,9 @@ class GazeboServer:
             self._log = self.folder / "gzserver.log"
             self._listener = BridgeListener(self.folder / "bridge")
             exits.callback(self._listener.close)
-            # Without gzclient, ``~/physics/contacts`` is not published.  Even without
-            # subscribers, publishing it in each step takes a tenth of the time.
+            # Without gzclient, ``~/physics/contacts`` is not published.  Publishing
+            # this topic in each step, even without subscribers, takes a tenth of the
+            # time.
             quiet = () if gui else ("--minimal_comms",)
             bridge = str(libraries.bridge)
             self._process = self._run(

@@ -133,8 +133,8 @@ class GazeboServerWorld:
     def object_states(self) -> tuple[ObjectState, ...]:
         """Return the current state of each object.
 
-        If gzserver has exited, these are the last known states; the next step raises an
-        error.
+        If gzserver has exited, the last known states are returned, and the next step
+        raises an error.
         """
         if not self._objects:
             return ()
@@ -307,13 +307,15 @@ class GazeboServerWorld:
 
 _NUMBERS = struct.Struct("=10d")
 _REVERSED = np.array([1.0] * 4 + [-1.0] * 6)
-"""Factors of the ten numbers of a contact when its two names are swapped."""
+"""Factors for the ten numbers of a contact if the two names of the contact are
+swapped."""
 _GROUND = ("ground_plane", "ground")
 """Name of the ground's model in the empty world of tool0, and name of the ground in
 contacts."""
 _LUMP = "_fixed_joint_lump__"
 """Text between the name of the merged link and the name of the original link of a
-shape.  It is missing if the original name starts with the name of the merged link."""
+shape.  The text is missing if the original name starts with the name of the merged
+link."""
 _NUMBERED = re.compile(r"_collision(_\d+)?$")
 
 

@@ -166,9 +166,9 @@ def _points(world: MujocoWorld, first: Names | None, second: Names | None) -> _P
     """Return the contact points between ``first`` and ``second``."""
     rows, is_reversed = _rows(world, first, second)
     contacts, forces = world.data.contact, world.data.efc_force
-    # The friction cone is elliptic.  The constraint rows are the normal force, the
-    # forces along the other axes of the frame and the torques about the axes.  Of these
-    # rows, the first ``dim`` exist.
+    # The friction cone is elliptic.  A contact has up to six constraint rows: the
+    # normal force, the forces along the other axes of the frame, and the torques about
+    # the axes.  Only the first ``dim`` rows of a contact exist.
     is_there = contacts.dim[rows, None] > AXES
     places = np.where(is_there, contacts.efc_address[rows, None] + AXES, 0)
     return _Points(

@@ -87,11 +87,13 @@ def _segments(triangles: Points, price: float) -> list[Points]:
     for axis in range(3):
         slabs = _slabs(triangles, axis)
         boxes = np.array([_box(slab) for slab in slabs])
-        costs, firsts = [0.0], [0]  # for the cheapest segments of the first n slabs
+        # Values for the cheapest segments of the first n slabs.
+        costs, firsts = [0.0], [0]
         for n in range(1, len(slabs) + 1):
             lower = np.minimum.accumulate(boxes[n - 1 :: -1, 0][:n])
             upper = np.maximum.accumulate(boxes[n - 1 :: -1, 1][:n])
-            volumes = np.prod(upper - lower, axis=1)[::-1]  # of slabs k to n
+            # Box volumes of the slabs k to n.
+            volumes = np.prod(upper - lower, axis=1)[::-1]
             totals = np.array(costs) + volumes + price
             firsts.append(int(np.argmin(totals)))
             costs.append(float(totals[firsts[-1]]))

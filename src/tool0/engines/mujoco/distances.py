@@ -157,8 +157,8 @@ class DistanceModel:
         """Yield the joints that move a body, the nearest first, each with a distance.
 
         The distance [m] is an upper bound of the distance of the body's origin from the
-        joint's axis.  It is valid for all positions of the joints between the joint and
-        the body.
+        joint's axis.  The bound is valid for all positions of the joints between the
+        joint and the body.
         """
         model, length = self.model, 0.0
         while body > 0:

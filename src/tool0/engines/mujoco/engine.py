@@ -33,11 +33,11 @@ from tool0.hardware.engine import (
 logger = logging.getLogger(__name__)
 
 _BRAKE_SOLREF = (0.002, 1.0)
-"""Time constant [s] and damping ratio of a brake's friction.  This is the stiffest
-setting for steps of 1 ms."""
+"""Time constant [s] and damping ratio of a brake's friction.  The values are the
+stiffest setting for steps of 1 ms."""
 _BRAKE_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
-"""Impedance of a brake's friction.  It is MuJoCo's maximum, since a brake does not
-yield."""
+"""Impedance of a brake's friction.  The impedance is MuJoCo's maximum, since a brake
+does not yield."""
 _BRAKE_MOBILITY = 1000.0
 """Upper bound of the product of a joint's mobility and its brake's torque [rad/s²].
 MuJoCo scales the yielding of friction by this mobility.  With this bound, a brake that

@@ -2,7 +2,7 @@
 
 The contexts are created by modules of MuJoCo.  These modules are imported directly,
 because the package ``mujoco`` reads ``MUJOCO_GL`` only when it is first imported.  On
-Linux, ``mujoco`` needs a display if this variable is not set.
+Linux, ``mujoco`` needs a display if ``MUJOCO_GL`` is not set.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ import numpy as np
 from tool0.description.scene import GROUND
 
 RADII: Final = (0.2, 0.45, 0.75, 1.1, 1.5, 2.0, 2.6, 3.4, 4.5, 6.0, 9.0, 1000.0)
-"""Radii of the rings of triangles [m].  Beyond the second-last radius, color images
+"""Radii of the rings of triangles [m].  Beyond the second-to-last radius, color images
 show only sky (``rendering.HAZE``).  Depth is exact in triangles of any size."""
 SECTORS: Final = 20
 """Number of triangles around the center."""

@@ -196,9 +196,9 @@ class LinkShapes:
 
 
 def adjacent_links(model: RobotModel) -> Iterator[LinkPair]:
-    """Yield pairs of links with shapes that are adjacent.
+    """Yield the pairs of adjacent links that have shapes.
 
-    Two such links are adjacent if they are connected by joints and links without
+    Two links with shapes are adjacent if they are connected by joints and links without
     shapes.
     """
     # A link without shapes represents itself and the links without shapes below it.

@@ -56,9 +56,9 @@ GRIP_CONDIM = 4
 an area."""
 IMPRATIO = 100.0
 MIMIC_SOLREF = (0.002, 1.0)
-"""Time constant [s] and damping ratio of mimic joints.  This is the stiffest setting
-for a step of 1 ms.  With it, mimic joints follow within the step, loops stay closed,
-and passive joints do not move beyond their stops."""
+"""Time constant [s] and damping ratio of mimic joints.  The values are the stiffest
+setting for a step of 1 ms.  With these values, mimic joints follow within the step,
+loops stay closed, and passive joints do not move beyond their stops."""
 MIMIC_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 STIFF_SOLIMP = (0.995, 0.999, 0.001, 0.5, 2.0)
 """Impedance of loops, of passive joints' stops and of prismatic mimic joints.  In these

@@ -122,8 +122,8 @@ def change_body(
     if (count := alone.body_bvhnum[source.id]) > 0:
         model.bvh_aabb[ours : ours + count] = alone.bvh_aabb[its : its + count]
     mujoco.mj_setConst(model, mujoco.MjData(model))
-    # MuJoCo computes this mean only in a compilation, with the same order of additions.
-    # The tolerance of MuJoCo's solvers is relative to the mean.
+    # MuJoCo computes the mean inertia only in a compilation, with the same order of
+    # additions.  The tolerance of MuJoCo's solvers is relative to the mean.
     if model.nv:
         model.stat.meaninertia = np.cumsum(model.dof_M0)[-1] / model.nv
 

@@ -1,7 +1,7 @@
 """Overlaps of links with each other, the ground and objects in any pose.
 
-MuJoCo's collision detection runs on a separate model without dynamics.  Therefore it
-works with every engine and in any thread.
+MuJoCo's collision detection runs on a separate model without dynamics.  Therefore the
+detection works with every engine and in any thread.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class OverlapFinder:
     """Model of the robot and objects.  Only one thread at a time may use the model."""
 
     def __init__(self, model: RobotModel, ground: float | None) -> None:
-        """Use a ground at height ``ground`` [m] in the robot's root, unless None."""
+        """Use a ground at height ``ground`` [m] in the root; None means no ground."""
         self._robot = model
         self._spec = build_spec(model, dt=0.001, ground=ground)
         self._mesh_files: Mapping[str, bytes] = {}

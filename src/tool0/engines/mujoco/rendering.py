@@ -71,7 +71,8 @@ class Renderer:
     ) -> None:
         """Prepare OpenGL for images up to ``width`` and ``height`` [pixels].
 
-        ``ground`` is the ground's height in the robot's root [m]; None without ground.
+        ``ground`` is the height of the ground in the robot's root [m]; None means no
+        ground.
 
         Raises:
             RenderError: If OpenGL is not available.
@@ -274,7 +275,7 @@ class Renderer:
         put_ground_below(self._model, self._data, frame.position)
         self._detail.choose(self._data, camera, frame)
         view = mujoco.MjvCamera()
-        view.type = mujoco.mjtCamera.mjCAMERA_USER.value  # MuJoCo then keeps the view
+        view.type = mujoco.mjtCamera.mjCAMERA_USER.value  # MuJoCo keeps this view
         mujoco.mjv_updateScene(
             self._model,
             self._data,
@@ -296,7 +297,7 @@ class Renderer:
         # between the two planes.
         with np.errstate(divide="ignore"):
             z = near * far / (near + depth.astype(np.float64) * (far - near))
-        z[depth <= 0.0] = np.inf  # REP-117: no surface within range
+        z[depth <= 0.0] = np.inf  # REP-117: no surface within range.
         # OpenGL's rows start at the bottom.
         return rgb[::-1].copy(), z[::-1].astype(np.float32)
 

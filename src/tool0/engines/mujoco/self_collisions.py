@@ -23,7 +23,7 @@ def excluded_pairs(
     """Yield the pairs of bodies, not both at rest, that never collide.
 
     Bodies of one mechanism can overlap, since the links of a linkage share pivots that
-    cannot be expressed in the tree of a URDF.  Of such a mechanism, only the pads
+    cannot be expressed in the tree of a URDF.  Within a mechanism, only the pads
     collide with each other.  Other bodies collide if both bodies are ``colliding`` and
     no joint connects the two bodies.
     """
@@ -42,7 +42,8 @@ def excluded_pairs(
     for link in at_rest:
         for body in bodies:
             child = body.joint.child
-            # MuJoCo excludes bodies that share a joint, unless one of them is at rest.
+            # MuJoCo excludes bodies that share a joint, unless one of the bodies is at
+            # rest.
             is_adjacent = body.joint.parent == link.name
             if is_adjacent or not (link.name in colliding and child in colliding):
                 yield body_at_rest(link.name), child

@@ -25,9 +25,10 @@ def finish_step(
     """Count the step of each world, and stop the worlds that diverge.
 
     A world diverges if the sum of its squared speeds is not below ``most_squares``, or
-    if its overflow has one of the bits of ``failures``.  In ``measured``, such a world
-    keeps its last positions.  The physics of the world continues at ``parked``, so that
-    the contacts of stopped worlds do not fill the memory that all worlds share.
+    if its overflow has one of the bits of ``failures``.  A world that diverges keeps
+    its last positions in ``measured``.  The physics of the world continues at
+    ``parked``, so that the contacts of stopped worlds do not fill the memory that all
+    worlds share.
     """
     world = wp.tid()
     squares = float(0.0)

@@ -53,8 +53,8 @@ coefficients of objects."""
 FAILURES = int(
     OverflowType.ALL & ~(OverflowType.ITERATIONS | OverflowType.LS_ITERATIONS)
 )
-"""Overflows that lead to dropped contacts or constraints.  A solver that reaches its
-iteration limit is not included, since its result is only less accurate, as on the
+"""Overflows that lead to dropped contacts or constraints.  The iteration limits of
+solvers are not included, since the results are then only less accurate, as on the
 CPU."""
 
 
@@ -222,7 +222,7 @@ class WarpWorlds:
     def joints(self) -> tuple[Array, Array]:
         """Return joint positions and velocities, each of shape (n, n_joints).
 
-        Their units are [rad | m] and [rad/s | m/s].
+        The units are [rad | m] and [rad/s | m/s].
         """
         k = self._n_joints
         return _doubles(self._measured)[:, :k], _doubles(self.velocity)[:, :k]

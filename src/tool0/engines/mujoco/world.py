@@ -73,7 +73,7 @@ class MujocoWorld:
     ) -> None:
         """Compile robot and scene.
 
-        ``robot_spec`` is the ``MjSpec`` of the robot.  It contains the ground at height
+        ``robot_spec`` is the ``MjSpec`` of the robot, including the ground at height
         ``ground`` [m]; None means no ground.  ``on_compiled`` is called with each new
         ``MjModel`` and ``MjData``.
         """
@@ -202,8 +202,8 @@ class MujocoWorld:
     def wrench_on(self, links: frozenset[str], at: str) -> tuple[float, ...]:
         """Return the force [N] and torque [N·m] of external contacts on ``links``.
 
-        The wrench is that of the last step.  It refers to the origin of the link ``at``
-        and is in the axes of this link.
+        The wrench is that of the last step, refers to the origin of the link ``at`` and
+        is in the axes of this link.
         """
         data, contacts = self._data, self._data.contact
         is_inside = self.are_of(links)[contacts.geom]
@@ -437,9 +437,9 @@ def attachment_points(
 ) -> Iterator[tuple[tuple[str, str], ContactPoint]]:
     """Yield the wrench of each link on its attached object, at the object's origin.
 
-    The wrench is that of the last step.  It is read from the generalized forces of the
-    object's free joint, which are a force in the world's axes and a torque in the
-    object's axes.
+    The wrench is that of the last step.  The wrench is computed from the generalized
+    forces of the object's free joint, which are a force in the world's axes and a
+    torque in the object's axes.
     """
     for name, attachment in attachments.items():
         rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
@@ -458,7 +458,7 @@ def attachment_points(
 
 
 def _weld_name(name: str) -> str:
-    return f"{name}/attachment"  # no object's name has a slash
+    return f"{name}/attachment"  # object names do not contain slashes
 
 
 def geom_owners(model: Any) -> tuple[str, ...]:
@@ -469,7 +469,7 @@ def geom_owners(model: Any) -> tuple[str, ...]:
 def contact_points(
     model: Any, data: Any, owners: Sequence[str]
 ) -> Iterator[tuple[tuple[str, str], ContactPoint]]:
-    """Yield pairs in contact, and the wrench at a point of the first on the second.
+    """Yield pairs in contact, and the wrench of the first item on the second item.
 
     After ``mj_step``, ``data`` still contains the contacts and forces of that step;
     only position and velocity are newer.  Plain floats are used, because they are
@@ -499,7 +499,7 @@ def contact_points(
 def merge_by_pair(
     points: Iterable[tuple[tuple[str, str], ContactPoint]],
 ) -> tuple[Contact, ...]:
-    """Return one contact per pair, which merges points in both orders of the pair."""
+    """Return one contact per pair; points of (a, b) and (b, a) are merged."""
     found: dict[tuple[str, str], list[ContactPoint]] = {}
     for pair, point in points:
         if pair[::-1] in found:

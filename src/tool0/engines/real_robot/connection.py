@@ -35,7 +35,7 @@ RETRY: Final = 0.5
 
 @final
 class RobotConnection:
-    """Connections to one robot, of which RTDE is reopened after a connection loss."""
+    """Connections to one robot; the RTDE connection is reopened after a loss."""
 
     def __init__(self, options: RealRobotOptions, *, has_gripper: bool) -> None:
         """Connect to the robot for reading only.

@@ -60,7 +60,7 @@ FADE_ACCELERATION: Final = 12.0
 """Largest acceleration that the reduction of a difference adds to a joint [rad/s²]."""
 FADE_SPEED: Final = 0.05
 """Largest speed that the reduction of a difference adds to a joint [rad/s].  With this
-limit, the arm exceeds the speed that the speed slider allows only slightly."""
+limit, the arm is only slightly faster than the speed slider allows."""
 FAR: Final = 0.1
 """Time that distinguishes curves from streams [s].  Only the last knot of a curve can
 be further ahead than this time."""
@@ -121,7 +121,7 @@ class ProgramMode(IntEnum):
 
 
 class StopCause(IntEnum):
-    """Cause for which the program brought the arm to rest."""
+    """Reason why the program brought the arm to rest."""
 
     TOLD = 1
     """The program received ``BRAKE``."""

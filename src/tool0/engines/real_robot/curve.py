@@ -31,11 +31,10 @@ MOST_LAG: Final = 0.04
 curve [s].  A real controller does not miss periods, but a simulated controller can miss
 periods."""
 STREAM_AHEAD: Final = 0.05
-"""Time for which the velocities of a stream are extrapolated [s].  Together with the
-program's ``EMPTY``, this means that the arm decelerates 0.1 s after the last
-setpoint."""
+"""Time for which the velocities of a stream are extrapolated [s].  Because of this time
+and the program's ``EMPTY``, the arm decelerates 0.1 s after the last setpoint."""
 _CHANGED: Final = 1e-7
-"""Difference from the curve that was sent at and above which a motion is new [rad]."""
+"""Smallest difference from the sent curve at which a motion is treated as new [rad]."""
 _AT_REST: Final = 1e-9
 """Speed below which a joint is at rest [rad/s]."""
 
@@ -67,8 +66,8 @@ class CurveSender:
         self._must_restart = True
         self._lag = LagMeter(period)
         self._lead = 0.0
-        """Time by which the curve is ahead of the commanded motion [s].  It compensates
-        for the robot's lag behind the curve."""
+        """Time by which the curve is ahead of the commanded motion [s].  This lead
+        compensates for the robot's lag behind the curve."""
 
     def restart(self) -> None:
         """Send a new curve for the next motion, also after a stop."""

@@ -62,7 +62,8 @@ RESTART_TIME: Final = 0.1
 ENDED: Final = "tool0's program on the robot has ended"
 GRIPPER_DELAY: Final = 0.3
 """Longest time until the readings of the gripper show the effect of a command [s].
-This is an estimate for several exchanges with the URCap and the start of the motor."""
+The value is an estimate for several exchanges with the URCap and the start of the
+motor."""
 
 
 class _Fingers(NamedTuple):
@@ -226,7 +227,7 @@ class RealRobotEngine(OwnDrives):
     def close(self) -> None:
         self.connection.close()
 
-    # ---- its own drives -------------------------------------------------------------
+    # ---- drives of the robot --------------------------------------------------------
 
     def follow(self, wanted: Wanted) -> None:
         if not self._is_enabled:
@@ -260,7 +261,8 @@ class RealRobotEngine(OwnDrives):
     def _objection(self, arm: WantedMotion, now: float) -> str:
         """Return the reason why a motion must not be sent, or an empty text.
 
-        The guard checks each curve once and streams every ``STREAM_LOOK``.
+        The guard checks each curve once, and checks streams at intervals of
+        ``STREAM_LOOK``.
         """
         if arm.is_streamed:
             is_due = now - self._looked >= STREAM_LOOK
@@ -389,7 +391,7 @@ class RealRobotEngine(OwnDrives):
         self._end_mode()
 
     def _end_mode(self) -> None:
-        """Start to wait until the program has ended freedrive or force mode."""
+        """Note that the program is ending freedrive or force mode."""
         self._has_followed, self._is_guided = False, True
         self._resumes_at = self._arm_state.tick + self._patience
 
@@ -398,14 +400,14 @@ class RealRobotEngine(OwnDrives):
 
     @property
     def is_program_running(self) -> bool:
-        """Whether a program runs on the controller; any thread may read it."""
+        """Whether a program runs on the controller; all threads may read this."""
         reader = self.reader
         state = reader.fields.number(reader.newest, "runtime_state")
         return program_state(state) is not ProgramState.STOPPED
 
     @property
     def is_program_ready(self) -> bool:
-        """Whether tool0's program counts its periods; any thread may read it."""
+        """Whether tool0's program counts its periods; all threads may read this."""
         reader = self.reader
         return bool(
             self.is_program_running
@@ -414,7 +416,7 @@ class RealRobotEngine(OwnDrives):
             and reader.state.step
         )
 
-    # ---- who may move it ------------------------------------------------------------
+    # ---- permission to move ---------------------------------------------------------
 
     def set_enabled(self, enabled: bool) -> None:
         """Enable or disable motions; call this method in the tick's thread."""

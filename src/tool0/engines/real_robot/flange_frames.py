@@ -26,7 +26,7 @@ class FlangeFrames:
 
     @cached_property
     def _base(self) -> str:
-        """Frame of the reports: REP-199's ``base``, or the root without a ``base``."""
+        """Frame of the reports: REP-199's ``base``, or the root if it is missing."""
         prefix = self._arm.flange.removesuffix(FLANGE)
         name = f"{prefix}base"
         return name if name in self._model.link_by_name else self._model.root

@@ -14,10 +14,10 @@ MARGIN: Final = 0.025
 """Margin that is added to the lateness in a start delay [s].  The value is three
 periods of a CB3."""
 MOST: Final = 0.2
-"""Longest start delay [s].  It limits the time by which knots are sent in advance."""
+"""Longest start delay [s].  This delay limits how far in advance knots are sent."""
 _RESTART: Final = 1.0
-"""Change of the difference between the clocks above which a clock must have been set
-[s]."""
+"""Change of the difference between the clocks above which a clock is assumed to have
+been set [s]."""
 
 
 @final

@@ -1,7 +1,7 @@
 """Connections to tool0's program on the controller, for knots, stops and commands.
 
-The program connects to tool0 on two sockets.  On each socket, it first sends a secret
-number, so that no other process can impersonate the program.  Messages are sent
+The program connects to tool0 on two sockets.  On each socket, the program first sends a
+secret number, so that no other process can impersonate the program.  Messages are sent
 immediately, from any thread.
 """
 
@@ -53,7 +53,7 @@ class Knot(NamedTuple):
 
 @final
 class MotionLink:
-    """Link that waits for the program and sends messages; any thread may use it."""
+    """Link that waits for the program and sends messages from any thread."""
 
     def __init__(self, host: str, port: int = 0) -> None:
         """Listen at an address that the robot can reach.

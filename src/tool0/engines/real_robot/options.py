@@ -8,8 +8,8 @@ from typing import Final, final
 from tool0.errors import ConfigError
 
 MAX_PORT_BASE: Final = 65535 - 63352
-"""Largest port base with which all ports are valid.  The gripper has the largest
-port."""
+"""Largest port base with which all ports are valid.  The port of the gripper is the
+largest port."""
 GRIPPER_LINKS: Final = ("urcap", "modbus", "rtu", "none")
 """Kinds of gripper connections: Robotiq's URCap on port 63352, Modbus TCP, Modbus RTU
 on a serial port, or none."""
@@ -25,8 +25,8 @@ class RealRobotOptions:
     port_base: int = 0
     """Offset added to a real robot's ports, for a simulated controller."""
     callback_host: str = ""
-    """Address at which the robot reaches this machine.  If it is left out, this
-    machine's address in the connection to the robot is used."""
+    """Address at which the robot reaches this machine.  If the address is left out,
+    this machine's address in the connection to the robot is used."""
     callback_port: int = 0
     """Port to which tool0's program on the robot connects; 0 selects any free port."""
     gripper: str = ""

@@ -63,7 +63,7 @@ class Fields:
         return tuple(package[self._columns[name]])
 
     def number(self, package: Sequence[Any], name: str) -> Any:
-        """Return the number of a field, or 0 if the robot does not have it."""
+        """Return the number of a field, or 0 if the robot does not have the field."""
         column = self._columns.get(name)
         return 0 if column is None else package[column.start]
 
