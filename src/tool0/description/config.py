@@ -92,8 +92,8 @@ class DescriptionConfig:
     """Replace physically impossible inertias in your own file, with a warning, instead
     of rejecting the robot."""
     srdf: File | None = None
-    """SRDF file.  Planned motions ignore collisions between the pairs of links that
-    `<disable_collisions>` in this file lists."""
+    """SRDF file.  Planned motions ignore collisions between the pairs of links in its
+    `<disable_collisions>` elements."""
     mount_xyz: Sequence[Metres] | None = None
     """Position of the gripper in tool0 [m]."""
     mount_rpy: Sequence[Radians] | None = None

@@ -61,7 +61,7 @@ class Sphere:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mesh:
-    """A mesh from a file, which is created by the function ``mesh``."""
+    """A mesh that the function ``mesh`` reads from a file."""
 
     uri: str
     """URI of the file, as written in the source: ``package://…``, ``file://…`` or a

@@ -1,9 +1,9 @@
 """Control laws and drives as Warp kernels, for many robots.
 
 The kernels implement ``laws.c`` and ``drives.c``.  Operations have the same order as in
-the C code, but single precision.  Time has double precision, so that motions start and
-end in the same tick as in the C code.  Units and names are those of the C structs.
-Arrays have one row per robot: shape (n, …).
+the C code, but they have single precision.  Time has double precision, so that motions
+start and end in the same tick as in the C code.  Units and names are those of the C
+structs.  Arrays have one row per robot: shape (n, …).
 """
 
 import math

@@ -61,7 +61,7 @@ _MESH_MISSING = "Unable to load mesh"
 
 @final
 class GazeboServerWorld:
-    """A ``World`` in one gzserver, which is accessed through the bridge."""
+    """A ``World`` in one gzserver; the bridge provides access to this world."""
 
     def __init__(
         self,

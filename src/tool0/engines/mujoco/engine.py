@@ -62,7 +62,7 @@ class SavedEngine:
     """State of an engine at one instant, including the contacts of the last step."""
 
     data: Any
-    """Copy of the engine's ``MjData``, which is never stepped."""
+    """Copy of the engine's ``MjData`` that is never stepped."""
     steps: int
     effort: tuple[float, ...]
     world: SavedWorld

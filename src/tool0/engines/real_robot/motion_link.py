@@ -151,7 +151,7 @@ class MotionLink:
             self._send(_KNOTS, message)
 
     def brake(self, periods: int = 0) -> None:
-        """Stop the arm on its path in ``periods``; 0 means the default duration."""
+        """Stop the arm on its path within ``periods``; 0 means the default duration."""
         self._send(_KNOTS, _message(MessageKind.BRAKE, periods))
 
     def end(self) -> None:
