@@ -3,7 +3,7 @@
 The expander is PyPI's ``xacro``.  Outside ROS, this package tries to import ament for
 ``$(find)``, cannot resolve ``$(dirname)``, writes warnings to stderr, and reads YAML
 with the slow pure-Python loader.  While a document is expanded, ``_substituted``
-replaces the functions of xacro that need ROS. xacro keeps its state in module globals.
+replaces the corresponding functions of xacro. xacro keeps its state in module globals.
 Therefore one lock protects every expansion, and all replaced globals are restored
 afterwards.
 """

@@ -27,7 +27,7 @@ typedef struct {
     int32_t n_goals;
     int32_t most_nodes;   /* largest number of nodes of each tree */
     const double *lower, *upper; /* (n_joints), bounds of the samples */
-    /* distance of most samples from the range between the start and a goal */
+    /* largest distance of most samples from the range between the start and a goal */
     double beside;
     double range;         /* longest extension [rad] */
     double deadline;      /* time of CLOCK_MONOTONIC [s] */
