@@ -1,6 +1,7 @@
-"""Checks of an arm's YAML files before xacro reads them: errors name file and line.
+"""Checks of an arm's YAML files before xacro reads them.  Errors state file and line.
 
-The tests check the built-in arms; your own files are checked whenever they are loaded.
+The files of the built-in arms are checked by the tests.  Your own files are checked
+each time they are loaded.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import LimitsError
 
 LINKS: Final = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
-"""Names of the moving links in these files."""
+"""Names of the moving links in an arm's YAML files."""
 JOINTS: Final = {
     "shoulder_pan": "shoulder_pan_joint",
     "shoulder_lift": "shoulder_lift_joint",
@@ -53,12 +54,12 @@ _LIMITS = tuple(
 def check_arm_files(files: Mapping[str, Path]) -> None:
     """Raise an error with file and line for the first missing or impossible value.
 
-    ``files`` are the arm's files by name, such as ``joint_limits``; other names are
-    skipped.
+    ``files`` maps the names of the arm's files, such as ``joint_limits``, to their
+    paths.  Files without a check are skipped.
 
     Raises:
         DescriptionError: If a key is missing or unknown, or a value is not a number.
-        ModelError: If no arm can have the value.
+        ModelError: If a value is physically impossible.
     """
     check_files(files, _CHECKS)
 
@@ -166,4 +167,4 @@ _CHECKS: Mapping[str, Callable[[YamlEntry], None]] = {
     "specifications": _check_specifications,
 }
 ARM_FILES: Final = tuple(_CHECKS)
-"""Names of the files that are checked, without ``.yaml``."""
+"""Names, without ``.yaml``, of the files that are checked."""

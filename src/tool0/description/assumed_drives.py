@@ -1,7 +1,7 @@
-"""Drives for a ROS 2 robot file that leaves them to another package.
+"""Drives for a ROS 2 robot file whose ``<ros2_control>`` tag is in another package.
 
-Such a file describes only the arm; the driver's package adds the ``<ros2_control>``
-tag.
+In published descriptions of this kind, the robot file describes only the arm, and the
+driver's package adds the ``<ros2_control>`` tag.
 """
 
 from __future__ import annotations
@@ -15,15 +15,16 @@ from tool0.description.xml_source import children, locate, parse_text
 logger = logging.getLogger(__name__)
 
 PLUGIN = "tool0/AssumedDrives"
-"""Plugin name that the added tag states as its driver."""
+"""Driver's plugin name in the added ``<ros2_control>`` tag."""
 _DRIVABLE = ("revolute", "continuous", "prismatic")
 _COMMANDS = ("position", "velocity", "effort")
 
 
 def assume_drives(document: Document) -> None:
-    """Add a ``<ros2_control>`` tag that drives every joint, if nothing drives one.
+    """Add a ``<ros2_control>`` tag that drives all joints, if the file has no drives.
 
-    Mimic joints are left out.
+    The added tag does not contain mimic joints.  A document that contains a
+    ``<ros2_control>`` or ``<transmission>`` tag is not changed.
     """
     robot = document.documentElement
     if robot is None or _has(robot, "ros2_control") or _has(robot, "transmission"):

@@ -2,8 +2,8 @@
 
 Fixed links are merged into their movable parent link.  Loads and the mass matrix are
 computed without a physics engine: forward kinematics gives the body frames, and a
-joint's load is a sum over the bodies beyond it.  This runs in every tick, hence the
-plain floats.
+joint's load is a sum over the bodies that the joint moves.  Plain floats are used
+instead of NumPy arrays, because the computation runs in every tick.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Matrix = np.ndarray
 @final
 @dataclass(frozen=True, slots=True)
 class BodyInertia:
-    """Mass, centre of mass (3,) and inertia about it (3, 3), all in one frame."""
+    """Mass, center of mass (3,) and inertia about the center (3, 3), in one frame."""
 
     mass: float
     center: Matrix
@@ -47,14 +47,14 @@ class BodyInertia:
         return BodyInertia(i.mass, pose[:3, 3], rotation @ tensor @ rotation.T)
 
     def moved(self, frame: Matrix) -> BodyInertia:
-        """Return this inertia in a frame in which its own has the pose ``frame``."""
+        """Return this inertia in the frame relative to which ``frame`` is given."""
         rotation = frame[:3, :3]
         center = rotation @ self.center + frame[:3, 3]
         return BodyInertia(self.mass, center, rotation @ self.tensor @ rotation.T)
 
     @staticmethod
     def total(parts: Sequence[BodyInertia]) -> BodyInertia:
-        """Return the inertia of all parts together (parallel-axis theorem)."""
+        """Return the combined inertia of all parts (parallel-axis theorem)."""
         mass = sum(part.mass for part in parts)
         if mass == 0.0:
             return BodyInertia(0.0, np.zeros(3), np.zeros((3, 3)))
@@ -71,15 +71,15 @@ class BodyInertia:
 @final
 @dataclass(frozen=True, slots=True)
 class MovingBody:
-    """A movable link with all links fixed to it."""
+    """A movable link together with all links that are fixed to the movable link."""
 
     joint: Joint
     parent: int
-    """Index of the body that carries this body's joint; -1 is the world."""
+    """Index of the body that carries this body's joint; -1 denotes the world."""
     placement: Matrix
     """Frame of the joint in the parent body's frame, shape (4, 4)."""
     links: tuple[tuple[str, Matrix], ...]
-    """Links of the body, each with its frame in the body's frame."""
+    """Links of the body, and the frame of each link in the body's frame."""
     inertia: BodyInertia
     """Inertia in the frame of the joint's child link."""
 
@@ -119,7 +119,7 @@ def moving_bodies(model: RobotModel) -> tuple[MovingBody, ...]:
 def with_added(
     bodies: Sequence[MovingBody], added: Mapping[str, Sequence[BodyInertia]]
 ) -> list[MovingBody]:
-    """Return ``bodies`` plus the inertias ``added`` to links, in the links' frames.
+    """Return ``bodies`` with the inertias in ``added``, which are in the links' frames.
 
     Inertia added to a link that never moves has no effect.
     """
@@ -138,7 +138,7 @@ def with_added(
 def total_inertia(
     model: RobotModel, links: Iterable[tuple[str, Matrix]]
 ) -> BodyInertia:
-    """Return the total inertia of links, each given with its frame."""
+    """Return the total inertia of ``links``, which are given with their frames."""
     return BodyInertia.total(
         [
             BodyInertia.of(inertial, frame)
@@ -149,7 +149,7 @@ def total_inertia(
 
 
 def check_masses(model: RobotModel, bodies: Sequence[MovingBody]) -> None:
-    """Raise ModelError if a body has no mass, since no engine can move it."""
+    """Raise ModelError if a body has no mass, since no engine can move such a body."""
     for body in bodies:
         if not body.inertia.mass > 0.0:
             joint = body.joint
@@ -179,30 +179,33 @@ def _fixed_links(
 ROTOR_INERTIA = 0.1
 """Inertia of an arm joint's rotor and gear, reflected to the joint [kg·m²].
 
-Manufacturers do not publish it.  The value is that of MuJoCo's UR5e and UR10e models
+Manufacturers do not publish this inertia.  The value is taken from MuJoCo's UR5e and
+UR10e models
 (https://github.com/google-deepmind/mujoco_menagerie/tree/main/universal_robots_ur5e).
 """
 STANDARD_GRAVITY: Vector3 = (0.0, 0.0, -9.81)
-"""Gravitational acceleration [m/s²]: MuJoCo's default; Gazebo's is 9.8."""
+"""Gravitational acceleration [m/s²].  The value is MuJoCo's default; Gazebo's default
+is 9.8 m/s²."""
 
 
 class DynamicBody(NamedTuple):
     """A moving body, in a frame that is rotated so that its joint acts along z."""
 
     parent: int
-    """Index of the body that carries this one; -1 is the world."""
+    """Index of the body that carries this body; -1 denotes the world."""
     is_prismatic: bool
     master: int
-    """Index of the joint that drives this body's joint; its own if not a mimic
-    joint."""
+    """Index of the joint that this body's joint follows.  If this body's joint is not a
+    mimic joint, the index is that of the joint itself."""
     multiplier: float
-    """Velocity of this body's joint per velocity of the master."""
+    """Ratio of the velocity of this body's joint to the velocity of the master
+    joint."""
     placement: Frame
     """Frame of the joint in the parent body's frame."""
     mass: float
     center: Vector3
     tensor: tuple[float, ...]
-    """Inertia tensor about the centre of mass, 9 numbers [kg·m²]."""
+    """Inertia tensor about the center of mass, as 9 numbers [kg·m²]."""
     armature: float
     """Rotor inertia reflected to the joint [kg·m² | kg]."""
 
@@ -218,7 +221,7 @@ class DynamicSpring(NamedTuple):
 
 
 class DynamicsTable(NamedTuple):
-    """Constants that ``JointDynamics`` computes with."""
+    """Constants with which ``JointDynamics`` computes."""
 
     gravity: float
     """Gravity vector [m/s²]."""
@@ -228,10 +231,10 @@ class DynamicsTable(NamedTuple):
 
 @final
 class JointDynamics:
-    """Gravity loads, spring loads and mass matrix; masters include their mimic joints.
+    """Gravity loads, spring loads and mass matrix of a robot.
 
-    Passive joints are treated as mimic joints, which holds while nothing touches the
-    linkage.
+    The load of a mimic joint is added to the load of its master joint.  Passive joints
+    are treated as mimic joints, which is valid while nothing touches the linkage.
     """
 
     def __init__(
@@ -240,7 +243,7 @@ class JointDynamics:
         gravity: Vector3 = STANDARD_GRAVITY,
         added: Mapping[str, Sequence[BodyInertia]] | None = None,
     ) -> None:
-        """Read the model; ``gravity`` [m/s²] is in the axes of its root.
+        """Read the model; ``gravity`` [m/s²] is in the axes of the model's root.
 
         ``added`` maps a link to additional inertia, given in that link's frame.
         """
@@ -261,13 +264,13 @@ class JointDynamics:
             for body in bodies
             for transmission in [model.transmission_by_joint.get(body.joint.name)]
         ]
-        """Inertia of the rotor at each joint [kg·m² | kg]."""
+        """Rotor inertia reflected to each joint [kg·m² | kg]."""
         self._tree = FlatTree([body.tree_joint for body in bodies], upright)
         self._mass: list[float] = []
         self._center: list[tuple[float, float, float]] = []
         self.tensors: list[Matrix] = []
-        """Inertia of each body about its centre of mass, in the frame that ``frames``
-        returns."""
+        """Inertia of each body about the body's center of mass, in the frame that
+        ``frames`` returns."""
         for body, turn in zip(bodies, self._tree.turns, strict=True):
             self._mass.append(body.inertia.mass)
             x, y, z = (turn.T @ body.inertia.center).tolist()
@@ -296,14 +299,14 @@ class JointDynamics:
         return DynamicsTable(self._gravity, bodies, springs)
 
     def static_effort(self, position: Sequence[float]) -> list[float]:
-        """Return the effort that balances gravity and springs, shape (n_joints,).
+        """Return the efforts that balance gravity and springs, shape (n_joints,).
 
-        The effort [N·m | N] holds the robot still.  ``position`` is in the order of the
-        model's movable joints.
+        These efforts [N·m | N] keep the robot at rest.  ``position`` is in the order of
+        the model's movable joints.
         """
         frames = self.frames(position)
         mass = self._mass.copy()
-        moment_x = [0.0] * self._n  # Σ m x and Σ m y beyond a joint [kg·m]
+        moment_x = [0.0] * self._n  # sums of m x and m y beyond a joint [kg·m]
         moment_y = [0.0] * self._n
         for i, (frame, center) in enumerate(zip(frames, self._center, strict=True)):
             cx, cy, cz = center
@@ -319,7 +322,7 @@ class JointDynamics:
             frame, parent = frames[i], parents[i]
             if is_prismatic[i]:
                 load = g * mass[i] * frame[8]
-            else:  # the height's derivative: z of (axis cross lever)
+            else:  # derivative of the height: z of (axis x lever)
                 lever_x = moment_x[i] - mass[i] * frame[9]
                 lever_y = moment_y[i] - mass[i] * frame[10]
                 load = g * (frame[6] * lever_y - frame[7] * lever_x)
@@ -336,10 +339,11 @@ class JointDynamics:
     def mass_matrix(self, position: Sequence[float]) -> Matrix:
         """Return the mass matrix [kg·m² | kg], shape (n_joints, n_joints).
 
-        It is evaluated at ``position`` and includes the rotors' inertia; rows of mimic
-        joints are 0.
+        The matrix is evaluated at ``position`` and includes the rotors' inertia.  The
+        rows of mimic joints are 0.
         """
-        # Composite bodies, as plain floats: the kernel does the same (masses.c).
+        # Composite-rigid-body algorithm with plain floats, as implemented by the kernel
+        # in masses.c.
         frames = self.frames(position)
         carried = list(
             map(_about_root, frames, self._mass, self._center, self._flat_tensors)
@@ -368,7 +372,7 @@ class JointDynamics:
     def _momentum(
         self, joint: int, frame: Frame, carried: Sequence[float]
     ) -> Sequence[float]:
-        """Return linear and angular momentum about the root per joint velocity."""
+        """Return linear and angular momentum about the root at unit joint velocity."""
         m, hx, hy, hz, xx, xy, xz, yy, yz, zz = carried
         x, y, z, ox, oy, oz = frame[6:]
         if self._tree.is_prismatic[joint]:
@@ -400,8 +404,9 @@ class JointDynamics:
     ) -> tuple[Matrix, Matrix]:
         """Return a body's linear and angular Jacobians, each of shape (n_joints, 3).
 
-        The linear one is that of the ``point`` on the body [m/rad | m/m].  Both are in
-        the axes of the ``frames``; a mimic joint counts in its master's row.
+        The linear Jacobian is that of the ``point`` on the body [m/rad | m/m].  Both
+        Jacobians are in the axes of the ``frames``.  The motion of a mimic joint is
+        added to the row of its master joint.
         """
         linear = [[0.0, 0.0, 0.0] for _ in frames]
         angular = [[0.0, 0.0, 0.0] for _ in frames]
@@ -425,9 +430,9 @@ class JointDynamics:
         return np.array(linear), np.array(angular)
 
     def frames(self, position: Sequence[float]) -> list[Frame]:
-        """Return each body's frame in the root, turned so that its joint acts along z.
+        """Return each body's frame in the root, rotated so that its joint acts along z.
 
-        If gravity is not along -z, the root is rotated such that it is.
+        If gravity is not along -z, the root is rotated such that gravity is along -z.
         """
         return self._tree.frames(position)
 
@@ -442,7 +447,7 @@ def _about_root(
     y = ay * u + by * v + cy * w + oy
     z = az * u + bz * v + cz * w + oz
     t0, t1, t2, t3, t4, t5, t6, t7, t8 = tensor
-    # Rows of the rotation times the tensor.
+    # Rows of the product of the rotation and the tensor.
     xa, xb, xc = (
         ax * t0 + bx * t3 + cx * t6,
         ax * t1 + bx * t4 + cx * t7,

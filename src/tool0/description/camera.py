@@ -31,8 +31,8 @@ LARGEST = 4096
 
 _SCENE_VIEW = math.radians(50.0)
 _ARM_LENGTH = 1.098
-"""Sum of the joint-to-joint distances [m] of the arm for which the next constants
-hold."""
+"""Sum of the joint-to-joint distances [m] of the arm for which ``_WORKSPACE`` and
+``_VIEWPOINT`` are defined."""
 _WORKSPACE: Vector3 = (0.35, 0.05, 0.15)
 """Point at which the scene camera looks, in the arm's base frame [m]."""
 _VIEWPOINT: Vector3 = (1.0, -1.0, 0.7)
@@ -45,13 +45,14 @@ _NAME = re.compile(r"[A-Za-z]\w*")
 class Camera:
     """A pinhole camera without distortion; its pixels are square.
 
-    Its frame is an optical frame (REP-103): z forward, x right and y down in the image.
+    The camera's frame is an optical frame (REP-103): z points forward, and in the image
+    x points right and y points down.
     """
 
     name: str
-    """Name, which is also the prefix of the camera's ROS topics and frames."""
+    """Name of the camera, and prefix of the camera's ROS topics and frames."""
     link: str | None = None
-    """Link that carries the camera; None for the robot's root."""
+    """Link that carries the camera; None means the robot's root."""
     pose: Pose = field(default_factory=Pose)
     """Pose of the optical frame in the link."""
     width: int = 640
@@ -65,7 +66,7 @@ class Camera:
     far: float = 10.0
     """Depth beyond which points are invisible [m]."""
     location: SourceLocation | None = field(default=None, compare=False, repr=False)
-    """Location of the camera in the user's file, for messages."""
+    """Location of the camera in the user's file, for error messages."""
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):
@@ -95,15 +96,15 @@ class Camera:
 
     @property
     def focal_length(self) -> float:
-        """Focal length [pixels], in both directions."""
+        """Focal length [pixels], the same in both directions."""
         return self.height / (2.0 * math.tan(self.field_of_view / 2.0))
 
     @property
     def intrinsics(self) -> NDArray[np.float64]:
         """``K``, shape (3, 3): ``K @ p_optical`` is ``z * (u, v, 1)`` in pixels.
 
-        The centre of the top left pixel is (0, 0), as in ROS and OpenCV; the centre of
-        the image is ((width - 1) / 2, (height - 1) / 2).
+        The center of the top left pixel is (0, 0), the same as in ROS and OpenCV.  The
+        center of the image is ((width - 1) / 2, (height - 1) / 2).
         """
         import numpy as np
 
@@ -117,7 +118,7 @@ class Camera:
         return to_transform(self.pose)
 
     def check_on(self, model: RobotModel) -> None:
-        """Raise ConfigError if the robot does not have the camera's link."""
+        """Raise ConfigError if the robot does not have the link of the camera."""
         if self.link is None:
             return
         try:
@@ -133,12 +134,14 @@ def looking(
     at: Sequence[float],
     up: Sequence[float] = (0.0, 0.0, 1.0),
 ) -> Pose:
-    """Return the pose of an optical frame that looks from one point at another [m].
+    """Return the pose of a camera at ``position`` [m] that looks at ``at`` [m].
 
-    ``at`` is at the centre of the image, and ``up`` points upwards in it.
+    The point ``at`` is at the center of the image, and ``up`` points upwards in the
+    image.
 
     Raises:
-        ConfigError: If the points coincide, or ``up`` is parallel to the view.
+        ConfigError: If the points coincide, or ``up`` is parallel to the viewing
+            direction.
     """
     (x, y, z), (ux, uy, uz) = position, up
     forward = _unit(tuple(b - a for a, b in zip(position, at, strict=True)))
@@ -154,17 +157,17 @@ def looking(
 
 
 def default_cameras(model: RobotModel) -> tuple[Camera, ...]:
-    """Return a camera on each flange, and ``scene``, which sees all arms.
+    """Return a camera on each flange, and the camera ``scene``, which shows all arms.
 
-    If there is one flange, its camera is ``wrist``; if there are several, the cameras
-    are ``left_wrist`` and so on.
+    If the robot has one flange, its camera is called ``wrist``.  If the robot has
+    several flanges, the cameras have the flanges' prefixes, such as ``left_wrist``.
     """
     flanges = flange_names(model)
     cameras = [
-        # Beside the gripper's body, in the plane between its fingers, like a depth
-        # camera on a bracket; the fingertips are in the lower part of the image.  The
-        # field of view is that of the depth image of a RealSense D435 (87° x 58°,
-        # https://www.intelrealsense.com/depth-camera-d435/), whose picture is wider.
+        # The camera is beside the gripper's body, in the plane between the fingers,
+        # like a depth camera on a bracket.  The fingertips are in the lower part of the
+        # image.  The field of view is that of the depth image of a RealSense D435 (87°
+        # x 58°, https://www.intelrealsense.com/depth-camera-d435/).
         Camera(
             name="wrist" if len(flanges) == 1 else f"{name}_wrist",
             link=flange,
@@ -185,13 +188,13 @@ def default_cameras(model: RobotModel) -> tuple[Camera, ...]:
 
 
 def _view_of_all(model: RobotModel) -> tuple[Vector3, Vector3]:
-    """Return a viewpoint from which all arms are visible, and its target [m]."""
+    """Return a viewpoint from which all arms are visible, and a target point [m]."""
     poses = link_poses(model)
     views = []
     for name, arm in find_arms(model).items():
         length = sum(math.hypot(*joint.origin.xyz) for joint in arm.joints)
         scale = round(length / _ARM_LENGTH, 2)
-        # A UR's first joint is in a frame whose x points backwards.
+        # The frame of a UR's first joint has an x axis that points backwards.
         T_root_base = Transform(
             position=poses[arm.joints[0].parent].position,
             rotation=poses[base_of(model, name)].rotation,
@@ -203,7 +206,7 @@ def _view_of_all(model: RobotModel) -> tuple[Vector3, Vector3]:
     points = [point for point, _ in views]
     x, y, z = (sum(values) / len(points) for values in zip(*points, strict=True))
     spread = max(math.dist(point, (x, y, z)) for point in points)
-    # Move back far enough for a row of that width to fit into a 4:3 image.
+    # Move the camera back until the row of arms fits into a 4:3 image.
     back = max(scale for _, scale in views)
     back += 0.75 * spread / math.tan(_SCENE_VIEW / 2.0) / math.hypot(*_VIEWPOINT)
     dx, dy, dz = (value * back for value in _VIEWPOINT)
@@ -211,10 +214,10 @@ def _view_of_all(model: RobotModel) -> tuple[Vector3, Vector3]:
 
 
 def merged(*groups: Iterable[Camera]) -> dict[str, Camera]:
-    """Return cameras by name; those of later groups replace earlier ones.
+    """Return cameras by name; cameras of later groups replace those of earlier groups.
 
     Raises:
-        ConfigError: If a name occurs twice in one group.
+        ConfigError: If a camera name occurs twice in one group.
     """
     found: dict[str, Camera] = {}
     for group in groups:

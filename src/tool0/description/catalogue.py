@@ -1,9 +1,10 @@
-"""The built-in arms and grippers, and your own: folders of YAML files.
+"""Catalogue of the built-in arms and grippers, and of your own parts.
 
-The built-in ones are in ``tool0_description/config``, in ``arms`` and ``grippers``.  A
-folder contains kinematics, limits, masses, appearance, poses and display names; a
-gripper's folder also contains its xacro macro.  If a folder lacks a file, the file
-shared by all arms, or all grippers, is used.
+Each part is a folder with YAML files.  The folders of the built-in parts are in
+``arms`` and ``grippers`` of ``tool0_description/config``.  A folder contains
+kinematics, limits, masses, appearance, poses and display names.  A gripper's folder
+also contains the gripper's xacro macro.  If a folder does not contain a file, the file
+that all arms, or all grippers, share is used.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ _FIRST_FILE: Mapping[PartKind, str] = {
     "arm": "default_kinematics.yaml",
     "gripper": "macro.xacro",
 }
-"""The file that makes a folder an arm or a gripper."""
+"""The file by which a folder is recognized as an arm or a gripper."""
 
 
 @final
@@ -42,14 +43,14 @@ class DisplayName:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CataloguePart:
-    """An arm or a gripper: a folder."""
+    """An arm or a gripper, defined by a folder."""
 
     kind: PartKind
     folder: Path
 
     @property
     def name(self) -> str:
-        """Name such as ``ur5``; also the name of the folder."""
+        """Name of the part, such as ``ur5``, which is also the name of the folder."""
         return self.folder.name
 
     @property
@@ -57,15 +58,16 @@ class CataloguePart:
         return self.folder.parent == shared_folder(self.kind)
 
     def file(self, name: str) -> Path:
-        """Return the path of a file of the part, or of the one shared by its kind."""
+        """Return the path of a file of the part, or of the file shared by its kind."""
         own = self.folder / name
         return own if own.is_file() else shared_folder(self.kind) / name
 
     def load(self, what: str) -> Mapping[str, Any]:  # Any: any YAML value
-        """Return the mapping ``what`` in the part's ``<what>.yaml``; empty if no file.
+        """Return the mapping ``what`` in ``<what>.yaml``; empty if the file is missing.
 
         Raises:
-            ConfigError: If the file cannot be read, or has no such mapping.
+            ConfigError: If the file cannot be read, or does not contain the mapping
+                ``what``.
         """
         from tool0.description.yaml_tree import read_verbatim  # only with files
 
@@ -90,12 +92,12 @@ def grippers() -> tuple[str, ...]:
 
 
 def find_part(kind: PartKind, name: str) -> CataloguePart:
-    """Return a built-in part by name, or your own by its folder.
+    """Return a built-in part by its name, or your own part by its folder.
 
     ``name`` is a folder if it contains a slash.
 
     Raises:
-        DescriptionError: If there is no such part.
+        DescriptionError: If there is no part of this name.
     """
     if os.sep in name or "/" in name:
         folder = expanded(name).absolute()
@@ -113,12 +115,12 @@ def find_part(kind: PartKind, name: str) -> CataloguePart:
 
 
 def shared_folder(kind: PartKind) -> Path:
-    """Return the folder with all built-in parts of a kind and the files they share."""
+    """Return the folder with the built-in parts of a kind and their shared files."""
     return find_package("tool0_description") / "config" / f"{kind}s"
 
 
 def check_choice(what: str, name: str, valid: tuple[str, ...]) -> None:
-    """Raise DescriptionError unless ``name`` is one of the valid ones."""
+    """Raise DescriptionError unless ``name`` is one of the ``valid`` names."""
     if name not in valid:
         hint = did_you_mean(name, valid)
         lists_all = hint.startswith("; valid")

@@ -1,4 +1,4 @@
-"""Merging of a cell's robots into one model, and checks that their bases have room."""
+"""Merging of a cell's robots into one model, and checks for overlapping bases."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from xml.dom.minidom import Document, Element
 
 WORLD = "world"
-"""The link that carries every robot of a cell."""
+"""Name of the link that carries all robots of a cell."""
 
 
 def merge_robots(cell: Cell, name: str, documents: Sequence[Document]) -> Document:
     """Return one URDF, called ``name``, with the elements of all robots' URDFs.
 
-    The robots share one link ``world``.
+    All robots share the link ``world``.
 
     Raises:
         ConfigError: If two robots have a link or joint of the same name.
@@ -60,7 +60,7 @@ def _root(document: Document) -> Element:
 
 
 class _Footprint(NamedTuple):
-    """The vertical cylinder around the space that a base occupies, in the world."""
+    """Vertical cylinder, in the world, around the space that a base occupies."""
 
     x: float
     y: float
@@ -70,7 +70,7 @@ class _Footprint(NamedTuple):
 
 
 def check_bases(cell: Cell, model: RobotModel) -> None:
-    """Raise ConfigError if bases or pedestals of two robots overlap."""
+    """Raise ConfigError if the bases or pedestals of two robots overlap."""
     found = [(robot, _footprint(model, robot.prefix)) for robot in cell.robots]
     for (first, a), (second, b) in itertools.combinations(found, 2):
         distance, needed = math.hypot(a.x - b.x, a.y - b.y), a.radius + b.radius
@@ -119,4 +119,4 @@ def _half_extents(solid: Solid, T: Transform) -> tuple[float, float]:
         case Box(size=size):
             half = math.hypot(*size) / 2.0
             return half, half
-    return 0.0, 0.0  # a mesh: its size is not known without reading it
+    return 0.0, 0.0  # the size of a mesh is unknown without reading its file

@@ -1,6 +1,6 @@
-"""Reads cells from YAML files and from their short form.
+"""Reader of cells in YAML files and in the short form.
 
-A cell is several robots and the objects around them::
+A cell consists of several robots and the objects around them::
 
     robots:
       - {name: left, arm: ur5, gripper: 2f85, base: {xyz: [0, 0.4, 0]}}
@@ -11,9 +11,9 @@ A cell is several robots and the objects around them::
     scene: table_and_bin
 
 The other keys of a robot are ``mount`` (of the gripper on tool0), ``initial_pose``,
-``controllers_file`` and the fields of ``DescriptionConfig``.  The scene is a built-in
-one, a file, or a mapping with the keys of a scene file.  Paths are relative to the
-folder of the cell's file.
+``controllers_file`` and the fields of ``DescriptionConfig``.  The scene is the name of
+a built-in scene, a file, or a mapping with the keys of a scene file.  Paths are
+relative to the folder of the cell's file.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def load_cell(path: Path | str) -> Cell:
     """Return the cell in a YAML file.
 
     Raises:
-        ConfigError: If it contains a mistake, with file and line.
+        ConfigError: If the file contains a mistake.  The error states file and line.
     """
     path = expanded(path)
     root = Namespace(read_mapping(path))
@@ -78,10 +78,10 @@ def load_cell(path: Path | str) -> Cell:
 
 
 def parse_robots(words: Sequence[str]) -> Cell:
-    """Return the cell described in short form, such as ``left=ur5+2f85@0,0.4,0``.
+    """Return the cell that is given in short form, such as ``left=ur5+2f85@0,0.4,0``.
 
     Raises:
-        ConfigError: If a robot is not written in this form.
+        ConfigError: If a robot is not written in the short form.
     """
     return Cell(robots=tuple(map(_parsed, words)))
 
@@ -111,7 +111,7 @@ def _parsed(word: str) -> CellRobot:
 def _robot(entry: YamlEntry, folder: Path) -> CellRobot:
     values = Namespace(entry)
     values.only(*_KEYS)
-    given: dict[str, Any] = {}  # keywords of several types
+    given: dict[str, Any] = {}  # keyword arguments of several types
     for name in _TEXTS:
         if values.find(name):
             given[name] = values.text(name)
@@ -143,7 +143,7 @@ def _robot(entry: YamlEntry, folder: Path) -> CellRobot:
 
 
 def _part(values: Namespace, kind: str, folder: Path) -> str | None:
-    """Return a part's name, or its folder if ``value`` contains a slash."""
+    """Return a part's name, or the part's folder if the value contains a slash."""
     found = values.find(kind)
     if found is None or found.is_null:
         return None

@@ -1,7 +1,7 @@
-"""Selection of the robot, or the cell of robots, to be simulated.
+"""Selection of the robot, or the cell of robots, to simulate.
 
-``DescriptionConfig`` is the only declaration of these options: ``tool0.bringup``, the
-command line and ``ur_robotiq.urdf.xacro`` all take its fields.
+These options are declared only in ``DescriptionConfig``.  ``tool0.bringup``, the
+command line and ``ur_robotiq.urdf.xacro`` all accept the fields of this class.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from tool0.description.units import Metres, Radians, require_plausible_angles
 from tool0.errors import ConfigError, SourceLocation
 
 Argument = str | bool | int | float | Path | Sequence[float] | None
-"""The value of a xacro argument; None leaves the argument at its default."""
+"""Value of a xacro argument; None leaves the argument at its default."""
 File = Path | str
 
 
@@ -32,18 +32,18 @@ class Unset(Enum):
 
 
 SPAWN_Z: Final = 0.1
-"""Default height of a robot's root above the ground [m], as in ur_gazebo: the
-outstretched arm must clear the ground."""
+"""Default height of a robot's root above the ground [m].  At this height, which is also
+that of ur_gazebo, the outstretched arm does not touch the ground."""
 UNSET: Final = Unset.UNSET
-"""A value that was not given, where None means something else."""
+"""Placeholder for a value that was not given, for fields in which None has another
+meaning."""
 
 _OF_SEVERAL: Final = ("robot", "cell", "robots")
-"""The options that name robots other than by an arm and a gripper."""
+"""The options that select robots in another way than by an arm and a gripper."""
 _NOT_XACRO: Final = (*_OF_SEVERAL, "namespaces", "args", "relax_inertia", "srdf")
 """The fields that are not arguments of the xacro file."""
 _OF_EACH: Final = ("ros2_control",)
-"""The options that also apply to a cell (to each of its robots) and to your own
-file."""
+"""The options that also apply to each robot of a cell, and to your own file."""
 _OF_ALL: Final = ("prefix", "tf_prefix", "srdf", *_OF_SEVERAL)
 """The options that cannot be set for a single robot of a cell."""
 _ROBOT_NAME: Final = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?", re.ASCII)
@@ -52,25 +52,24 @@ _ROBOT_NAME: Final = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?", re.ASCII)
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DescriptionConfig:
-    """The robot: an arm and a gripper of the catalogue, a cell of them, or your file.
+    """The robot: an arm and a gripper of the catalogue, a cell, or your own file.
 
     Each field except ``robot``, ``cell``, ``robots``, ``namespaces``, ``args``,
     ``relax_inertia`` and ``srdf`` is the argument of the same name in
     ``tool0_description/urdf/ur_robotiq.urdf.xacro``.
     A field that is not given (None) leaves the argument at its default.  Relative paths
-    start at the working directory.
+    are relative to the working directory.
 
     Raises:
-        ConfigError: If two of ``robot``, ``cell`` and ``robots`` are given, one of
-            them together with a field of the catalogue, or ``namespaces`` without a
-            cell.
+        ConfigError: If two of ``robot``, ``cell`` and ``robots`` are given, if one of
+            them is given together with a field of the catalogue, or if ``namespaces``
+            is given without a cell.
     """
 
     arm: str | None = None
-    """The arm: a name such as ur10e, or a folder of your own; ur5 if not given."""
+    """Name of the arm, such as ur10e, or your own folder.  The default is ur5."""
     gripper: str | Unset | None = UNSET
-    """The gripper on tool0: a name, a folder of your own, or none; 2f85 if not
-    given."""
+    """Name of the gripper on tool0, your own folder, or none.  The default is 2f85."""
     gripper_model: Literal["mimic", "linkage"] | None = None
     """mimic (the default): the fingers follow the drive; linkage: five-bar fingers
     that wrap around an object (MuJoCo only)."""
@@ -81,20 +80,20 @@ class DescriptionConfig:
     cell: Cell | File | None = None
     """Several robots and a scene: a YAML file (docs/how-to/cells.md)."""
     robots: Sequence[str] | None = None
-    """Several robots without a file, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0:
-    name, arm, gripper (optional), position of the base [m] and, optionally, roll, pitch
-    and yaw [rad]."""
+    """Several robots without a file, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0.
+    Each entry contains the name, the arm, the gripper (optional), the position of the
+    base [m] and, optionally, roll, pitch and yaw [rad]."""
     namespaces: bool = False
-    """In ROS, give each robot of a cell its own namespace and controller manager, like
-    `namespaces: true` in the cell's file."""
+    """Give each robot of a cell a separate namespace and controller manager in ROS.
+    `namespaces: true` in the cell's file has the same effect."""
     args: Mapping[str, Argument] | None = None
-    """Arguments of the xacro file; they override the other options."""
+    """Arguments of the xacro file, which override the other options."""
     relax_inertia: bool = False
     """Replace physically impossible inertias in your own file, with a warning, instead
-    of refusing the robot."""
+    of rejecting the robot."""
     srdf: File | None = None
-    """SRDF file; planned motions ignore collisions between the pairs of links in its
-    `<disable_collisions>`."""
+    """SRDF file.  Planned motions ignore collisions between the pairs of links in its
+    `<disable_collisions>` elements."""
     mount_xyz: Sequence[Metres] | None = None
     """Position of the gripper in tool0 [m]."""
     mount_rpy: Sequence[Radians] | None = None
@@ -104,13 +103,13 @@ class DescriptionConfig:
     base_rpy: Sequence[Radians] | None = None
     """Orientation of the arm in the world: roll, pitch, yaw [rad]."""
     pedestal_height: Metres | None = None
-    """Height of the pedestal below the arm's base [m], 0 for none.  If not given, it
-    reaches from an upright arm to the ground."""
+    """Height of the pedestal below the arm's base [m]; 0 means no pedestal.  If the
+    height is not given, the pedestal of an upright arm reaches the ground."""
     meshes: Literal["tool0", "upstream"] | None = None
-    """tool0 (the default): the built-in meshes; upstream: those of ur_description and
-    robotiq_2f_85_gripper_visualization."""
+    """tool0 (the default): the built-in meshes; upstream: the meshes of ur_description
+    and robotiq_2f_85_gripper_visualization."""
     joint_limit_params: File | None = None
-    """YAML file with the arm's joint limits, as in ur_description."""
+    """YAML file with the arm's joint limits, in the format of ur_description."""
     kinematics_params: File | None = None
     """YAML file with the arm's kinematics, such as a calibration."""
     physical_params: File | None = None
@@ -128,8 +127,8 @@ class DescriptionConfig:
     hardware_interface/EffortJointInterface."""
     ros2_control: bool = False
     """Describe the drives with `<ros2_control>` tags, for ROS 2, instead of
-    `<transmission>` tags.  Your own file declares which joints are driven; if it
-    declares none, all are."""
+    `<transmission>` tags.  Your own file declares which joints are driven; if your file
+    declares no driven joint, all joints are driven."""
     safety_limits: bool = False
     """Add soft limits to the arm's joints."""
     safety_pos_margin: Radians | None = None
@@ -137,7 +136,8 @@ class DescriptionConfig:
     safety_k_position: float | None = None
     """Position gain of the soft limits [1/s]."""
     tf_prefix: str | None = None
-    """Prefix of the frames in ROS; the robot itself does not change."""
+    """Prefix of the frames in ROS.  The names in the robot's description do not
+    change."""
 
     def __post_init__(self) -> None:
         for name in ("base_rpy", "mount_rpy"):
@@ -188,21 +188,22 @@ class DescriptionConfig:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CellRobot:
-    """One robot of a cell."""
+    """Settings of one robot of a cell."""
 
     name: str
-    """Name such as ``left``; the robot's links, joints and controllers start with
-    ``left_``."""
+    """Name of the robot, such as ``left``.  The names of this robot's links, joints and
+    controllers then start with ``left_``."""
     description: DescriptionConfig
-    """Options of this robot: arm, gripper, base, mount and so on."""
+    """Options of this robot, such as its arm, gripper, base and mount."""
     initial_pose: str | Mapping[str, float] | None = None
-    """A named pose, or positions by joint without the prefix [rad | m]; ``home`` if not
-    given."""
+    """Start pose: the name of a pose, or the positions of joints by name without the
+    prefix [rad | m].  The default is the pose ``home``."""
     controllers_file: File | None = None
-    """ros_control YAML file that replaces the built-in controllers.  It is written for
-    a single robot: the names of joints and controllers get the prefix."""
+    """ros_control YAML file that replaces the built-in controllers.  The file is
+    written for a single robot: the robot's prefix is added to the names of joints and
+    controllers."""
     location: SourceLocation | None = None
-    """Source location of the robot's entry, for messages."""
+    """Source location of the robot's entry, for error messages."""
 
     def __post_init__(self) -> None:
         if not _ROBOT_NAME.fullmatch(self.name):
@@ -230,19 +231,20 @@ class Cell:
     """Several robots in one world, and the objects around them.
 
     Raises:
-        ConfigError: If there is no robot, or two have the same name.
+        ConfigError: If the cell has no robot, or if two robots have the same name.
     """
 
     name: str = ""
-    """Name of the whole model; composed from the robots' names if empty."""
+    """Name of the whole model.  An empty name is replaced by a name that is composed of
+    the robots' names."""
     robots: tuple[CellRobot, ...]
-    """The robots, in the order of their joints."""
+    """Robots of the cell, in the order of their joints."""
     scene: Scene | File | None = None
     """The objects around the robots; ``SimulationConfig.scene`` replaces them."""
     namespaces: bool = False
-    """Whether, in ROS, each robot has its own namespace and controller manager."""
+    """Whether each robot has a separate namespace and controller manager in ROS."""
     location: SourceLocation | None = None
-    """Location of the cell's file, for messages."""
+    """Location of the cell's file, for error messages."""
 
     def __post_init__(self) -> None:
         if not self.robots:

@@ -1,4 +1,4 @@
-"""Limits of a gripper's drive during one goal."""
+"""Limits of a gripper's drive while one goal is executed."""
 
 from __future__ import annotations
 
@@ -13,21 +13,22 @@ from tool0.errors import ControlError
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DriveLimits:
-    """Speed and force limits of a gripper goal, like rSP and rFR of a real gripper.
+    """Speed and force limits of a gripper goal, equivalent to rSP and rFR.
 
-    Speed and force are those of the pads; the limits of the joint follow from its
-    position: ``velocity = speed / lever``, ``effort = force · lever``.
+    Speed and force are those of the pads.  The limits of the joint depend on the
+    joint's position: ``velocity = speed / lever`` and ``effort = force · lever``.
 
     Raises:
-        ControlError: If a value is out of the gripper's range.
+        ControlError: If a value is outside the gripper's range.
     """
 
     gripper: ParallelGripper
     speed: float | None = None
-    """Largest speed of the pads relative to each other [m/s]; None for the joint's
-    limit."""
+    """Largest speed of the pads relative to each other [m/s].  If ``speed`` is None,
+    the joint's velocity limit applies."""
     force: float | None = None
-    """Largest force at each pad [N]; None for the joint's limit."""
+    """Largest force at each pad [N].  If ``force`` is None, the joint's effort limit
+    applies."""
     effort: float | None = None
     """Largest effort of the driven joint [N·m | N], as an alternative to ``force``."""
 
@@ -45,7 +46,7 @@ class DriveLimits:
     def at(self, position: float) -> tuple[float, float]:
         """Return the largest effort and velocity at a ``position`` of the joint.
 
-        They are in [N·m | N] and [rad/s | m/s].
+        The effort is in [N·m | N], and the velocity is in [rad/s | m/s].
         """
         lever = self.gripper.lever(position)
         effort = math.inf if self.effort is None else self.effort

@@ -1,10 +1,11 @@
-"""Expansion of xacro without ROS: ``$(find pkg)``, ``$(dirname)``, located errors.
+"""Expansion of xacro without ROS, including ``$(find)`` and located errors.
 
-The expander is PyPI's ``xacro``.  Outside ROS, its ``$(find)`` tries to import ament,
-its ``$(dirname)`` does not know the folder, its warnings go to stderr, and it reads
-YAML with the slow pure-Python loader.  ``_substituted`` replaces those functions while
-one document is expanded.  xacro keeps its state in module globals, so one lock covers
-every expansion, and everything is restored afterwards.
+The expander is PyPI's ``xacro``.  Outside ROS, this package tries to import ament for
+``$(find)``, cannot resolve ``$(dirname)``, writes warnings to stderr, and reads YAML
+with the slow pure-Python loader.  While a document is expanded, ``_substituted``
+replaces the corresponding functions of xacro. xacro keeps its state in module globals.
+Therefore one lock protects every expansion, and all replaced globals are restored
+afterwards.
 """
 
 from __future__ import annotations
@@ -43,18 +44,18 @@ class Expanded(NamedTuple):
     known: set[str]
     """The arguments that the files declare or read."""
     arguments: Mapping[str, str]
-    """Arguments that have a value: the given one, or the declared default."""
+    """Values of the arguments by name: the given value, or the declared default."""
 
 
 def expand(path: Path, args: Mapping[str, str] | None = None) -> Expanded:
     """Return the xacro file ``path``, expanded with ``args``.
 
-    Attributes of ``<robot>`` may use arguments that have a default; xacro alone would
-    require a value for them.
+    Attributes of ``<robot>`` may use arguments that have a default; without this
+    function, xacro would require a value for these arguments.
 
     Raises:
-        DescriptionError: If the expansion fails, with file, line, macro and includes,
-            or if no file declares one of the arguments.
+        DescriptionError: If the expansion fails, or if no file declares one of the
+            arguments.  The error states file, line, macro and includes.
     """
     expanded = _expanded(path, args, _defaults_of_root)
     for name in args or {}:
@@ -69,10 +70,11 @@ def expand(path: Path, args: Mapping[str, str] | None = None) -> Expanded:
 def expand_leniently(path: Path, args: Mapping[str, str] | None = None) -> Expanded:
     """Return the xacro file ``path``, expanded with ``args``.
 
-    Like xacro, it ignores arguments that no file declares.
+    Arguments that no file declares are ignored, as they are by xacro.
 
     Raises:
-        DescriptionError: If the expansion fails, with file, line, macro and includes.
+        DescriptionError: If the expansion fails.  The error states file, line, macro
+            and includes.
     """
     return _expanded(path, args, lambda _: {})
 
@@ -94,7 +96,7 @@ def _expanded(
                 document = run.parse(None, start)
                 given = {**defaults(document), **(args or {})}
                 xacro.process_doc(document, mappings=given, verbosity=0)
-            except Exception as error:  # the file's Python raises anything
+            except Exception as error:  # any exception of the file's Python
                 raise _describe(xacro, error) from error
     return Expanded(document, run.known, given)  # xacro has added the defaults
 
@@ -102,8 +104,8 @@ def _expanded(
 def _defaults_of_root(document: Document) -> dict[str, str]:
     """Return the arguments with a default that attributes of ``<robot>`` use.
 
-    The elements that declare them are inside ``<robot>``, where xacro reads them too
-    late.
+    The elements that declare these arguments are inside ``<robot>``. xacro reads them
+    after it has evaluated the attributes of ``<robot>``.
     """
     root = document.documentElement
     if root is None:
@@ -124,18 +126,19 @@ def _defaults_of_root(document: Document) -> dict[str, str]:
 def _imported() -> ModuleType:
     """Return PyPI's xacro, without Python 3.10's warnings about its private names.
 
-    A sourced ROS provides another xacro of any version, which PYTHONPATH puts first.
+    If a ROS installation is sourced, its xacro, in any version, comes first in
+    PYTHONPATH.
     """
     before = list(sys.path)
     of_ros = set(os.environ.get("PYTHONPATH", "").split(os.pathsep))
-    sys.path.sort(key=of_ros.__contains__)  # stable: ROS's folders go last
+    sys.path.sort(key=of_ros.__contains__)  # stable sort: ROS's folders are last
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)
             import xacro
     finally:
         sys.path[:] = before
-    return xacro  # type: ignore[no-any-return]  # it has no types
+    return xacro  # type: ignore[no-any-return]  # xacro has no type hints
 
 
 @final
@@ -148,10 +151,10 @@ class _Expansion:
         """The arguments that the files declare or read."""
 
     def parse(self, inp: None, filename: str) -> Document:
-        """Replace ``xacro.parse`` such that elements know their lines."""
+        """Replace ``xacro.parse`` such that elements have source locations."""
         path = source_path(Path(filename))
         if not path.is_file():
-            self._xacro.filestack.pop()  # like xacro, since this file was never entered
+            self._xacro.filestack.pop()  # as xacro does if a file cannot be read
             problem = self._why_no_file(path, is_empty=filename.endswith(os.sep))
             raise self._xacro.XacroException(exc=FileNotFoundError(problem))
         document = parse_file(path)
@@ -206,7 +209,7 @@ class _Expansion:
         return str(resolve_args(text, context=context))
 
     def _why_no_file(self, path: Path, *, is_empty: bool) -> str:
-        """Return why a path is not a file, or which arguments made the name empty."""
+        """Return the reason why a path is not a file, such as empty arguments."""
         if is_empty:
             args: dict[str, str] = self._xacro.substitution_args_context["arg"]
             empty = sorted(name for name, value in args.items() if not value.strip())
@@ -221,7 +224,7 @@ class _Expansion:
         return f"there is no file '{path}'"
 
     def load_yaml(self, filename: str) -> Any:  # whatever YAML holds
-        """Replace ``xacro.load_yaml``; the C loader is used if available."""
+        """Replace ``xacro.load_yaml``; the C loader is used if it is available."""
         path = source_path(Path(self._xacro.abs_filename_spec(str(filename))))
         if not path.is_file():
             problem = self._why_no_file(path, is_empty=not str(filename).strip())
@@ -230,10 +233,10 @@ class _Expansion:
 
 
 def read_parameters(path: Path) -> YamlEntry:
-    """Return a YAML file's content as xacro reads it, with units such as ``!degrees``.
+    """Return a YAML file's content as read by xacro, with units such as ``!degrees``.
 
     Raises:
-        DescriptionError: If it cannot be read, or is empty.
+        DescriptionError: If the file cannot be read, or is empty.
     """
     units = {
         unit.value.tag: functools.partial(_construct, unit)
@@ -252,18 +255,19 @@ def _construct(unit: Any, loader: Any, node: Any) -> Any:  # xacro's and PyYAML'
     """Return a number with a unit, converted to SI, or raise ValueError."""
     try:
         return unit.constructor(loader, node)
-    except Exception as error:  # xacro evaluates it as Python
+    except Exception as error:  # xacro evaluates the number as Python code
         raise ValueError(str(error)) from None
 
 
 @final
 class Parameters(dict[str, Any]):
-    """A YAML mapping whose keys are also attributes: ``limits.elbow.upper``.
+    """A YAML mapping with keys that are also attributes: ``limits.elbow.upper``.
 
-    A missing key raises AttributeError with file, line and the nearest key.
+    Access to a missing key raises AttributeError with file, line and the most similar
+    key.
     """
 
-    _place = ""  # in the class, so that no attribute hides a key of the YAML
+    _place = ""  # a class attribute, so that no instance attribute hides a YAML key
 
     def __getattr__(self, key: str) -> Any:
         try:
@@ -289,7 +293,7 @@ def _wrapped(entry: YamlEntry) -> Any:
 
 @contextmanager
 def _substituted(xacro: ModuleType, run: _Expansion) -> Iterator[None]:
-    """Replace, within the context, the parts of xacro that need ROS with ``run``."""
+    """Replace the parts of xacro that need ROS with ``run`` within the context."""
     replacements = {
         "eval_extension": run.substitute,
         "parse": run.parse,
@@ -321,7 +325,7 @@ def _log(name: str, write: Callable[..., None]) -> Callable[..., None]:
     def report(*args: object, **_: object) -> None:
         write("xacro: %s", " ".join(map(str, args)))
 
-    report.__name__ = name  # name under which xacro offers it to expressions
+    report.__name__ = name  # name by which expressions in xacro call the function
     return report
 
 
@@ -333,7 +337,7 @@ def _compile(expression: str) -> Any:  # a code object
 def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
     """Return ``xacro.safe_eval`` with cached compilation.
 
-    ``${prefix}`` alone is evaluated about a hundred times per robot.
+    For example, ``${prefix}`` is evaluated about a hundred times per robot.
     """
 
     def safe_eval(
@@ -343,7 +347,7 @@ def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
         hidden = [name for name in code.co_names if name.startswith("__")]
         if hidden:
             raise xacro.XacroException(f"names such as {hidden[0]} are not allowed")
-        symbols.update(__builtins__={})  # like xacro, hides Python's builtins
+        symbols.update(__builtins__={})  # hides Python's builtins, as xacro does
         return eval(code, symbols, local)
 
     return safe_eval
@@ -352,8 +356,8 @@ def _safe_eval(xacro: ModuleType) -> Callable[..., Any]:
 def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
     """Return ``xacro.eval_text`` with a fast path around its lexer.
 
-    Text without ``$``, or with only plain ``${…}``, is evaluated here; xacro evaluates
-    everything else.
+    Text without ``$``, or with only plain ``${…}``, is evaluated here.  Any other text
+    is evaluated by xacro.
     """
     original: Callable[[str, Any], Any] = xacro.eval_text
     compiled = _safe_eval(xacro)
@@ -361,19 +365,20 @@ def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
     def evaluate(expression: str, symbols: Any) -> Any:
         try:
             return compiled(expression, symbols)
-        except Exception as error:  # the file's Python raises anything
+        except Exception as error:  # any exception of the file's Python
             suffix = f"when evaluating expression '{expression}'"
             raise xacro.XacroException(exc=error, suffix=suffix) from error
 
     def eval_text(text: str, symbols: Any) -> Any:
         if text and "$" not in text:
             return text
-        parts = _EXPRESSION.split(text)  # literals at even places, expressions at odd
+        # literals have even indices, expressions have odd indices
+        parts = _EXPRESSION.split(text)
         if len(parts) < 3 or any("$" in part for part in parts):
             return original(text, symbols)
         parts[1::2] = [evaluate(part, symbols) for part in parts[1::2]]
         if len(parts) == 3 and not parts[0] and not parts[2]:
-            return parts[1]  # with its type
+            return parts[1]  # a single expression keeps its type
         return "".join(map(str, parts))
 
     return eval_text

@@ -1,4 +1,4 @@
-"""Findings: mistakes in a user's file, with location and remedy."""
+"""Findings, which are mistakes in a user's file with location and remedy."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ _LONGEST = 100
 _MOST_QUOTED = 8
 
 Severity = Literal["error", "warning"]
-"""Severity: an error fails or has an unintended effect; a warning is suspicious."""
+"""Severity of a finding.  An error causes a failure or an unintended effect; a warning
+reports a suspicious entry."""
 
 
 @final
@@ -24,21 +25,21 @@ class Finding:
     location: SourceLocation
     """File and line of the mistake."""
     rule: str
-    """Identifier of the kind of mistake, the same in every file, such as
-    ``unread-key``."""
+    """Identifier of the kind of mistake, such as ``unread-key``."""
     severity: Severity = "error"
-    """``error`` if it fails or has an unintended effect; ``warning`` if suspicious."""
+    """``error`` for a failure or an unintended effect; ``warning`` for a suspicious
+    entry."""
     key: str = ""
     """Subject of the finding, such as a parameter's full name, an element or a
     joint."""
     message: str
-    """Description of the problem, and why it matters."""
+    """Description of the problem and of its effect."""
     remedy: str = ""
-    """Remedy; empty if the message is sufficient."""
+    """Instruction for fixing the mistake; empty if the message is sufficient."""
 
     @property
     def text(self) -> str:
-        """Problem and remedy as one text: ``message; remedy``."""
+        """The problem and the remedy as one text: ``message; remedy``."""
         return "; ".join(part for part in (self.message, self.remedy) if part)
 
     def as_json(self) -> dict[str, str | int | None]:
@@ -69,7 +70,7 @@ def error_at(
     *,
     severity: Severity = "error",
 ) -> Finding:
-    """Return a finding, an error by default; the arguments are those of ``Finding``."""
+    """Return a finding, which is an error by default; see ``Finding``'s fields."""
     return Finding(
         location=location,
         rule=rule,
@@ -84,7 +85,7 @@ warning_at = partial(error_at, severity="warning")
 
 
 def quoted(names: Iterable[str]) -> str:
-    """Return the first ``names`` for a sentence, such as ``'a', 'b' and 3 more``."""
+    """Return the first ``names`` as text for a message: ``'a', 'b' and 3 more``."""
     items = [f"'{short(name)}'" for name in names]
     left_out = len(items) - _MOST_QUOTED
     more = f" and {left_out} more" if left_out > 0 else ""
@@ -92,7 +93,7 @@ def quoted(names: Iterable[str]) -> str:
 
 
 def short(text: str) -> str:
-    """Return ``text``; if it is too long for a sentence, its middle is omitted."""
+    """Return ``text``, without its middle part if it is too long for a message."""
     if len(text) <= _LONGEST:
         return text
     half = _LONGEST // 2 - 1

@@ -1,6 +1,6 @@
-"""Frames as plain floats for the tick: 12 numbers, and the joints that carry them.
+"""Frames as 12 plain floats, and forward kinematics of such frames for the tick.
 
-A pass over 12 joints costs less than calling NumPy once per joint.
+Computing 12 joints with plain floats takes less time than one NumPy call per joint.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from tool0.description.transform import Vector3
 from tool0.description.transform_arrays import Array, turn_z_to
 
 Frame = tuple[float, ...]
-"""Axes x, y, z and origin, 12 floats."""
+"""Axes x, y and z of a frame, and its origin, as 12 floats."""
 ROOT: Frame = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
@@ -24,19 +24,20 @@ ROOT: Frame = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 class FlatTree:
     """Forward kinematics for a single set of joint positions.
 
-    The frame of each joint is turned so that the joint acts along its z axis; its
-    motion then mixes only two axes.
+    The frame of each joint is rotated so that the joint acts along the frame's z axis.
+    A joint rotation then changes only the x and y axes.
     """
 
     def __init__(self, joints: Sequence[TreeJoint], root: Array | None = None) -> None:
         """Precompute the frames of ``joints``; ``root`` (3, 3) rotates all results."""
         self.turns: list[Array] = [turn_z_to(joint.axis) for joint in joints]
-        """Rotation of each joint's frame, shape (3, 3): its third column is the
+        """Rotation of each joint's frame, shape (3, 3); the third column is the joint's
         axis."""
         self.parents = [joint.parent for joint in joints]
         self.is_prismatic = [joint.is_prismatic for joint in joints]
         self.placements: list[Frame] = []
-        """Each joint's turned frame at position 0, in its parent's turned frame."""
+        """Rotated frame of each joint at position 0, in the rotated frame of its
+        parent."""
         first = np.eye(3) if root is None else root
         for (parent, placement, *_), turn in zip(joints, self.turns, strict=True):
             before = self.turns[parent].T if parent >= 0 else first
@@ -45,7 +46,7 @@ class FlatTree:
             self.placements.append(flat_frame(rotation, offset))
 
     def frames(self, position: Sequence[float]) -> list[Frame]:
-        """Return each joint's turned frame in the root, after the joint's motion.
+        """Return each joint's rotated frame in the root, including the joint's motion.
 
         ``position`` [rad | m] is in the order of the joints.
         """
@@ -106,7 +107,7 @@ def rotate(frame: Sequence[float], vector: Vector3) -> Vector3:
 
 
 def rotate_back(frame: Sequence[float], vector: Vector3) -> Vector3:
-    """Return a vector in the axes of ``frame``; the inverse of ``rotate``."""
+    """Return a vector in the axes of ``frame``; this is the inverse of ``rotate``."""
     x, y, z = vector
     a, b, c, d, e, f, g, h, i = frame[:9]
     return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z

@@ -1,6 +1,7 @@
-"""Forward kinematics in plain floats: joint positions, link poses and velocities.
+"""Forward kinematics with plain floats: joint positions, link poses and velocities.
 
-``joint_tree`` computes many positions at once, ``flat_frames`` the tick's.
+``joint_tree`` computes the kinematics of many joint positions at the same time, and
+``flat_frames`` computes the kinematics in the tick.
 """
 
 from __future__ import annotations
@@ -37,10 +38,11 @@ def link_poses(
 ) -> dict[str, Transform]:
     """Return the pose of every link in the root link.
 
-    A joint without a ``position`` [rad | m] is at 0, or follows the joint it mimics.
+    A joint that is missing in ``position`` [rad | m] is at 0, or follows its master
+    joint.
 
     Raises:
-        ModelError: If ``position`` names a joint that the robot does not have.
+        ModelError: If ``position`` contains a joint that the robot does not have.
     """
     given = position or {}
     _check_names(model, given)
@@ -65,7 +67,7 @@ def link_pose(
 
 
 def _above(model: RobotModel, position: Mapping[str, float], link: str) -> Transform:
-    """Return the pose of ``link`` in the root, using only the joints above it."""
+    """Return the pose of ``link`` in the root, computed from the joints above it."""
     joints, name = [], model.link(link).name
     while (joint := model.parent_joint.get(name)) is not None:
         joints.append(joint)
@@ -84,7 +86,8 @@ def _check_names(model: RobotModel, position: Mapping[str, float]) -> None:
 def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
     """Return the pose of the joint's child link in its parent link.
 
-    Positions are as for ``link_poses``; planar and floating joints stay at 0.
+    ``position`` has the same meaning as for ``link_poses``.  Planar and floating joints
+    always have position 0.
     """
     at_zero = _at_zero(joint.origin)
     if joint.type is JointType.PRISMATIC:
@@ -96,13 +99,15 @@ def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
     return at_zero
 
 
-@lru_cache(maxsize=1024)  # the origins of some robots; they never change
+@lru_cache(maxsize=1024)  # the origins of the joints of some robots, which are constant
 def _at_zero(origin: Pose) -> Transform:
     return to_transform(origin) @ Transform()  # without negative zeros
 
 
 def joint_position(joint: Joint, position: Mapping[str, T]) -> T | float:
-    """Return the position of ``joint``: given, from its mimic relation, or 0.
+    """Return the position of ``joint``.
+
+    The result is the given position, the position from the mimic relation, or 0.
 
     Positions are numbers or arrays.
     """
@@ -115,12 +120,14 @@ def joint_position(joint: Joint, position: Mapping[str, T]) -> T | float:
 def joint_positions(
     model: RobotModel, given: Mapping[str, float], otherwise: Sequence[float]
 ) -> list[float]:
-    """Return every movable joint's position [rad | m], shape (n_joints,).
+    """Return the positions of the movable joints [rad | m], shape (n_joints,).
 
     Args:
-        model: The robot; the order is that of its ``movable_joints``.
+        model: The robot.  The positions are in the order of the robot's
+            ``movable_joints``.
         given: Positions of some joints, by name.
-        otherwise: Positions of the other joints; mimic joints follow their master.
+        otherwise: Positions used for the joints that are not in ``given``.  The values
+            for mimic joints are ignored, since these follow their master joints.
 
     Raises:
         ModelError: If a joint is unknown or its position cannot be determined.
@@ -150,7 +157,10 @@ def joint_positions(
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrameMotion:
-    """Pose and velocity of a frame relative to a reference frame, in its axes."""
+    """Pose and velocity of a frame relative to a reference frame.
+
+    Vectors are in the axes of the reference frame.
+    """
 
     pose: Transform = field(default_factory=Transform)
     linear: Vector3 = _ZERO
@@ -159,7 +169,7 @@ class FrameMotion:
     """Angular velocity of the frame [rad/s]."""
 
     def carry(self, fixed: Transform) -> FrameMotion:
-        """Return the motion of a frame that has the constant pose ``fixed`` in this."""
+        """Return the motion of a frame with constant pose ``fixed`` in this frame."""
         pose = self.pose @ fixed
         arm = subtract(pose.position, self.pose.position)
         return FrameMotion(
@@ -171,8 +181,8 @@ class FrameMotion:
     def relative_to(self, other: FrameMotion) -> FrameMotion:
         """Return this motion relative to ``other``, in the axes of ``other``.
 
-        As in Gazebo, the velocities are simply subtracted; the rotation of ``other``
-        contributes nothing.
+        The velocities are subtracted, as Gazebo does.  The rotation of ``other`` does
+        not contribute to the relative velocity.
         """
         T_other_reference = other.pose.inverse()
         return FrameMotion(
@@ -182,7 +192,7 @@ class FrameMotion:
         )
 
     def placed_in(self, frame: Transform) -> FrameMotion:
-        """Return this motion, given in the static ``frame``, in its parent frame."""
+        """Return this motion, given in the static ``frame``, in that frame's parent."""
         return FrameMotion(
             pose=frame @ self.pose,
             linear=frame.rotate(self.linear),
@@ -195,9 +205,9 @@ def link_motions(
 ) -> dict[str, FrameMotion]:
     """Return the motion of every link relative to the root link.
 
-    Positions [rad | m] and velocities [rad/s | m/s] are by joint, as for
-    ``link_poses``.  Without a given velocity, a mimic joint follows its master, and any
-    other joint is at rest.
+    Positions [rad | m] and velocities [rad/s | m/s] are given by joint name, as for
+    ``link_poses``.  If no velocity is given, a mimic joint follows its master joint,
+    and any other joint is at rest.
     """
     found = {model.root: FrameMotion()}
     for joint in model.joints:
@@ -207,7 +217,7 @@ def link_motions(
             rate = velocity.get(joint.name, 0.0)
         else:
             rate = mimic.multiplier * velocity.get(mimic.joint, 0.0)
-        if rate:  # the axis is the same before and after the joint's own motion
+        if rate:  # the joint's motion does not change the direction of its axis
             x, y, z = motion.pose.rotate(joint.axis)
             own = (rate * x, rate * y, rate * z)
             if joint.type is JointType.PRISMATIC:

@@ -1,4 +1,4 @@
-"""Grasp frame of a gripper: its pads, and the frame between them."""
+"""Pads of a gripper, and the grasp frame between the pads."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from tool0.errors import ControlError
 
 
 def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
-    """Return the pads of ``gripper``: its links that have a ``<gazebo>`` surface.
+    """Return the pads of ``gripper``, the links that have a ``<gazebo>`` surface.
 
     Raises:
-        ControlError: If there are not exactly two.
+        ControlError: If the gripper does not have exactly two pads.
     """
     base = model.joint(gripper.joint).parent
     pads = [name for name in model.links_from(base) if model.link(name).surface]
@@ -25,7 +25,7 @@ def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
 
 
 def flange_of(model: RobotModel, gripper: ParallelGripper) -> str:
-    """Return the link on which ``gripper`` is mounted: a ``…tool0``, or its base."""
+    """Return the link that carries ``gripper``: a ``…tool0``, or the base link."""
     base = link = model.joint(gripper.joint).parent
     while (joint := model.parent_joint.get(link)) and not joint.is_movable:
         link = joint.parent
@@ -39,20 +39,22 @@ def grasp_frame(
 ) -> Transform:
     """Return the frame midway between the pads, in the link ``relative_to``.
 
-    y points from pad to pad, z away from the gripper's base.  Pads that move on circles
-    change their distance from the base with the opening (by up to 14 mm for a 2F-85).
+    The y axis points from one pad to the other pad, and the z axis points away from the
+    gripper's base.  If the pads move on circles, their distance from the base depends
+    on the opening.  For a 2F-85, this distance changes by up to 14 mm.
 
     Args:
         model: The robot.
-        gripper: One of its grippers.
+        gripper: One of the robot's grippers.
         opening: Distance between the pads [m].
-        relative_to: A link that the gripper is fixed to, such as ``tool0``.
+        relative_to: A link to which the gripper is fixed, such as ``tool0``.
 
     Raises:
-        ModelError: If there is no such link, or the gripper cannot open that far.
+        ModelError: If the robot has no link ``relative_to``, or the opening is outside
+            the gripper's range.
         ControlError: If the gripper does not have two pads.
     """
-    import numpy as np  # slow to import
+    import numpy as np  # NumPy is slow to import
 
     found = link_poses(model, {gripper.joint: gripper.position(opening)})
     base = model.joint(gripper.joint).parent

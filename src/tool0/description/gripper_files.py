@@ -1,8 +1,9 @@
-"""Checks of a gripper's YAML files before xacro reads them: errors name file and line.
+"""Checks of a gripper's YAML files before xacro reads them.
 
-These checks cover what all grippers have in common, whatever mechanism the folder's
-macro describes.  If the macro needs a further key that is missing, xacro reports the
-mapping that lacks it.
+Errors state file and line.  The checks cover the keys that all grippers have,
+independent of the mechanism that the macro in the folder describes.  If the macro needs
+an additional key and this key is missing, xacro reports the mapping in which the key is
+missing.
 """
 
 from __future__ import annotations
@@ -43,11 +44,12 @@ _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 def check_gripper_files(files: Mapping[str, Path]) -> None:
     """Raise an error with file and line for the first missing or impossible value.
 
-    ``files`` are the gripper's files by name, such as ``joint_limits``.
+    ``files`` maps the names of the gripper's files, such as ``joint_limits``, to their
+    paths.
 
     Raises:
         DescriptionError: If a key is missing or unknown, or a value is not a number.
-        ModelError: If no gripper can have the value.
+        ModelError: If a value is physically impossible.
     """
     check_files(files, _CHECKS)
 
@@ -136,4 +138,4 @@ _CHECKS: Mapping[str, Callable[[YamlEntry], None]] = {
     "poses": _check_poses,
 }
 GRIPPER_FILES: Final = tuple(_CHECKS)
-"""Names of the files that are checked, without ``.yaml``."""
+"""Names, without ``.yaml``, of the files that are checked."""

@@ -1,7 +1,8 @@
-"""The hardware components of a robot: its ``<ros2_control>`` tags.
+"""Hardware components of a robot, which are described by ``<ros2_control>`` tags.
 
-A component is one device with a driver, such as an arm or a gripper.  It offers command
-and state interfaces: named numbers such as ``elbow_joint/position``.
+A component is one device with a driver, such as an arm or a gripper.  A component
+provides command and state interfaces, which are named numbers such as
+``elbow_joint/position``.
 """
 
 from __future__ import annotations
@@ -22,16 +23,16 @@ WRENCH = (*(f"force.{axis}" for axis in AXES), *(f"torque.{axis}" for axis in AX
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HardwareInterface:
-    """Interface of one number that controllers command or read, in SI units."""
+    """Interface for one number, in SI units, that controllers command or read."""
 
     name: str
-    """Name such as ``position``."""
+    """Name of the interface, such as ``position``."""
     lower: float = -math.inf
-    """Smallest command [SI]."""
+    """Smallest command [SI unit]."""
     upper: float = math.inf
-    """Largest command [SI]."""
+    """Largest command [SI unit]."""
     initial: float | None = None
-    """Initial value; None if the description does not state one."""
+    """Initial value; None if the description does not state an initial value."""
 
 
 @final
@@ -41,11 +42,11 @@ class HardwareItem:
 
     kind: ItemKind
     name: str
-    """Name of the item; for a joint, its name in the URDF."""
+    """Name of the item.  The name of a joint is its name in the URDF."""
     commands: tuple[HardwareInterface, ...] = ()
     states: tuple[HardwareInterface, ...] = ()
     parameters: Mapping[str, str] = field(default_factory=dict)
-    """Text of each ``<param>`` of the item, by name."""
+    """Text of each ``<param>`` element of the item, by parameter name."""
 
     @property
     def is_force_torque_sensor(self) -> bool:
@@ -58,17 +59,17 @@ class HardwareItem:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HardwareComponent:
-    """One device with a driver: a ``<ros2_control>`` tag."""
+    """One device with a driver, which is described by a ``<ros2_control>`` tag."""
 
     name: str
     type: ComponentType
     plugin: str
-    """Name of the driver (tool0 replaces it), such as
-    ``gz_ros2_control/GazeboSimSystem``."""
+    """Plugin name of the driver, such as ``gz_ros2_control/GazeboSimSystem``. tool0
+    replaces this driver."""
     parameters: Mapping[str, str] = field(default_factory=dict)
-    """Text of each ``<param>`` of the driver, by name."""
+    """Text of each ``<param>`` element of the driver, by parameter name."""
     items: tuple[HardwareItem, ...] = ()
-    """Joints, sensors, inputs and outputs, in document order."""
+    """Joints, sensors, inputs and outputs of the component, in document order."""
 
     @property
     def joints(self) -> Iterator[HardwareItem]:

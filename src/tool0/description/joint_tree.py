@@ -1,7 +1,8 @@
-"""Forward kinematics of the moving joints for many joint positions at once.
+"""Forward kinematics of the moving joints for many joint positions.
 
-Fixed joints are merged into the placements of the moving ones.  ``forward_kinematics``
-computes single postures by joint name, ``flat_frames`` single postures for the tick.
+Fixed joints are merged into the placements of the moving joints.
+``forward_kinematics`` computes a single posture from positions by joint name, and
+``flat_frames`` computes a single posture in the tick.
 """
 
 from __future__ import annotations
@@ -23,10 +24,10 @@ from tool0.description.transform_arrays import (
 
 
 class TreeJoint(NamedTuple):
-    """A joint that turns or slides."""
+    """A revolute, continuous or prismatic joint."""
 
     parent: int
-    """Index of the joint that carries this one; -1 is the root."""
+    """Index of the joint that carries this joint; -1 denotes the root."""
     placement: Array
     """Frame of the joint at position 0 in the parent joint's frame, shape (4, 4)."""
     axis: Vector3
@@ -34,7 +35,7 @@ class TreeJoint(NamedTuple):
 
 
 class JointFrames(NamedTuple):
-    """The frames of m joints in the root, after their motion, at n positions."""
+    """Frames of m joints in the root at n positions, including the joints' motions."""
 
     rotations: list[Array]
     """Rotation matrices of the frames: m arrays of shape (n, 3, 3)."""
@@ -46,7 +47,7 @@ class JointFrames(NamedTuple):
 
 @final
 class JointTree:
-    """Tree of joints, each placed in the frame of an earlier joint or in the root."""
+    """Tree of joints; each joint is placed in an earlier joint or in the root."""
 
     def __init__(self, joints: Sequence[TreeJoint]) -> None:
         self._joints = tuple(joints)
@@ -78,15 +79,15 @@ class JointTree:
 
 
 class PlacedLinks(NamedTuple):
-    """Links, each with the moving joint that carries it."""
+    """Links, and the moving joint that carries each link."""
 
     joints: tuple[Joint, ...]
-    """Joints that turn or slide, parents first."""
+    """Revolute, continuous and prismatic joints.  A parent precedes its children."""
     tree: tuple[TreeJoint, ...]
-    """The same joints for a ``JointTree``."""
+    """The elements of ``joints``, in the form used by ``JointTree``."""
     placements: dict[str, tuple[int, Transform]]
-    """Link → index of the joint that carries it (-1 for none), and pose in its
-    frame."""
+    """Map from a link to the index of the joint that carries the link (-1 if no joint
+    carries it), and the link's pose in the frame of that joint."""
 
 
 def place_links(
@@ -123,10 +124,10 @@ def place_links(
 
 @final
 class LinkFrames:
-    """Poses of some links of a model in its root, for n joint positions at once."""
+    """Poses of some links in the root of a model, for n joint positions."""
 
     def __init__(self, model: RobotModel, links: Sequence[str]) -> None:
-        """Collect the joints above ``links``; a missing link raises ModelError."""
+        """Collect the joints above ``links``, or raise ModelError for unknown links."""
         self._links = tuple(links)
         self._joints, tree, self._placements = place_links(model, links)
         self._tree = JointTree(tree)
@@ -134,7 +135,7 @@ class LinkFrames:
     def poses(self, position: Mapping[str, Array], n: int) -> dict[str, Frames]:
         """Return the links' poses for joint positions [rad | m], each of shape (n,).
 
-        A joint without a position is at 0, or follows the joint that it mimics.
+        A joint without a given position is at 0, or follows its master joint.
         """
         q = np.empty((n, len(self._joints)))
         for k, joint in enumerate(self._joints):

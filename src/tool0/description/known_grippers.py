@@ -1,7 +1,7 @@
-"""Grippers in published robot files, recognised by their driven joint's name.
+"""Grippers in published robot files, recognized by the name of the driven joint.
 
-Other projects' files have no ``<parallel_gripper>``, the element that relates the
-opening to the joint's position.
+The files of other projects do not contain the element ``<parallel_gripper>``, which
+relates the opening to the joint's position.
 """
 
 from __future__ import annotations
@@ -21,17 +21,19 @@ _JOINTS: Final = (
     "robotiq_140_left_knuckle_joint",
     "finger_joint",
 )
-"""Driven joints in ros-industrial's and PickNik's descriptions, without prefix."""
+"""Names, without prefix, of the driven joints in the descriptions of ros-industrial and
+PickNik."""
 _OF_140: Final = 0.72
-"""Largest upper limit of a 2F-140 [rad]; a 2F-85 closes at 0.8."""
+"""Upper joint limit below which a gripper is a 2F-140 [rad].  A 2F-85 is closed at 0.8
+rad."""
 
 
 def add_known_grippers(
     document: Document, catalogue: Callable[[str], ParallelGripper]
 ) -> None:
-    """Add ``<parallel_gripper>`` for known grippers, if the file has none.
+    """Add ``<parallel_gripper>`` for known grippers, if the file has no such element.
 
-    ``catalogue`` returns the built-in gripper with a given name.
+    ``catalogue`` is a function that returns the built-in gripper with a given name.
     """
     robot = document.documentElement
     if robot is None or _has(robot, "parallel_gripper"):
@@ -67,7 +69,7 @@ def _has(element: Element, tag: str) -> bool:
 
 
 def _values(gripper: ParallelGripper) -> dict[str, str]:
-    """Return the ``<parallel_gripper>`` attributes of a gripper whose pads swing."""
+    """Return the ``<parallel_gripper>`` attributes of a gripper with a rotary joint."""
     law = gripper.law
     assert isinstance(law, RotaryOpening)
     numbers = {

@@ -1,4 +1,4 @@
-"""Loading of any robot's description: built-in arms and grippers, or your own file."""
+"""Loading of robot descriptions, from built-in arms and grippers or your own file."""
 
 from __future__ import annotations
 
@@ -44,10 +44,10 @@ MESHES = ("tool0", "upstream")
 GRIPPER_MODELS = ("mimic", "linkage")
 
 _LINKAGE_FILE = "linkage.yaml"
-"""File name of the linkage model; not every gripper has one."""
+"""File name of a gripper's linkage model.  Some grippers do not have this file."""
 _PREFIX = re.compile(r"\w*")
 _UPRIGHT = 0.01
-"""Largest tilt at which an arm still gets a pedestal [rad]."""
+"""Largest tilt at which an arm has a pedestal [rad]."""
 
 _ARM_ARGUMENTS = {
     "default_kinematics": "kinematics_params",
@@ -55,25 +55,26 @@ _ARM_ARGUMENTS = {
     "physical_parameters": "physical_params",
     "visual_parameters": "visual_params",
 }
-"""File in the arm's folder → xacro argument that replaces it."""
+"""Map from a file in the arm's folder to the xacro argument that replaces the file."""
 
 _GRIPPER_ARGUMENTS = {
     "joint_limits": "gripper_joint_limit_params",
     "physical_parameters": "gripper_params",
     "visual_parameters": "gripper_visual_params",
 }
-"""File in the gripper's folder → xacro argument that replaces it."""
+"""Map from a file in the gripper's folder to the xacro argument that replaces the
+file."""
 
 Poses = Mapping[str, Mapping[str, float]]
-"""Pose name → joint name → position [rad | m]."""
+"""Joint positions [rad | m] by pose name and joint name."""
 
 
 def load_description(
     config: DescriptionConfig, *, spawn_z: float = SPAWN_Z
 ) -> RobotDescription:
-    """Return the robot of ``config``; a catalogue arm stands in ``world``.
+    """Return the robot of ``config``; an arm of the catalogue is fixed to ``world``.
 
-    Its pedestal reaches to the ground, ``spawn_z`` [m] below ``world``.
+    The arm's pedestal reaches the ground, which is ``spawn_z`` [m] below ``world``.
 
     Raises:
         DescriptionError: If a name, an argument or a file is missing or wrong.
@@ -156,9 +157,9 @@ def _load_cell(cell: Cell, spawn_z: float) -> RobotDescription:
 def _expand_robot(
     config: DescriptionConfig, spawn_z: float, name: str = ""
 ) -> tuple[CatalogueRobot, Expanded]:
-    """Return an arm of the catalogue with its gripper, and its URDF.
+    """Return an arm of the catalogue with its gripper, and the expanded URDF.
 
-    With a ``name``, the arm is a robot of a cell.
+    A ``name`` that is not empty means that the arm is a robot of a cell.
     """
     prefix = f"{name}_" if name else ""
     defaults = {"arm": DEFAULT_ARM, "gripper": DEFAULT_GRIPPER, "prefix": prefix}
@@ -203,9 +204,9 @@ def _catalogue_file() -> Path:
 def assemble(
     arm: str = DEFAULT_ARM, gripper: str | None = DEFAULT_GRIPPER, **args: Argument
 ) -> RobotDescription:
-    """Return ``arm`` with ``gripper`` and further xacro arguments.
+    """Return ``arm`` with ``gripper`` and the given xacro arguments.
 
-    See ``load_description`` for the errors.
+    The function raises the same errors as ``load_description``.
     """
     return load_description(DescriptionConfig(arm=arm, gripper=gripper, args=args))
 
@@ -217,15 +218,16 @@ def load_robot(
     is_driven: bool = False,
     relax_inertia: bool = False,
 ) -> RobotDescription:
-    """Return the robot in your own file, which is xacro unless it ends in ``.urdf``.
+    """Return the robot in your own file: a xacro file, unless its suffix is ``.urdf``.
 
-    Packages of the workspace that contains the file take precedence over all others.
-    With ``is_driven``, every joint is driven if the file does not declare which ones
-    are.  With ``relax_inertia``, physically impossible inertias are replaced.
+    Packages of the workspace that contains the file take precedence over all other
+    packages.  If ``is_driven`` is set and the file does not declare which joints are
+    driven, every joint is driven.  If ``relax_inertia`` is set, physically impossible
+    inertias are replaced.
 
     Raises:
-        DescriptionError: If the file, or a file it refers to, cannot be read.
-        ModelError: If its parameters are physically impossible.
+        DescriptionError: If the file, or a file to which it refers, cannot be read.
+        ModelError: If the file's parameters are physically impossible.
     """
     path = expanded(path)
     if not path.is_file():
@@ -251,14 +253,15 @@ def load_robot(
 
 
 def _built_in_gripper(name: str) -> ParallelGripper:
-    """Return a built-in gripper, including how its opening depends on its joint."""
+    """Return a built-in gripper with the relation between its opening and its joint."""
     return assemble(gripper=name).model.grippers[0]
 
 
 def named_poses(description: RobotDescription) -> Poses:
-    """Return the built-in poses of a robot; your own file has none.
+    """Return the built-in poses of a robot; none for a robot in your own file.
 
-    If several parts define a pose such as ``home``, the pose sets the joints of all.
+    If several parts define a pose of the same name, such as ``home``, the pose contains
+    the joints of all these parts.
     """
     poses: dict[str, dict[str, float]] = {}
     for robot in description.robots:
@@ -270,7 +273,7 @@ def named_poses(description: RobotDescription) -> Poses:
 
 
 def part_names(description: RobotDescription) -> Mapping[str, DisplayName]:
-    """Return the display names of links and joints; your own file has none."""
+    """Return the display names of links and joints; none for your own file."""
     return {
         robot.prefix + item: DisplayName(en=names["en"], zh=names["zh"])
         for robot in description.robots
@@ -299,7 +302,7 @@ def _own_files(
     arguments: Mapping[str, str],
     given: Mapping[str, str],
 ) -> Mapping[str, Path]:
-    """Return the YAML files of a part that are not built in, by name."""
+    """Return the user's YAML files for a part, by file name."""
     files = {}
     if not part.is_built_in:
         files = {name: part.folder / f"{name}.yaml" for name in names}
@@ -312,11 +315,11 @@ def _own_files(
 
 
 def _pedestal_height(given: Mapping[str, str], spawn_z: float) -> str:
-    """Return the height from the ground to the arm's base [m]; 0 if it is tilted."""
+    """Return the height of the arm's base above the ground [m]; 0 if it is tilted."""
     try:
         z = float(given.get("base_xyz", "0 0 0").split()[2])
         roll, pitch, _ = map(float, given.get("base_rpy", "0 0 0").split())
-    except (IndexError, ValueError):  # the xacro file reports it
+    except (IndexError, ValueError):  # the xacro file reports the wrong value
         return "0"
     height = round(spawn_z + z, 9)
     stands = 0.0 < height < math.inf and math.hypot(roll, pitch) < _UPRIGHT
@@ -326,8 +329,9 @@ def _pedestal_height(given: Mapping[str, str], spawn_z: float) -> str:
 def _to_texts(args: Mapping[str, Argument], *, ours: bool = True) -> dict[str, str]:
     """Return the given arguments as text for xacro.
 
-    In ``ours``, each ``…_params`` is a path and is made absolute here, since xacro
-    would resolve a relative path from the folder of its own file.
+    If ``ours`` is set, the arguments are those of tool0's own xacro file.  Each
+    argument ``…_params`` is then a path and is made absolute, since xacro would resolve
+    a relative path from the folder of the xacro file.
     """
     texts = {}
     for name, value in args.items():

@@ -12,18 +12,19 @@ from tool0.errors import ConfigError
 LAMP: Final[Vector3] = (-0.4, -1.0, 4.0)
 """Position of the lamp in the robot's root [m]."""
 BRIGHTEST: Final = 3.0
-"""Largest brightness, at which everything is white."""
+"""Largest brightness, at which the whole image is white."""
 LIT: Final[Vector3] = (0.2, 0.0, 0.0)
-"""The point that the lamp shines on [m]."""
+"""Point at which the lamp is directed, in the robot's root [m]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Look:
-    """Lighting: a lamp above the robot that casts shadows, and overall brightness."""
+    """Lighting of images: a lamp that casts shadows, and the overall brightness."""
 
     lamp: Vector3 = LAMP
-    """Position of the lamp in the robot's root [m]; it shines on the workspace."""
+    """Position of the lamp in the robot's root [m].  The lamp illuminates the
+    workspace."""
     brightness: float = 1.0
     """Overall brightness relative to the default."""
 

@@ -1,7 +1,8 @@
 """The robot as immutable values, as returned by the strict URDF parser.
 
-Lengths are [m], angles [rad], masses [kg], inertias [kg·m²], efforts [N·m] for a
-revolute joint and [N] for a prismatic one.  Frames are those of URDF and REP-103.
+Lengths are in [m], angles in [rad], masses in [kg] and inertias in [kg·m²].  The effort
+of a revolute joint is in [N·m], and that of a prismatic joint is in [N].  Frames follow
+URDF and REP-103.
 """
 
 from __future__ import annotations
@@ -30,19 +31,22 @@ Item = TypeVar("Item")
 FLANGE = "tool0"
 """Name of the link at the end of an arm, without prefix (REP-199)."""
 DEFAULT_TURN_VELOCITY = 1.0
-"""Velocity limit of revolute joints that state none [rad/s]; deliberately slow."""
+"""Velocity limit of revolute joints without a stated limit [rad/s].  The value is
+deliberately low."""
 DEFAULT_SLIDE_VELOCITY = 0.25
-"""Velocity limit of prismatic joints that state none [m/s]."""
+"""Velocity limit of prismatic joints without a stated limit [m/s]."""
 TIME_TO_FULL_SPEED = 0.4
-"""Time from rest to the largest speed at the default acceleration limit [s].  This is a
-guess, since datasheets do not state it: a UR5's shoulder gets 7.9 rad/s², which its
-drive can achieve with the arm outstretched."""
+"""Time from rest to the largest speed at the default acceleration limit [s].  This
+value is an estimate, since datasheets do not state it.  With this value, the
+acceleration limit of a UR5's shoulder is 7.9 rad/s², which the drive can achieve while
+the arm is outstretched."""
 _ROUNDING = 1e-3
-"""Tolerance of the triangle inequality, for numbers rounded by CAD programs."""
+"""Relative tolerance of the triangle inequality for principal moments of inertia.  CAD
+programs export rounded numbers."""
 ROBOTIQ: Final = "robotiq"
-"""Protocol of Robotiq's grippers: the URCap's socket and Modbus registers."""
+"""Protocol of Robotiq's grippers: the socket of the URCap, and Modbus registers."""
 GRIPPER_PROTOCOLS: Final = (ROBOTIQ,)
-"""Device protocols that a gripper may speak."""
+"""Device protocols that a gripper can use."""
 
 
 @final
@@ -52,7 +56,7 @@ class Inertial:
 
     mass: float
     origin: Pose = field(default_factory=Pose)
-    """Pose of the centre of mass and of the inertia's axes in the link's frame."""
+    """Pose of the center of mass and of the inertia's axes in the link's frame."""
     ixx: float
     ixy: float = 0.0
     ixz: float = 0.0
@@ -62,10 +66,11 @@ class Inertial:
 
     @property
     def principal_moments(self) -> Vector3:
-        """The eigenvalues of the inertia [kg·m²], smallest first.
+        """The eigenvalues of the inertia [kg·m²], in ascending order.
 
-        They are computed in closed form for symmetric 3 by 3 matrices, because NumPy is
-        slow to import; see https://en.wikipedia.org/wiki/Eigenvalue_algorithm.
+        The eigenvalues are computed in closed form for symmetric 3 by 3 matrices,
+        because NumPy is slow to import; see
+        https://en.wikipedia.org/wiki/Eigenvalue_algorithm.
         """
         a, b, c = self.ixx, self.iyy, self.izz
         d, e, f = self.ixy, self.ixz, self.iyz
@@ -93,7 +98,7 @@ def check_mass(mass: float, link: str, location: SourceLocation | None) -> None:
 
 
 def check_protocol(name: str, location: SourceLocation | None) -> None:
-    """Raise DescriptionError unless a gripper may speak the protocol ``name``."""
+    """Raise DescriptionError unless a gripper can use the protocol ``name``."""
     if name not in GRIPPER_PROTOCOLS:
         raise DescriptionError(
             f"unknown gripper protocol '{name}'; tool0 has "
@@ -145,7 +150,8 @@ class Surface:
     """Contact properties of a gripping surface, from ``<gazebo reference=…>``."""
 
     mu1: float | None = None
-    """Coulomb friction coefficient; None if the element does not state it."""
+    """Coulomb friction coefficient; None if the ``<gazebo>`` element does not state
+    it."""
 
 
 @final
@@ -157,7 +163,8 @@ class Link:
     collisions: tuple[Collision, ...] = ()
     surface: Surface | None = None
     self_collide: bool = False
-    """Whether the link collides with links of its own robot that also set this flag."""
+    """Whether the link collides with links of the same robot for which this flag is
+    also set."""
 
 
 class JointType(enum.Enum):
@@ -170,8 +177,8 @@ class JointType(enum.Enum):
 
 
 RECOVERABLE = 0.05
-"""Largest distance beyond a limit from which a motion may still bring a joint back [rad
-| m].  A push, a stop or a hand can leave a joint there."""
+"""Largest distance beyond a position limit at which a motion may start [rad | m].  A
+push, a stop or manual guidance can move a joint beyond its limit."""
 
 
 @final
@@ -179,7 +186,8 @@ RECOVERABLE = 0.05
 class JointLimits:
     """Limits of one joint.  Infinity means unlimited; NaN is rejected.
 
-    Units are [rad] and [N·m] for a revolute joint, [m] and [N] for a prismatic one.
+    The units are [rad] and [N·m] for a revolute joint, and [m] and [N] for a prismatic
+    joint.
     """
 
     lower: float = -math.inf
@@ -218,8 +226,8 @@ class JointLimits:
     def range_from(self, start: float) -> tuple[float, float]:
         """Return the smallest and the largest position of a motion from ``start``.
 
-        A joint that starts up to ``RECOVERABLE`` beyond a limit may come back; the
-        range then extends to its start position.
+        If the joint starts outside its limits, by up to ``RECOVERABLE``, the range is
+        extended to the start position, so that the joint can return.
         """
         lower = min(self.lower, max(start, self.lower - RECOVERABLE))
         upper = max(self.upper, min(start, self.upper + RECOVERABLE))
@@ -229,7 +237,7 @@ class JointLimits:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SafetyController:
-    """Soft limits, as in URDF's ``<safety_controller>``."""
+    """Soft limits of a joint, from URDF's ``<safety_controller>``."""
 
     soft_lower_limit: float = -math.inf
     soft_upper_limit: float = math.inf
@@ -250,12 +258,12 @@ class Mimic:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spring:
-    """Joint spring: effort = stiffness · (reference - position)."""
+    """Spring in a joint: effort = stiffness · (reference - position)."""
 
     stiffness: float
     """Stiffness of the spring [N·m/rad | N/m]."""
     reference: float = 0.0
-    """Position at which the spring is slack [rad | m]."""
+    """Position at which the spring exerts no effort [rad | m]."""
 
 
 def shortest_turn(start: float, end: float) -> float:
@@ -279,8 +287,8 @@ class Joint:
     friction: float = 0.0
     mimic: Mimic | None = None
     passive: bool = False
-    """Whether only a loop drives the joint; it mimics while nothing touches the
-    loop."""
+    """Whether the joint is driven only by a kinematic loop.  The joint's mimic relation
+    is valid while nothing touches the loop."""
     spring: Spring | None = None
     safety: SafetyController | None = None
 
@@ -290,7 +298,7 @@ class Joint:
 
     @property
     def max_velocity(self) -> float:
-        """The joint's velocity limit [rad/s | m/s], or a slow default."""
+        """The joint's velocity limit [rad/s | m/s], or a low default value."""
         if math.isfinite(self.limits.velocity):
             return self.limits.velocity
         if self.type is JointType.PRISMATIC:
@@ -308,7 +316,7 @@ class Joint:
 
 
 class Interface(enum.Enum):
-    """The command interface of a joint, named as in ros_control."""
+    """Command interface of a joint, with the name that ros_control uses."""
 
     EFFORT = "hardware_interface/EffortJointInterface"
     POSITION = "hardware_interface/PositionJointInterface"
@@ -323,13 +331,15 @@ class Transmission:
     name: str
     joint: str
     interfaces: tuple[Interface, ...]
-    """Command interfaces, the preferred one first; only one is active at a time."""
+    """Command interfaces of the drive, starting with the preferred interface.  Only one
+    interface is active at a time."""
     mechanical_reduction: float = 1.0
     rotor_inertia: float = 0.0
-    """Inertia of the rotor, on the motor side [kg·m²]."""
+    """Inertia of the rotor on the motor side of the transmission [kg·m²]."""
     gravity_compensation: bool = False
-    """Whether the drive compensates for gravity itself, so that commanded effort acts
-    in addition; for drives with such a large reduction that gravity hardly matters."""
+    """Whether the drive compensates for gravity, so that the commanded effort is added
+    to the compensation.  Gravity compensation is meant for drives with such a large
+    reduction that gravity has little effect."""
     command_limits: JointLimits = field(default_factory=JointLimits)
     """Limits of the drive's commands, in addition to the joint's limits."""
 
@@ -342,29 +352,30 @@ class Transmission:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoopJoint:
-    """Loop closure: two points of different links that coincide."""
+    """Loop closure that keeps two points of different links at the same position."""
 
     name: str
     links: tuple[str, str]
     points: tuple[Vector3, Vector3]
-    """The point in the frame of the first link and in the frame of the second [m]."""
+    """Position of the common point in the frame of the first link and in the frame of
+    the second link [m]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotaryOpening:
-    """Opening of a gripper whose revolute joint moves each pad on a circle.
+    """Opening of a gripper with a revolute joint that moves each pad on a circle.
 
-    ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``, as with
-    parallelogram linkages.
+    ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``.  This is the
+    relation for parallelogram linkages.
     """
 
     pad_offset: float
-    """Constant distance of a pad from the centre [m]."""
+    """Constant part of a pad's distance from the center [m]."""
     pad_cos: float
-    """Coefficient of cos q in a pad's distance from the centre [m]."""
+    """Coefficient of cos q in a pad's distance from the center [m]."""
     pad_sin: float
-    """Coefficient of sin q in a pad's distance from the centre [m]."""
+    """Coefficient of sin q in a pad's distance from the center [m]."""
 
     def opening(self, position: float) -> float:
         """Return the distance between the pads [m] at joint ``position`` [rad]."""
@@ -390,16 +401,16 @@ class RotaryOpening:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinearOpening:
-    """Opening of a gripper whose prismatic joint moves each pad on a straight line.
+    """Opening of a gripper with a prismatic joint that moves each pad on a line.
 
     ``opening(q) = 2 (pad_offset + pad_slope · q)``.
     """
 
     pad_offset: float
-    """Distance of a pad from the centre at q = 0 [m]."""
+    """Distance of a pad from the center at q = 0 [m]."""
     pad_slope: float
-    """Change of a pad's distance per joint position; negative: growth closes the
-    pads."""
+    """Change of a pad's distance from the center per change of the joint's position.
+    If the value is negative, an increasing position closes the pads."""
 
     def opening(self, position: float) -> float:
         """Return the distance between the pads [m] at joint ``position`` [m]."""
@@ -410,7 +421,7 @@ class LinearOpening:
         return (opening / 2.0 - self.pad_offset) / self.pad_slope
 
     def lever(self, position: float) -> float:
-        """Return ``|d opening / d position|``, the same everywhere."""
+        """Return ``|d opening / d position|``, which is independent of the position."""
         return 2.0 * abs(self.pad_slope)
 
 
@@ -419,7 +430,8 @@ class LinearOpening:
 class ParallelGripper:
     """The relation between the opening of a parallel gripper and its driven joint.
 
-    The gripper closes as the position of the joint grows: a positive effort closes it.
+    The gripper closes when the position of the joint increases, so that a positive
+    effort closes the gripper.
     """
 
     name: str
@@ -435,15 +447,15 @@ class ParallelGripper:
     force: tuple[float, float]
     """Weakest and strongest grip force at each pad [N]."""
     protocol: str | None = None
-    """Device protocol of the gripper's ports, one of ``GRIPPER_PROTOCOLS``; None if it
-    speaks none of them."""
+    """Device protocol of the gripper's ports, one of ``GRIPPER_PROTOCOLS``.  The
+    protocol is None if the gripper does not use any of these protocols."""
     passive: tuple[tuple[str, Mimic], ...] = ()
-    """Mimic relations of the linkage's joints; valid while the pads are parallel, not
-    when the fingers wrap around an object."""
+    """Mimic relations of the linkage's joints.  The relations are valid while the pads
+    are parallel, and invalid when the fingers wrap around an object."""
 
     @property
     def quantity(self) -> Quantity:
-        """The quantity that the joint's position measures."""
+        """The physical quantity of the joint's position."""
         return LENGTH if isinstance(self.law, LinearOpening) else ANGLE
 
     def opening(self, position: float) -> float:
@@ -463,7 +475,7 @@ class ParallelGripper:
     def lever(self, position: float) -> float:
         """Return ``|d opening / d position|`` [m/rad | m/m] at ``position``.
 
-        The joint's effort equals the grip force times this lever.
+        The joint's effort is the product of the grip force and this lever.
         """
         return self.law.lever(position)
 
@@ -476,29 +488,28 @@ class RobotModel:
     name: str
     """Name of the robot in the URDF."""
     root: str
-    """Link without a parent; poses are in its frame."""
+    """Name of the link without a parent.  Poses are in the frame of this link."""
     links: tuple[Link, ...]
-    """The links, in the order of the URDF."""
+    """The links, in URDF order."""
     joints: tuple[Joint, ...]
-    """The joints, depth first from the root, with children in the order of the URDF."""
+    """The joints in depth-first order from the root.  Children are in URDF order."""
     transmissions: tuple[Transmission, ...] = ()
-    """Drives, one per driven joint."""
+    """Drives of the robot, with one drive per driven joint."""
     grippers: tuple[ParallelGripper, ...] = ()
     """Parallel grippers of the robot."""
     loops: tuple[LoopJoint, ...] = ()
-    """Loop-closing joints: pairs of links that are connected in addition to the
-    tree."""
+    """Loop-closing joints, each of which connects two links in addition to the tree."""
     self_collide: bool = False
     """Whether all links collide with each other, regardless of each link's flag."""
     hardware: tuple[HardwareComponent, ...] = field(default=(), hash=False)
-    """Contents of the ``<ros2_control>`` tags; without them, ``<transmission>`` defines
-    drives."""
+    """Contents of the ``<ros2_control>`` tags.  If the robot has no such tags, its
+    drives are defined by ``<transmission>`` tags."""
     initial_positions: Mapping[str, float] = field(default_factory=dict, hash=False)
-    """Start positions that ``<ros2_control>`` states, by joint [rad | m]."""
+    """Start positions from the ``<ros2_control>`` tags, by joint [rad | m]."""
     locations: dict[str, SourceLocation] = field(
         default_factory=dict, compare=False, repr=False
     )
-    """Source locations of ``link:NAME`` and ``joint:NAME``, for messages."""
+    """Source locations by ``link:NAME`` and ``joint:NAME``, for error messages."""
 
     @cached_property
     def link_by_name(self) -> dict[str, Link]:
@@ -512,7 +523,7 @@ class RobotModel:
 
     @cached_property
     def parent_joint(self) -> dict[str, Joint]:
-        """The parent joint of each link except the root."""
+        """The parent joint of each link other than the root."""
         return {joint.child: joint for joint in self.joints}
 
     @cached_property
@@ -525,7 +536,7 @@ class RobotModel:
 
     @cached_property
     def movable_joints(self) -> tuple[Joint, ...]:
-        """Joints that are not fixed, depth first."""
+        """The joints that are not fixed, in depth-first order."""
         return tuple(joint for joint in self.joints if joint.is_movable)
 
     @cached_property
@@ -535,10 +546,11 @@ class RobotModel:
 
     @cached_property
     def wrench_sensors(self) -> dict[str, str]:
-        """The link of each force-torque sensor in the hardware, by the sensor's name.
+        """The links of the force-torque sensors in ``hardware``, by sensor name.
 
-        The link is the one in the sensor's parameter ``frame_id``, or else the flange
-        with the same prefix as the sensor.  A sensor without such a link is left out.
+        The sensor's parameter ``frame_id`` contains the name of the link.  If the
+        parameter does not contain the name of a link, the sensor's link is the flange
+        with the same prefix as the sensor.  Sensors without a link are left out.
         """
         found = {}
         for item in (item for component in self.hardware for item in component.items):
@@ -559,11 +571,11 @@ class RobotModel:
 
     @cached_property
     def flanges(self) -> tuple[str, ...]:
-        """Links at the ends of arms, called ``tool0``, with or without a prefix."""
+        """The links at the ends of arms, called ``tool0`` with or without a prefix."""
         return tuple(link.name for link in self.links if link.name.endswith(FLANGE))
 
     def links_from(self, name: str) -> tuple[str, ...]:
-        """Return the link ``name`` and all links beyond it, or raise ModelError."""
+        """Return the link ``name`` and all its descendants, or raise ModelError."""
         found = [self.link(name).name]
         for joint in self.child_joints[name]:
             found += self.links_from(joint.child)

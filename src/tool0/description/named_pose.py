@@ -17,6 +17,6 @@ class NamedPose:
     name: str
     """Name of the pose, such as ``home``."""
     positions: Positions
-    """Joint → position [rad | m]."""
+    """Positions by joint name [rad | m]."""
     saved: bool
-    """Whether a user saved the pose; otherwise it is built in."""
+    """Whether a user saved the pose.  Poses that are not saved are built in."""

@@ -1,10 +1,11 @@
-"""Finding ROS packages and the files inside them, without ROS.
+"""Search for ROS packages and for files in the packages, without ROS.
 
-Bundled packages come first.  Packages of ``ROS_PACKAGE_PATH`` follow; each of its
-entries is a package or a folder that contains packages.  Packages that ROS 2 has
-installed below the entries of ``AMENT_PREFIX_PATH`` come last.  ``preferring`` puts
-other packages before all of these, such as those of a file's workspace, which
-``packages_around`` finds.
+The search has three steps.  Bundled packages are searched first.  Then the entries of
+``ROS_PACKAGE_PATH`` are searched; an entry is a package or a folder that contains
+packages.  Finally, the packages that ROS 2 has installed below the entries of
+``AMENT_PREFIX_PATH`` are searched.  ``preferring`` gives other packages precedence over
+all of these packages.  For example, the packages of a file's workspace, which
+``packages_around`` returns, can get precedence.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ _PREFERRED: ContextVar[Mapping[str, Path]] = ContextVar("preferred", default=_NO
 _MAX_FOLDERS = 100
 _MAX_DEPTH = 6
 _MAX_WALKED = 5000
-"""Largest number of folders searched for packages, since a ``src`` may hold
-anything."""
+"""Largest number of folders that are searched for packages.  The number is limited,
+since a folder ``src`` can contain arbitrary files."""
 _IGNORE = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 
 
@@ -38,7 +39,8 @@ def find_package(name: str, location: SourceLocation | None = None) -> Path:
     """Return the folder of the ROS package ``name``.
 
     Raises:
-        DescriptionError: If it is not found; the message lists the search path.
+        DescriptionError: If the package is not found.  The message lists the search
+            path.
     """
     if name in _PREFERRED.get():
         return _PREFERRED.get()[name]
@@ -75,7 +77,7 @@ def find_package(name: str, location: SourceLocation | None = None) -> Path:
 
 
 def _share_folders() -> Iterator[Path]:
-    """Yield ROS 2's ``share`` folders; each package has a folder of its name there."""
+    """Yield ROS 2's ``share`` folders, which contain one folder per package."""
     for entry in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
         if entry and (share := expanded(entry) / "share").is_dir():
             yield share
@@ -83,7 +85,7 @@ def _share_folders() -> Iterator[Path]:
 
 @contextmanager
 def preferring(packages: Mapping[str, Path]) -> Iterator[None]:
-    """Give these packages, by name, precedence over all others within the context."""
+    """Give ``packages`` precedence over all other packages within the context."""
     before = _PREFERRED.set(packages)
     try:
         yield
@@ -92,7 +94,7 @@ def preferring(packages: Mapping[str, Path]) -> Iterator[None]:
 
 
 def resolve_uri(uri: str, location: SourceLocation | None = None) -> Path:
-    """Return the path of ``package://…``, ``file://…`` or a plain path.
+    """Return the path for a URI ``package://…`` or ``file://…``, or a plain path.
 
     A relative path is relative to the file that contains it.  The caller checks
     whether the file exists.
@@ -118,9 +120,10 @@ def resolve_uri(uri: str, location: SourceLocation | None = None) -> Path:
 def source_path(path: Path) -> Path:
     """Return the source path of a file in a package's share folder.
 
-    CMake may install folders under other paths, such as ``description/urdf`` as
-    ``share/PACKAGE/urdf``.  The path is returned unchanged if it exists, or unless
-    exactly one folder of the package contains such a file.
+    CMake can install folders under other paths: ``description/urdf`` can become
+    ``share/PACKAGE/urdf``.  If the path exists, it is returned unchanged.  The path is
+    also returned unchanged if the number of folders of the package that contain a
+    matching file is not exactly one.
     """
     if os.path.lexists(path):
         return path
@@ -152,17 +155,18 @@ def crawl(root: Path) -> Iterator[Path]:
 
 
 def package_name(folder: Path) -> str:
-    """Return the name in the manifest of the package that is in ``folder``."""
+    """Return the name in the manifest of the package in ``folder``."""
     text = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
     match = _NAME.search(text)
     return match.group(1) if match else folder.name
 
 
 def packages_around(file: Path) -> dict[str, Path]:
-    """Return the package that contains ``file`` and those beside it, by name.
+    """Return the package that contains ``file``, and neighboring packages, by name.
 
-    The search covers every folder ``src`` above the package, as in a catkin workspace;
-    without one, the package's siblings.
+    The search covers every folder ``src`` above the package, such as that of a catkin
+    workspace.  If there is no folder ``src``, the search covers the siblings of the
+    package.
     """
     folders = file.absolute().parents
     package = next((folder for folder in folders if is_package(folder)), None)
@@ -170,7 +174,7 @@ def packages_around(file: Path) -> dict[str, Path]:
         return {}
     sources = [folder for folder in package.parents if folder.name == "src"]
     found: dict[str, Path] = {}
-    for root in sources:  # the nearest first: it takes precedence
+    for root in sources:  # the nearest folder is first and takes precedence
         for folder in _below(root, depth=_MAX_DEPTH):
             found.setdefault(name_of_package(folder), folder)
     for folder in () if sources else _below(package.parent, depth=1):
@@ -201,7 +205,7 @@ def _below(root: Path, depth: int) -> Iterator[Path]:
 
 
 def name_of_package(folder: Path) -> str:
-    """Return the name in the manifest, or else the folder's name."""
+    """Return the name in the manifest, or the folder's name if there is no name."""
     try:
         return package_name(folder)
     except OSError:

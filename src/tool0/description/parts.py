@@ -1,8 +1,8 @@
-"""The arms and grippers of any robot, by the names that the API uses.
+"""The arms and grippers of a robot, by the names that are used in the API.
 
 A part is named after the prefix of its links, such as ``left`` for an arm that ends at
-``left_tool0`` and for a gripper ``left_gripper``.  Without a prefix they are ``arm``
-and ``gripper``.
+``left_tool0`` and for a gripper ``left_gripper``.  Parts without a prefix are called
+``arm`` and ``gripper``.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class ArmParts(NamedTuple):
     """An arm: a chain of six revolute joints that ends at a link ``…tool0``."""
 
     flange: str
-    """The link at the arm's end."""
+    """Name of the link at the end of the arm."""
     joints: tuple[Joint, ...]
     """The six joints, from base to flange."""
 
@@ -37,8 +37,8 @@ class ArmParts(NamedTuple):
 def find_arms(model: RobotModel) -> dict[str, ArmParts]:
     """Return the arms of a robot by name.
 
-    An arm is a chain of six revolute joints and a link below them whose name ends in
-    ``tool0``; fixed joints may be in between.
+    An arm is a chain of six revolute joints and a link at its end with a name that ends
+    in ``tool0``.  The chain can also contain fixed joints.
     """
     found = []
     for flange in model.flanges:
@@ -67,7 +67,7 @@ def flange_names(model: RobotModel) -> dict[str, str]:
 
 
 def joints_of(model: RobotModel, robot: str) -> tuple[str, ...]:
-    """Return the movable joints of an arm and of everything it carries, base first.
+    """Return the movable joints of an arm and of its tools, starting at the base.
 
     Raises:
         ControlError: If there is no arm of this name.
@@ -80,7 +80,7 @@ def joints_of(model: RobotModel, robot: str) -> tuple[str, ...]:
 
 
 def gripper_of(model: RobotModel, robot: str) -> str | None:
-    """Return the name of the gripper that an arm carries, or None.
+    """Return the name of the gripper on an arm, or None if it has no gripper.
 
     Raises:
         ControlError: If there is no arm of this name.
@@ -114,7 +114,8 @@ def joints_of_robot(
     """Return the positions of one robot's joints, or of all joints if no name is given.
 
     Raises:
-        ControlError: If there is no such robot, or none of the joints belong to it.
+        ControlError: If there is no robot of this name, or ``positions`` contains none
+            of its joints.
     """
     if robot is None:
         return dict(positions)
@@ -126,7 +127,7 @@ def joints_of_robot(
 
 
 def gripper_joints(model: RobotModel) -> frozenset[str]:
-    """Return the movable joints of grippers and of everything that arms carry."""
+    """Return the movable joints of all grippers and of all other tools on arms."""
     flanges = [arm.flange for arm in find_arms(model).values()]
     carried = {link for flange in flanges for link in model.links_from(flange)}
     tools = {joint.name for joint in model.movable_joints if joint.child in carried}
@@ -136,9 +137,9 @@ def gripper_joints(model: RobotModel) -> frozenset[str]:
 def _named(
     items: Iterable[tuple[str, Item]], ending: str, alone: str
 ) -> dict[str, Item]:
-    """Return items by the prefix before ``ending``, or ``alone`` without a prefix.
+    """Return items by the prefix before ``ending``; an empty prefix is ``alone``.
 
-    An item whose short name is taken keeps its full name.
+    If two items have the same short name, the second item is returned by its full name.
     """
     named: dict[str, Item] = {}
     for full, item in items:

@@ -1,8 +1,9 @@
-"""Payloads as bodies, by which the drives' model of an arm is corrected.
+"""Payloads as bodies that correct the dynamics model used by an arm's drives.
 
-A payload replaces the model of everything beyond the flange, as ``set_payload`` does on
-a UR: the drives then compensate for its weight and inertia instead of those of the
-tool in the description.  The physics does not change.
+A payload replaces the model of all bodies beyond the flange, as ``set_payload`` does on
+a UR.  The drives then compensate for the weight and inertia of the payload instead of
+the weight and inertia of the tool in the description.  The simulated physics does not
+change.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from tool0.description.payload import Payload
 
 
 def modelled_payload(model: RobotModel, flange: str) -> Payload:
-    """Return the described payload beyond ``flange``, with open grippers."""
+    """Return the payload beyond ``flange`` in the description, with open grippers."""
     tool = tool_inertia(model, flange)
     x, y, z = tool.center.tolist()
     return Payload(tool.mass, (x, y, z))
@@ -27,7 +28,7 @@ def modelled_payload(model: RobotModel, flange: str) -> Payload:
 def replaced_tools(
     model: RobotModel, payloads: Mapping[str, Payload]
 ) -> dict[str, tuple[BodyInertia, ...]]:
-    """Return the mass to add to each flange so that its tool becomes the payload."""
+    """Return the bodies to add to each flange to replace its tool by a payload."""
     return {
         flange: (payload_inertia(payload), _negative(tool_inertia(model, flange)))
         for flange, payload in payloads.items()
@@ -41,7 +42,7 @@ def payload_inertia(payload: Payload) -> BodyInertia:
 
 
 def tool_inertia(model: RobotModel, flange: str) -> BodyInertia:
-    """Return everything that the description has beyond ``flange`` as one body."""
+    """Return all bodies beyond ``flange`` in the description as one body."""
     poses = link_poses(model, {})
     from_root = poses[flange].inverse()
     links = [

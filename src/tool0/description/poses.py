@@ -1,4 +1,4 @@
-"""The named poses of a robot: built-in ones, and ones that a user saved to a file."""
+"""The named poses of a robot: built-in poses, and poses that a user saved to a file."""
 
 from __future__ import annotations
 
@@ -27,22 +27,23 @@ from tool0.user_data import data_folder, locked, replace_text
 
 DEFAULT_POSE = "home"
 LONGEST_NAME = 60
-"""Largest number of characters of a pose's name, so that it fits on a button."""
+"""Largest number of characters in the name of a pose.  Longer names would not fit on a
+button."""
 _HEADER = "# Poses saved with tool0: joint positions [rad | m].\n"
 
 
 def poses_file(robot: str) -> Path:
-    """Return the path of the file with the saved poses of a robot."""
+    """Return the path of the file that contains the saved poses of a robot."""
     return data_folder() / "poses" / f"{quote(robot, safe=' ')}.yaml"
 
 
 @final
 class PoseStore:
-    """The poses of a robot: built-in ones, and ones saved in a file of the user's.
+    """The poses of a robot: built-in poses, and saved poses in a file of the user.
 
-    Several processes may change the file at once.  Each change is written to a new file
-    that replaces the old one under a lock, so that no pose is lost and no reader sees
-    half a file.  A file that cannot be parsed is never replaced.
+    Several processes can change the file at the same time.  Each change is written to a
+    new file that replaces the old file under a lock.  Therefore no pose is lost, and no
+    reader receives an incomplete file.  A file that cannot be parsed is never replaced.
     """
 
     def __init__(self, description: RobotDescription) -> None:
@@ -60,8 +61,8 @@ class PoseStore:
     def adopt(self, poses: Mapping[str, Positions]) -> None:
         """Set the built-in poses.
 
-        A robot that is brought up again from its URDF has none, because the URDF does
-        not say that the robot is from the catalogue.
+        A robot that is brought up again from its URDF has no built-in poses, because
+        the URDF does not state that the robot is from the catalogue.
         """
         self.own = {
             name: NamedPose(name=name, positions=positions, saved=False)
@@ -69,7 +70,10 @@ class PoseStore:
         }
 
     def all(self) -> Mapping[str, NamedPose]:
-        """Return every pose; built-in ones come first and hide saved namesakes.
+        """Return all poses by name, starting with the built-in poses.
+
+        If a saved pose has the name of a built-in pose, only the built-in pose is
+        returned.
 
         Raises:
             ConfigError: If the file of saved poses cannot be read or parsed.
@@ -82,10 +86,12 @@ class PoseStore:
         return {**self.own, **saved}
 
     def find(self, name: str) -> NamedPose:
-        """Return one pose; a built-in one needs no file.
+        """Return the pose called ``name``.
+
+        The file of saved poses is not read for a built-in pose.
 
         Raises:
-            ControlError: If there is no such pose.
+            ControlError: If there is no pose of this name.
             ConfigError: If the file of saved poses cannot be read or parsed.
         """
         if name in self.own:
@@ -102,37 +108,42 @@ class PoseStore:
 
         Args:
             name: Name of the pose.
-            robot: Robot whose joints are returned; all robots if left out.
+            robot: Name of the robot that provides the joints.  If the name is left out,
+                the joints of all robots are returned.
 
         Raises:
-            ControlError: If there is no such pose, or it has no joint of the robot.
+            ControlError: If there is no pose of this name, or the pose contains no
+                joint of the robot.
             ConfigError: If the file of saved poses cannot be read or parsed.
         """
         positions = self.moved(self.find(name))
         return joints_of_robot(self._description.model, positions, robot)
 
     def moved(self, pose: NamedPose) -> dict[str, float]:
-        """Return the joints that a move to this pose moves, and their targets.
+        """Return the joints that a move to ``pose`` moves, and their targets [rad | m].
 
-        Moving a gripper together with its arm would drop the object it holds.
+        A pose that contains joints of an arm does not move the gripper, because the
+        gripper could drop an object that it holds.
         """
         grippers, positions = self._gripper_joints, pose.positions
         of_arms = {name: q for name, q in positions.items() if name not in grippers}
         return of_arms or dict(positions)
 
     def is_of_grippers(self, pose: NamedPose) -> bool:
-        """Return whether a move to this pose moves grippers."""
+        """Return whether a move to ``pose`` moves a gripper."""
         return not self._gripper_joints.isdisjoint(self.moved(pose))
 
     def start(self) -> dict[str, float]:
         """Return the default start positions of the joints [rad | m].
 
-        They are the initial values in ``<ros2_control>``, else the pose ``home``, else
-        as near to zero as the limits allow.  In a cell, they are the initial pose of
-        each robot.
+        The start position of a joint is its initial value in ``<ros2_control>``.  If
+        there is no initial value, the start position is that in the pose ``home``.  If
+        ``home`` does not contain the joint, the start position is the position within
+        the limits that is nearest to zero.  The initial poses of a cell's robots
+        override these values.
 
         Raises:
-            ConfigError: If the initial pose of a cell's robot is invalid.
+            ConfigError: If the initial pose of a robot in a cell is invalid.
         """
         model, cell = self._description.model, self._description.cell
         positions = {
@@ -162,12 +173,13 @@ class PoseStore:
         return {robot.prefix + joint: q for joint, q in (pose or {}).items()}
 
     def save(self, name: str, positions: Positions, *, update: bool = False) -> None:
-        """Save a pose; a saved pose of the same name is replaced.
+        """Save a pose, and replace an existing saved pose of the same name.
 
-        With ``update``, the old pose's positions of other joints are kept.
+        If ``update`` is set, the positions of joints that are not in ``positions`` are
+        kept from the existing pose.
 
         Raises:
-            ControlError: If the name belongs to a built-in pose or is not printable.
+            ControlError: If the name is that of a built-in pose or is not printable.
             ConfigError: If the file of saved poses cannot be read, parsed or written.
         """
         self._refuse_own(name, "choose another name")
@@ -184,7 +196,7 @@ class PoseStore:
         """Delete a saved pose.
 
         Raises:
-            ControlError: If there is no such pose, or it is built in.
+            ControlError: If there is no pose of this name, or the pose is built in.
             ConfigError: If the file of saved poses cannot be read, parsed or written.
         """
         self._refuse_own(name, "only saved poses can be deleted")

@@ -1,4 +1,4 @@
-"""The postures with which an arm reaches a pose, and their branches."""
+"""Postures with which an arm reaches a pose, and the branches of postures."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from tool0.errors import ControlError
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Branch:
-    """Branch of inverse kinematics, one of eight; a field that is None matches either.
+    """One of the eight branches of inverse kinematics.
 
-    The usual posture of a UR is left, up and no flip.  The arm is singular where two
-    branches meet.
+    A field that is None matches both values.  The usual posture of a UR is left, up and
+    no flip.  The arm is singular where two branches meet.
     """
 
     shoulder: Literal["left", "right"] | None = None
-    """Side of the line from the base to the wrist's centre on which the upper arm lies,
-    as seen from behind the base."""
+    """Side of the line from the base to the wrist center on which the upper arm is,
+    seen from behind the base."""
     elbow: Literal["up", "down"] | None = None
-    """Whether the elbow is above the line from the shoulder to the fourth joint.  This
-    is reversed where that joint and the wrist's centre are on different sides of the
-    base's axis, so that the value changes only in singular postures."""
+    """Whether the elbow is above the line from the shoulder to the fourth joint.  The
+    meaning is reversed where the fourth joint and the wrist center are on different
+    sides of the base's axis.  Therefore the value changes only in singular postures."""
     wrist: Literal["flip", "no_flip"] | None = None
-    """Sign of the sine of the fifth joint's angle, which is 0 where the sixth axis is
-    parallel to the second; negative for "no_flip"."""
+    """Sign of the sine of the fifth joint's angle: negative for "no_flip", positive for
+    "flip".  The sine is 0 where the sixth axis is parallel to the second axis."""
 
     def __post_init__(self) -> None:
         for name, values in _BRANCHES.items():
@@ -38,7 +38,7 @@ class Branch:
                 )
 
     def includes(self, other: Branch) -> bool:
-        """Return whether ``other`` matches every given field."""
+        """Return whether ``other`` matches each field that is not None."""
         return all(
             getattr(self, name) in (None, getattr(other, name)) for name in _BRANCHES
         )
@@ -59,12 +59,13 @@ _BRANCHES = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Solution:
-    """A posture with which the arm reaches the pose."""
+    """A posture with which an arm reaches a pose."""
 
     positions: Mapping[str, float]
-    """Joint → position [rad], ordered from base to tip."""
+    """Positions by joint name [rad], ordered from base to tip."""
     branch: Branch
-    """Branch of the posture; no field is None."""
+    """Branch of the posture.  No field of the branch is None."""
     distance: float
-    """Distance from ``near`` [s]: root of the sum of squares of each joint's rotation
-    divided by its largest velocity."""
+    """Distance from the posture ``near`` [s].  Each joint's rotation is divided by the
+    joint's largest velocity; the distance is the root of the sum of squares of these
+    quotients."""

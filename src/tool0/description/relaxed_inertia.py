@@ -1,4 +1,4 @@
-"""Refusal or replacement of physically impossible inertias in your own robot file."""
+"""Rejection or replacement of physically impossible inertias in your own robot file."""
 
 from __future__ import annotations
 
@@ -18,13 +18,14 @@ _PRODUCTS = ("ixy", "ixz", "iyz")
 
 
 def require_inertias(document: Document, *, relax: bool) -> None:
-    """Replace impossible inertias, with a warning, if ``relax``; otherwise refuse them.
+    """Reject impossible inertias, or replace them with a warning if ``relax`` is set.
 
-    The replacement uses the middle principal moment about every axis.
+    The replacement has the middle principal moment about every axis.
 
     Raises:
-        ModelError: If not ``relax``; it names the first link with an impossible
-            inertia.
+        ModelError: If a link has an impossible inertia and ``relax`` is not set, or if
+            the inertia has no positive principal moment.  The error states the first
+            link with an impossible inertia.
     """
     for link, tensor, error in _impossible(document):
         if not relax:
@@ -52,7 +53,7 @@ def require_inertias(document: Document, *, relax: bool) -> None:
 def _impossible(
     document: Document,
 ) -> Iterator[tuple[Element, Element, ModelError]]:
-    """Yield links with an impossible inertia, the ``<inertia>``, and the error."""
+    """Yield each link with an impossible inertia, its ``<inertia>``, and the error."""
     robot = document.documentElement
     for link in () if robot is None else children(robot, "link"):
         inertial = only_child(link, "inertial")
@@ -65,7 +66,10 @@ def _impossible(
 
 
 def _middle_moment(tensor: Element) -> float:
-    """Return the middle principal moment [kg·m²], or the largest if it is not > 0."""
+    """Return the middle principal moment of inertia [kg·m²].
+
+    If the middle moment is not above zero, the largest moment is returned.
+    """
     ixx, iyy, izz, ixy, ixz, iyz = (
         number(tensor, key, 0.0) for key in (*_DIAGONAL, *_PRODUCTS)
     )

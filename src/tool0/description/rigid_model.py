@@ -1,6 +1,6 @@
-"""Parser of a simple model from the text of an untrusted URDF or SDF.
+"""Parser of simple models in URDF or SDF text from untrusted sources.
 
-A simple model is one rigid body with one collision shape or several.
+A simple model is one rigid body with one or several collision shapes.
 """
 
 from __future__ import annotations
@@ -44,20 +44,21 @@ from tool0.errors import DescriptionError, ModelError, SourceLocation
 logger = logging.getLogger(__name__)
 
 MAX_SIZE, MAX_MASS = 100.0, 1e6
-"""Largest size [m] and mass [kg]; the physics of either engine diverges beyond them."""
+"""Largest size [m] and mass [kg] of a model.  With larger values, the physics of both
+engines diverges."""
 MAX_FRICTION = 1e6
-"""Largest coefficient of friction.  A larger one would change no motion and only
-degrade the engines' numerical accuracy."""
+"""Largest coefficient of friction.  A larger coefficient would not change any motion
+and would only degrade the engines' numerical accuracy."""
 
 _WORLD = "world"
-"""Name of a root link that Gazebo treats as the world itself."""
+"""Name of a root link that Gazebo treats as the world."""
 _TRUE = {"true", "1"}
 _MANY = ("include", "model", "gripper")
-"""Elements of an SDF <model> that would make it more than one body."""
+"""Elements of an SDF <model> that would add further bodies to the model."""
 _DEFAULT_MASS = 1.0  # [kg] http://sdformat.org/spec?ver=1.6&elem=link#inertial_mass
 
 _UNPAINTED: RGBA = (0.7, 0.7, 0.7, 1.0)
-"""Grey, in which Gazebo shows shapes without a colour."""
+"""Gray, the color in which Gazebo shows shapes without a stated color."""
 _GAZEBO_COLOURS: dict[str, RGBA] = {
     "black": (0.0, 0.0, 0.0, 1.0),
     "blue": (0.0, 0.0, 1.0, 1.0),
@@ -78,26 +79,28 @@ _GAZEBO_COLOURS: dict[str, RGBA] = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigidModel:
-    """The model of an object, with the frames that Gazebo uses for it."""
+    """The model of an object, including the frames that Gazebo uses for the object."""
 
     name: str
-    """Name of the model in its document."""
+    """Name of the model in the URDF or SDF document."""
     geometry: Solid
     link: str = "link"
     collisions: tuple[str, ...] = ("collision",)
-    """Names of the parts of the shape, in their order."""
+    """Names of the parts of the shape, in the order of the parts."""
     T_model_link: Transform = field(default_factory=Transform)
     T_model_shape: Transform = field(default_factory=Transform)
-    """Pose of the shape's origin, which is the object's origin, in the model."""
+    """Pose of the shape's origin in the model.  The shape's origin is also the object's
+    origin."""
     placement: Transform = field(default_factory=Transform)
-    """The model's own ``<pose>``, relative to the pose at which it is placed."""
+    """Pose in the model's ``<pose>`` element, relative to the pose at which the model
+    is placed."""
     mass: float | None = None
     """Mass [kg]; None for a static body."""
     friction: float = DEFAULT_FRICTION
     rgba: RGBA = _UNPAINTED
 
     def scene_object(self, name: str, T_root_model: Transform) -> SceneObject:
-        """Return the object for a pose of its model; ConfigError if it is invalid."""
+        """Return the object at a pose of the model, or raise ConfigError."""
         return SceneObject(
             name=name,
             geometry=self.geometry,
@@ -112,8 +115,8 @@ def read_rigid_model(text: str) -> RigidModel:
     """Return the model that ``text`` describes, in URDF or SDF.
 
     Raises:
-        DescriptionError: If the text cannot be read or is not a single body.
-        ModelError: If the model is physically impossible.
+        DescriptionError: If the text cannot be read, or the model is not a single body.
+        ModelError: If a parameter of the model is physically impossible.
     """
     if len(text) > LONGEST_MODEL:
         raise DescriptionError(
@@ -132,7 +135,7 @@ def read_rigid_model(text: str) -> RigidModel:
 
 
 def mesh_uris(text: str) -> tuple[str, ...]:
-    """Return the meshes that a model names; none if the text is not XML."""
+    """Return the URIs of the meshes in a model; none if the text is not XML."""
     try:
         meshes = parse_text(text).getElementsByTagName("mesh")
     except DescriptionError:
@@ -215,9 +218,9 @@ def _read_urdf(document: Document, robot: Element) -> RigidModel:
 def _joined(
     T_model_link: Transform, placed: Sequence[tuple[Geometry, Transform]]
 ) -> tuple[Solid, Transform]:
-    """Return shapes, each with its pose in the model, as one shape, and its pose.
+    """Return placed shapes as one shape, and the pose of this shape in the model.
 
-    The origin of several shapes is that of their link.
+    If there are several shapes, the pose is that of the shapes' link.
     """
     if len(placed) == 1:
         return placed[0]
@@ -227,7 +230,10 @@ def _joined(
 
 
 def _replace_impossible_inertia(robot: Element) -> None:
-    """Replace impossible inertias; an object's own follows from shape and mass."""
+    """Replace impossible inertias, which are not used.
+
+    The inertia of an object is computed from its shape and mass.
+    """
     for link in children(robot, "link"):
         tensor = _descendant(link, "inertial", "inertia")
         try:
@@ -255,7 +261,7 @@ def _urdf_mass(model: RobotModel, extensions: list[Element]) -> float | None:
 
 
 def _urdf_colour(model: RobotModel, extensions: list[Element]) -> RGBA:
-    """Return the colour named for Gazebo, or else that of the first visual."""
+    """Return the color of the Gazebo material, or the color of the first visual."""
     for extension in extensions:
         named = _gazebo_colour(only_child(extension, "material"))
         if named is not None:
@@ -265,7 +271,7 @@ def _urdf_colour(model: RobotModel, extensions: list[Element]) -> RGBA:
 
 
 def _gazebo_colour(element: Element | None) -> RGBA | None:
-    """Return the colour of a material such as ``Gazebo/Red``; None for textures."""
+    """Return the color of a material such as ``Gazebo/Red``; None for a texture."""
     name = "" if element is None else text_of(element)
     return _GAZEBO_COLOURS.get(name.removeprefix("Gazebo/").lower())
 
@@ -335,14 +341,14 @@ def _one(parent: Element, tag: str, name: str) -> Element:
 
 
 def _descendant(element: Element | None, *tags: str) -> Element | None:
-    """Return the element at a path of only children, or None if there is none."""
+    """Return the descendant with the path ``tags``, or None if there is none."""
     for tag in tags:
         element = None if element is None else only_child(element, tag)
     return element
 
 
 def _is_bolted(model: Element, name: str) -> bool:
-    """Return whether a fixed joint attaches the link to the world."""
+    """Return whether a fixed joint connects the model to the world."""
     joints = list(children(model, "joint"))
     for joint in joints:
         parent = text_of(required_child(joint, "parent"))

@@ -1,4 +1,4 @@
-"""A robot's description: its model, its URDF, and its origin."""
+"""A robot's description: the robot's model, URDF and source."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class CatalogueRobot:
 
     @property
     def parts_title(self) -> str:
-        """Names of the arm and gripper, such as ``ur5 + 2f85``."""
+        """Names of the arm and the gripper, such as ``ur5 + 2f85``."""
         return " + ".join(part.name for part in self.parts)
 
     @property
@@ -48,23 +48,24 @@ class CatalogueRobot:
 @final
 @dataclass(frozen=True, kw_only=True)
 class RobotDescription:
-    """Description of a robot: the model for the engines, the URDF for all else."""
+    """Description of a robot: the model for engines, and the URDF for other uses."""
 
     model: RobotModel
-    """Validated links, joints, drives and grippers."""
+    """Validated model with links, joints, drives and grippers."""
     source: Path
     """Xacro or URDF file from which the robot was read."""
     robots: tuple[CatalogueRobot, ...] = ()
-    """Arms and grippers of the catalogue; none for your own file."""
+    """Arms and grippers from the catalogue; empty for your own file."""
     disabled_collisions: frozenset[frozenset[str]] = frozenset()
-    """Pairs of links that planned motions need not keep apart, from an SRDF."""
+    """Pairs of links, from an SRDF, between which planned motions ignore collisions."""
     cell: Cell | None = None
-    """Cell that contains the ``robots``; None for a single robot, or in another
-    process."""
+    """Cell that contains ``robots``.  The value is None for a single robot, and in
+    processes that receive the description from another process."""
     tf_prefix: str = ""
     """Prefix of the robot's frames in ROS."""
     arguments: Mapping[str, str] = field(default_factory=dict)
-    """Values of the xacro file's arguments; empty in a cell or in another process."""
+    """Values of the xacro file's arguments.  The mapping is empty for a cell, and in
+    processes that receive the description from another process."""
     _document: Document = field(repr=False, compare=False)
 
     @cached_property
@@ -74,10 +75,10 @@ class RobotDescription:
 
     @property
     def title(self) -> str:
-        """Title shown to users: names of the parts, or the name of your own file."""
+        """Title for users: the names of the parts, or the name of your own file."""
         return ", ".join(robot.title for robot in self.robots) or self.source.name
 
     @property
     def prefix(self) -> str:
-        """Prefix of all names, for one robot of the catalogue; otherwise empty."""
+        """Prefix of all names; empty unless the robot is one catalogue robot."""
         return self.robots[0].prefix if len(self.robots) == 1 else ""

@@ -1,9 +1,9 @@
-"""Parser of ``<ros2_control>`` tags: driven joints and their command interfaces.
+"""Parser of driven joints and their command interfaces in ``<ros2_control>`` tags.
 
-The layout is that of ros2_control's ``component_parser``.  The driver's plugin is only
-noted, since tool0 replaces it.  Three joint parameters are tool0's own, and other
-drivers ignore them: ``mechanical_reduction``, ``rotor_inertia`` and
-``gravity_compensation``.
+The accepted layout is that of ros2_control's ``component_parser``.  The name of the
+driver's plugin is stored but not used, since tool0 replaces the driver. tool0 defines
+three joint parameters, which other drivers ignore: ``mechanical_reduction``,
+``rotor_inertia`` and ``gravity_compensation``.
 """
 
 from __future__ import annotations
@@ -44,34 +44,35 @@ from tool0.errors import DescriptionError, LimitsError, ModelError, nearest_name
 DRIVEN_BY: Final[Mapping[str, Interface]] = {
     interface.name.lower(): interface for interface in Interface
 }
-"""Command interfaces that move a joint."""
+"""Command interfaces that move a joint, by name."""
 _MOTION: Final = (*DRIVEN_BY, "acceleration")
-"""Interfaces that only joints have."""
+"""Names of the interfaces that only joints have."""
 _SIMILAR: Final = 0.85
-"""Similarity at which a misspelt word such as ``postion`` means one of these."""
+"""Smallest similarity at which a misspelled name, such as ``postion``, is reported as
+one of the ``_MOTION`` interfaces."""
 _BOOLEANS: Final = ("true", "false")
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Ros2Control:
-    """The content of all ``<ros2_control>`` tags of a robot."""
+    """Content of all ``<ros2_control>`` tags of a robot."""
 
     components: tuple[HardwareComponent, ...]
     drives: Mapping[str, Transmission]
-    """Drives of the joints that have command interfaces, by joint."""
+    """Drives of the joints that have command interfaces, by joint name."""
     mimics: Mapping[str, Mimic | None]
-    """New mimic relation of each joint whose ``<mimic>`` is replaced or removed
-    (None)."""
+    """New mimic relation of each joint with a ``<mimic>`` that is replaced, or None if
+    it is removed."""
     initial: Mapping[str, float]
-    """Start positions by joint [rad | m]."""
+    """Start positions by joint name [rad | m]."""
 
 
 def read_ros2_control(robot: Element, joints: Mapping[str, Joint]) -> Ros2Control:
     """Return the content of the ``<ros2_control>`` tags of ``robot`` for ``joints``.
 
     Raises:
-        DescriptionError: If something is missing or cannot be read.
+        DescriptionError: If an element or attribute is missing or cannot be read.
         ModelError: If the tags contradict the joints.
     """
     elements = list(children(robot, "ros2_control"))
@@ -107,7 +108,7 @@ def read_ros2_control(robot: Element, joints: Mapping[str, Joint]) -> Ros2Contro
 
 
 def command_interfaces(robot: Element) -> dict[str, tuple[str, ...]]:
-    """Return the command interfaces of each joint, even if the robot has mistakes."""
+    """Return the command interfaces of each joint, even if the robot is invalid."""
     return {
         joint.getAttribute("name").strip(): tuple(
             interface.getAttribute("name").strip()
@@ -119,7 +120,7 @@ def command_interfaces(robot: Element) -> dict[str, tuple[str, ...]]:
 
 
 def _is_other(item: HardwareItem, joints: Mapping[str, Joint]) -> bool:
-    """Return whether a ``<joint>`` tag describes something else, as for old drivers."""
+    """Return whether a ``<joint>`` tag describes no joint, as for some old drivers."""
     interfaces = (*item.commands, *item.states)
     moves = any(interface.name in _MOTION for interface in interfaces)
     return bool(interfaces) and not moves and item.name not in joints
@@ -172,10 +173,10 @@ def _check_drivable(
 def _mimic(
     element: Element, item: HardwareItem, joint: Joint, joints: Mapping[str, Joint]
 ) -> Mimic | None:
-    """Return the mimic relation of ``joint`` from this tag, or else its own.
+    """Return the mimic relation of ``joint`` from this tag or from ``<joint>``.
 
-    The attribute ``mimic`` keeps or removes ``<mimic>``; before ROS 2 Jazzy, parameters
-    stated the joint to follow.
+    The attribute ``mimic`` states whether ``<mimic>`` is kept or removed.  Before ROS 2
+    Jazzy, the mimic relation was stated by parameters.
     """
     if element.hasAttribute("mimic"):
         text = required(element, "mimic").lower()
@@ -233,7 +234,7 @@ def _drive(
 
 
 def _command_limits(item: HardwareItem) -> JointLimits:
-    """Return the limits that the command interfaces state."""
+    """Return the limits that are stated in the command interfaces."""
     unlimited = HardwareInterface(name="")
     commands = {command.name: command for command in item.commands}
     position, velocity, effort = (
@@ -259,13 +260,13 @@ def _check_commands(element: Element, joint: Joint, commands: JointLimits) -> No
 
 
 def _largest(command: HardwareInterface) -> float:
-    """Return the largest magnitude of a command; infinite without limits."""
+    """Return the largest magnitude of a command; it is infinite without limits."""
     bounds = (abs(bound) for bound in (command.lower, command.upper))
     return max(filter(math.isfinite, bounds), default=math.inf)
 
 
 def _initial(element: Element, item: HardwareItem, joint: Joint) -> float | None:
-    """Return the joint's start position; None if the tag does not state it."""
+    """Return the joint's start position, or None if the tag does not state it."""
     for interface in (*item.states, *item.commands):
         if interface.name == "position" and interface.initial is not None:
             position, limits = interface.initial, joint.limits
@@ -287,7 +288,7 @@ def _parameter(element: Element, name: str, otherwise: float) -> float:
 
 
 def _reductions(element: Element, joints: Mapping[str, Joint]) -> dict[str, float]:
-    """Return the reductions in the tag's nested ``<transmission>`` tags, by joint."""
+    """Return the reductions in the nested ``<transmission>`` tags, by joint name."""
     found: dict[str, float] = {}
     for joint in _transmission_joints(element):
         name = required(joint, "name")

@@ -1,4 +1,4 @@
-"""Parser of ``<ros2_control>`` elements: components and their interfaces."""
+"""Parser of the components and interfaces in ``<ros2_control>`` elements."""
 
 from __future__ import annotations
 
@@ -27,9 +27,10 @@ from tool0.description.xml_source import (
 from tool0.errors import LimitsError, ModelError
 
 _ACTIVATION: Final = "reactivate_gripper_cmd"
-"""Command interface that identifies a gripper with its own driver."""
+"""Command interface by which a gripper with a separate driver is identified."""
 _GRIP_LIMITS: Final = ("set_gripper_max_velocity", "set_gripper_max_effort")
-"""Command interfaces that such a driver offers for its joint even if not described."""
+"""Command interfaces that the driver of such a gripper provides for the gripper's
+joint, even if the description does not list them."""
 
 
 def read_component(element: Element) -> HardwareComponent:
@@ -72,7 +73,7 @@ def _read_item(element: Element) -> HardwareItem:
 
 
 def _with_grip_limits(item: HardwareItem) -> HardwareItem:
-    """Return a gripper's joint with the command interfaces that its driver adds."""
+    """Return a gripper's joint with the command interfaces added by its driver."""
     names = {command.name for command in item.commands}
     if item.kind != "joint" or not names:
         return item

@@ -19,16 +19,16 @@ from tool0.errors import ConfigError, SourceLocation
 
 DEFAULT_FRICTION = 1.0
 LONGEST_MODEL = 1_000_000
-"""Largest length of a model's text [characters]: far more than one body needs, and
-still read within a second."""
+"""Largest length of a model's text [characters].  This length is much larger than that
+of one body's text, and a text of this length can be parsed within one second."""
 DEFAULT_RGBA: RGBA = (0.90, 0.60, 0.00, 1.0)
-"""Orange, a colour that no bundled robot uses."""
+"""Orange, a color that is not used by any bundled robot."""
 
 GROUND = "ground"
 """Name of the ground plane in contacts and warnings."""
 
 STILL_RGBA: RGBA = (0.78, 0.74, 0.66, 1.0)
-"""Colour of fixed objects by default: pale wood."""
+"""Default color of fixed objects, which resembles pale wood."""
 PALETTE: tuple[RGBA, ...] = (
     (0.90, 0.60, 0.00, 1.0),  # orange
     (0.00, 0.62, 0.45, 1.0),  # bluish green
@@ -37,11 +37,13 @@ PALETTE: tuple[RGBA, ...] = (
     (0.84, 0.37, 0.00, 1.0),  # vermilion
     (0.00, 0.45, 0.70, 1.0),  # blue
 )
-"""Default colours of movable objects, in turn; colour-blind people can tell them apart
-(Okabe and Ito, https://jfly.uni-koeln.de/color/)."""
+"""Default colors of movable objects, which are assigned in this order.  Color-blind
+people can distinguish these colors (Okabe and Ito,
+https://jfly.uni-koeln.de/color/)."""
 
 DEFAULT_WALL = 0.004
-"""Default thickness of floor and walls [m], like a common plastic box."""
+"""Default thickness of the floor and walls of a bin [m].  The value is that of a common
+plastic box."""
 
 _NAME = re.compile(r"[\w.\-]+( [\w.\-]+)*")
 
@@ -51,24 +53,26 @@ _NAME = re.compile(r"[\w.\-]+( [\w.\-]+)*")
 class SceneObject:
     """A rigid object of uniform density with one or several shapes.
 
-    The smaller of two objects' friction coefficients applies, as in ODE.  The ground
-    and the robot's links have high friction; the gripper's pads have their own value.
+    The friction coefficient between two objects is the smaller of their coefficients,
+    as in ODE.  The ground and the robot's links have high friction coefficients.  The
+    coefficient of the gripper's pads is stated in the gripper's description.
     """
 
     name: str
-    """Unique name of letters, digits, ``_``, ``-``, ``.`` and single spaces."""
+    """Unique name that consists of letters, digits, ``_``, ``-``, ``.`` and single
+    spaces."""
     geometry: Solid
-    """Shape, centred at the object's origin.  A mesh keeps its file's origin, and its
-    convex hull is used for collisions.  The parts of a compound have poses in the
-    object's frame."""
+    """Shape, centered at the object's origin.  A mesh keeps the origin in its file, and
+    the convex hull of the mesh is used for collisions.  The parts of a compound have
+    poses in the object's frame."""
     pose: Pose = field(default_factory=Pose)
-    """Pose in the robot's root at the start and after a reset."""
+    """Pose of the object in the robot's root, at the start and after a reset."""
     mass: float | None = None
-    """Mass [kg]; None for a fixed object."""
+    """Mass of the object [kg]; None for a fixed object."""
     friction: float = DEFAULT_FRICTION
-    """Coulomb friction coefficient, as Gazebo's ``mu1``."""
+    """Coulomb friction coefficient, with the meaning of Gazebo's ``mu1``."""
     rgba: RGBA = DEFAULT_RGBA
-    """Colour and opacity, each from 0 to 1."""
+    """Red, green, blue and opacity, each from 0 to 1."""
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):
@@ -98,16 +102,17 @@ class SceneObject:
 @final
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Objects with unique names; lists of object poses have the same order."""
+    """Objects and cameras around the robot."""
 
     objects: tuple[SceneObject, ...] = ()
-    """Objects of the scene, each with a unique name."""
+    """Objects of the scene.  Each object has a unique name.  Lists of object poses have
+    the order of this tuple."""
     locations: dict[str, SourceLocation] = field(
         default_factory=dict, compare=False, repr=False
     )
-    """Source location of each object by name, for messages."""
+    """Source location of each object by name, for error messages."""
     cameras: tuple[Camera, ...] = ()
-    """Cameras in addition to the default ones of every robot."""
+    """Cameras in addition to the default cameras of every robot."""
 
     def __post_init__(self) -> None:
         seen: set[str] = set()
@@ -163,16 +168,16 @@ def bin_walls(
     """Return the floor and walls of a bin that is open at the top.
 
     Args:
-        name: Prefix of the objects ``name.floor``, ``.front`` (+x), ``.back``,
-            ``.left`` (+y) and ``.right``.
+        name: Prefix of the names of the five objects: ``name.floor``, ``name.front``
+            (+x), ``name.back``, ``name.left`` (+y) and ``name.right``.
         size: Outer dimensions x, y, z [m].
-        wall: Thickness of floor and walls [m].
-        pose: Pose of the centre of the outer box, in the robot's root.
+        wall: Thickness of the floor and the walls [m].
+        pose: Pose of the center of the outer box, in the robot's root.
         friction: Friction coefficient of all five objects.
-        rgba: Colour of all five objects.
+        rgba: Color of all five objects.
 
     Raises:
-        ConfigError: If the walls leave no room inside, or a value is invalid.
+        ConfigError: If there is no space between the walls, or a value is invalid.
     """
     x, y, z = size
     require_plausible_size((x, y, z), f"bin '{name}'", is_fixed=True)

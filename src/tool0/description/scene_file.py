@@ -1,14 +1,15 @@
 """Reader of scenes in YAML files, and the list of built-in scenes.
 
-The keys are those of ``SceneObject`` and ``Camera``, except that the key of the shape
-is its kind, and that a camera's pose may have a point to look at::
+The keys are those of ``SceneObject`` and ``Camera``, with two differences.  The key of
+a shape is the kind of the shape, and a camera's pose can contain the point at which the
+camera looks::
 
     objects:
       - {name: table, box: {size: [0.6, 0.8, 40mm]}, pose: {xyz: [0.6, 0, 0]}}
       - {name: can, cylinder: {radius: 0.03, length: 0.1}, mass: 0.2, friction: 0.6}
       - {name: part, mesh: {file: part.stl, scale: [0.001, 0.001, 0.001]}, mass: 0.1}
       - {name: tray, bin: {size: [0.3, 0.2, 0.1], wall: 0.004}}
-      - name: mug  # one rigid body; a shape has a pose in it
+      - name: mug  # one rigid body; each shape has a pose in it
         mass: 0.3
         shapes:
           - {cylinder: {radius: 0.04, length: 0.1}}
@@ -17,7 +18,8 @@ is its kind, and that a camera's pose may have a point to look at::
       - {name: above, pose: {xyz: [0.5, 0, 1.2], look_at: [0.5, 0, 0], up: [1, 0, 0]}}
       - {name: palm, link: tool0, pose: {xyz: [0, 0, 0.1], rpy: [0, 0, 0]}, far: 2}
 
-A bin is a fixed open box; it becomes the objects ``tray.floor``, ``tray.front``, ….
+A bin is a fixed open box.  The bin is converted to five objects, such as ``tray.floor``
+and ``tray.front``.
 """
 
 from __future__ import annotations
@@ -87,12 +89,13 @@ def shipped_scenes() -> dict[str, Path]:
 
 
 def scene_path(given: Path | str) -> Path:
-    """Return the file of a scene that is given by its path or built-in name.
+    """Return the file of a scene, given by its path or by the name of a built-in scene.
 
     A file takes precedence over a built-in scene of the same name.
 
     Raises:
-        ConfigError: If ``name`` is not a path, and neither a file nor a scene has it.
+        ConfigError: If ``given`` is a plain name, and neither a file nor a built-in
+            scene has this name.
     """
     path = expanded(given)
     if path.suffix or path.name != str(given) or path.is_file():
@@ -107,10 +110,10 @@ def scene_path(given: Path | str) -> Path:
 
 
 def load_scene(path: Path | str) -> Scene:
-    """Return the objects in a YAML file, or in the built-in scene of that name.
+    """Return the objects in a YAML file, or in the built-in scene of this name.
 
     Raises:
-        ConfigError: If it contains a mistake, with file and line.
+        ConfigError: If the file contains a mistake.  The error states file and line.
     """
     return read_scene(read_mapping(scene_path(path)))
 
@@ -128,7 +131,7 @@ def read_scene(entry: YamlEntry) -> Scene:
 def _read_list(
     root: Namespace, kind: str, read: Callable[[YamlEntry], tuple[Item, ...]]
 ) -> tuple[tuple[Item, ...], dict[str, SourceLocation]]:
-    """Return the items that a list describes, and the location of each name."""
+    """Return the items in a list, and the source location of each item's name."""
     found: list[Item] = []
     locations: dict[str, SourceLocation] = {}
     for entry in root.items(kind):
@@ -145,7 +148,7 @@ def _read_list(
 
 
 def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...]:
-    """Return the objects that an entry describes: one, or the five of a bin."""
+    """Return the objects that an entry describes: one, or the five parts of a bin."""
     values = Namespace(entry)
     values.only("name", "pose", "mass", "friction", "rgba", *_KINDS)
     mass = values.number("mass") if values.find("mass") is not None else None
@@ -187,7 +190,7 @@ def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...
 
 
 def _kind(values: Namespace, kinds: Sequence[str], owner: str) -> str:
-    """Return the only one of the ``kinds`` that is given."""
+    """Return the one of ``kinds`` that is given, or raise ConfigError."""
     given = [kind for kind in kinds if values.find(kind) is not None]
     if len(given) != 1:
         raise ConfigError(
@@ -206,7 +209,7 @@ def _shape(values: Namespace, kind: str) -> Namespace:
 
 
 def _compound(values: Namespace, of: str) -> Compound:
-    """Return the list of ``shapes``, each with a pose in the object's frame."""
+    """Return the list ``shapes`` as a compound in the object's frame."""
     parts = []
     for number, entry in enumerate(values.items(_SEVERAL), start=1):
         part = Namespace(entry)
@@ -221,7 +224,7 @@ def _compound(values: Namespace, of: str) -> Compound:
 
 
 def _geometry(kind: str, values: Namespace, of: str) -> Geometry:
-    """Return the shape of a kind that ``values`` describe; ``of`` names its owner."""
+    """Return the shape described by ``values``; errors state its owner ``of``."""
     shape = _shape(values, kind)
 
     def numbers(
@@ -247,7 +250,7 @@ def _geometry(kind: str, values: Namespace, of: str) -> Geometry:
 def _camera(entry: YamlEntry) -> Camera:
     values = Namespace(entry)
     values.only("name", "link", "pose", *_CAMERA_PIXELS, *_CAMERA_NUMBERS)
-    given: dict[str, Any] = {  # keywords of two types
+    given: dict[str, Any] = {  # keyword arguments of two types
         **{
             key: values.number(key, None, quantity)
             for key, quantity in _CAMERA_NUMBERS.items()
@@ -302,7 +305,7 @@ def _pose(values: Namespace, *other_keys: str) -> Pose:
 
 @contextmanager
 def _located(entry: YamlEntry) -> Iterator[None]:
-    """Add the location of ``entry`` to errors without a location."""
+    """Add the location of ``entry`` to errors that have no location."""
     try:
         yield
     except ConfigError as error:

@@ -1,4 +1,4 @@
-"""Objects, contacts and forces at one instant, as values."""
+"""Values that describe objects, contacts and forces at one instant."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class ObjectState:
     position: tuple[float, float, float]
     """Position of the object's origin [m]."""
     quat_wxyz: tuple[float, float, float, float]
-    """Orientation as a unit quaternion."""
+    """Orientation of the object as a unit quaternion (w, x, y, z)."""
     linear: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Linear velocity of the object's origin [m/s]."""
     angular: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -29,8 +29,9 @@ class ObjectState:
 class Contact:
     """Resultant of all contact points between two links or objects.
 
-    Links and objects are named individually, even links that are fixed to others; the
-    engine's ground plane is ``ground``.  Vectors are in the axes of the robot's root.
+    Each link and object has a separate name, even a link that is fixed to another link.
+    The engine's ground plane is called ``ground``.  Vectors are in the axes of the
+    robot's root.
     """
 
     first: str
@@ -38,7 +39,7 @@ class Contact:
     second: str
     """Name of the link or object that ``first`` touches."""
     point: tuple[float, float, float]
-    """Mean of the contact points, weighted by normal force, in the root [m]."""
+    """Mean of the contact points, weighted by their normal forces, in the root [m]."""
     force: tuple[float, float, float]
     """Force that ``first`` exerts on ``second`` [N]."""
     torque: tuple[float, float, float]
@@ -46,9 +47,9 @@ class Contact:
 
 
 Wrench = tuple[float, float, float, float, float, float]
-"""Wrench: force [N] and torque [N·m]."""
+"""Force (x, y, z) [N] and torque (x, y, z) [N·m]."""
 
 
 def contacts_text(contacts: Sequence[tuple[str, str]]) -> str:
-    """Return pairs of names as text."""
+    """Return pairs of names as text for messages."""
     return ", ".join(f"'{link}' touches '{other}'" for link, other in contacts)

@@ -18,10 +18,12 @@ from tool0.errors import ConfigError, DescriptionError, SourceLocation
 MESH_SUFFIXES = (".dae", ".obj", ".stl")
 MOST_MESH_BYTES = 100_000_000
 _STL_HEADER, _STL_TRIANGLE = 84, 50
-"""Sizes in a binary STL file [bytes]: the header with the number of triangles; each
-triangle with its normal, corners and two spare bytes."""
+"""Sizes in a binary STL file [bytes].  The first size is that of the header, including
+the number of triangles.  The second size is that of one triangle, which consists of a
+normal, three corners and two unused bytes."""
 _STL_TRAILER = 1024
-"""Bytes tolerated after the triangles, since some programs append data."""
+"""Number of bytes that are accepted after the triangles, since some programs append
+data."""
 SHAPES = ("box", "cylinder", "sphere", "mesh")
 
 RGBA = tuple[float, float, float, float]
@@ -30,7 +32,7 @@ RGBA = tuple[float, float, float, float]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Box:
-    """A box, centred at its origin."""
+    """A box, centered at its origin."""
 
     size: Vector3
     """Full edge lengths along x, y and z [m]."""
@@ -39,7 +41,7 @@ class Box:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cylinder:
-    """A cylinder about z, centred at its origin."""
+    """A cylinder with the axis z, centered at its origin."""
 
     radius: float
     """Radius of the cylinder [m]."""
@@ -50,7 +52,7 @@ class Cylinder:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sphere:
-    """A sphere, centred at its origin."""
+    """A sphere, centered at its origin."""
 
     radius: float
     """Radius of the sphere [m]."""
@@ -59,14 +61,15 @@ class Sphere:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mesh:
-    """A mesh from a file; the function ``mesh`` creates one."""
+    """A mesh that the function ``mesh`` reads from a file."""
 
     uri: str
-    """URI as written in the source: ``package://…``, ``file://…`` or a path."""
+    """URI of the file, as written in the source: ``package://…``, ``file://…`` or a
+    path."""
     path: Path
     """Existing file to which the URI resolves."""
     scale: Vector3 = (1.0, 1.0, 1.0)
-    """Factors from the file's numbers to metres, along x, y and z."""
+    """Factors that convert the numbers in the file to meters, along x, y and z."""
 
 
 Geometry = Box | Cylinder | Sphere | Mesh
@@ -77,11 +80,11 @@ Geometry = Box | Cylinder | Sphere | Mesh
 class Compound:
     """Several shapes of the same density that form one rigid body.
 
-    Mass counts twice where shapes overlap.
+    Where two shapes overlap, the masses of both shapes are added.
     """
 
     parts: tuple[tuple[Geometry, Pose], ...]
-    """Shapes, each with its pose in the body's frame."""
+    """Shapes of the body, and the pose of each shape in the body's frame."""
 
     def __post_init__(self) -> None:
         try:
@@ -99,16 +102,16 @@ class Compound:
 
 
 Solid = Geometry | Compound
-"""Shape of an object: one shape, or several as a compound."""
+"""Shape of an object: a single shape, or a compound of several shapes."""
 
 
 def placed_geometries(solid: Solid) -> tuple[tuple[Geometry, Pose], ...]:
-    """Return the shapes of an object, and their poses in its frame."""
+    """Return the shapes of an object, and the shapes' poses in the object's frame."""
     return solid.parts if isinstance(solid, Compound) else ((solid, Pose()),)
 
 
 def geometry_names(name: str, solid: Solid) -> tuple[str, ...]:
-    """Return a name for each part, like Gazebo: ``name``, ``name_1``, ``name_2``, …."""
+    """Return a name for each part, as Gazebo does: ``name``, ``name_1`` and so on."""
     count = len(placed_geometries(solid))
     return (name, *(f"{name}_{number}" for number in range(1, count)))
 
@@ -122,9 +125,11 @@ def read_geometry(
 
     Args:
         kind: The kind of shape.
-        numbers: Reads ``size``, ``radius``, ``length`` or ``scale``, by name, count and
-            an optional default: attributes, child elements or YAML values.
-        uri: Returns the URI of a mesh and its source location.
+        numbers: Function that reads ``size``, ``radius``, ``length`` or ``scale`` from
+            attributes, child elements or YAML values.  The function's arguments are the
+            name, the count and an optional default.
+        uri: Function that returns the URI of a mesh, and the source location of the
+            URI.
 
     Raises:
         DescriptionError: If a mesh file is missing or its format is not supported.
@@ -157,15 +162,15 @@ def sizes(geometry: Geometry) -> tuple[float, ...]:
 
 
 def kind_of(solid: Solid) -> Solid | type[Geometry]:
-    """Return the kind of a box, cylinder or sphere, or another shape unchanged.
+    """Return the type of a box, cylinder or sphere; other shapes stay unchanged.
 
-    Shapes of the same kind differ only in their ``sizes``.
+    Two shapes with equal results differ only in their ``sizes``.
     """
     return type(solid) if isinstance(solid, Box | Cylinder | Sphere) else solid
 
 
 def resized(geometry: Solid, values: Sequence[float]) -> Geometry:
-    """Return a box, cylinder or sphere with different ``sizes`` [m].
+    """Return a box, cylinder or sphere with new ``sizes`` [m].
 
     Raises:
         ConfigError: If the shape is a mesh or a compound, or the number of sizes is
@@ -189,7 +194,7 @@ def extents(geometry: Geometry) -> Vector3:
     """Return the edges of the box that bounds a shape [m], in the shape's axes.
 
     Raises:
-        ConfigError: If it is a mesh, whose size only its file states.
+        ConfigError: If the shape is a mesh, since its size is stated only in the file.
     """
     match geometry:
         case Box(size=size):
@@ -203,7 +208,7 @@ def extents(geometry: Geometry) -> Vector3:
 
 
 def check_solid(solid: Solid, of: str, *, is_fixed: bool) -> None:
-    """Raise ConfigError unless sizes and poses are valid; ``of`` names the owner."""
+    """Raise ConfigError, with ``of`` as owner, unless sizes and poses are valid."""
     if not isinstance(solid, Compound):
         check_geometry(solid, of)
         _check_scale(solid, of, is_fixed=is_fixed)
@@ -218,7 +223,7 @@ def check_solid(solid: Solid, of: str, *, is_fixed: bool) -> None:
 
 
 def check_geometry(geometry: Geometry, of: str) -> None:
-    """Raise ConfigError unless the sizes are valid; ``of`` names the owner."""
+    """Raise ConfigError, with ``of`` as owner, unless the sizes are valid."""
     kind = type(geometry).__name__.lower()
     try:
         values = tuple(float(x) for x in sizes(geometry) if isinstance(x, Real))
@@ -244,8 +249,9 @@ def check_geometry(geometry: Geometry, of: str) -> None:
 
 
 def _check_scale(geometry: Geometry, of: str, *, is_fixed: bool) -> None:
-    """Raise ConfigError if the sizes are implausible in metres."""
-    if isinstance(geometry, Mesh):  # in any unit: its scale says which
+    """Raise ConfigError if the sizes are implausible in meters."""
+    # The unit of a mesh file is arbitrary and is defined by its scale.
+    if isinstance(geometry, Mesh):
         return
     edges = extents(geometry)
     what = f"the {type(geometry).__name__.lower()} {of}"
@@ -272,7 +278,10 @@ def _find_mesh(uri: str, location: SourceLocation | None) -> Path:
 
 
 def _size_problem(path: Path) -> str:
-    """Return the problem with a mesh's size, before all of it is read."""
+    """Return the problem with the size of a mesh file, or an empty text.
+
+    The check reads only the header of the file.
+    """
     try:
         size = path.stat().st_size
         with path.open("rb") as file:
@@ -296,10 +305,11 @@ def _size_problem(path: Path) -> str:
 
 
 def mesh(file: Path | str, scale: float | Vector3 = 1.0) -> Mesh:
-    """Return the shape in an STL or OBJ file: a path, ``package://`` or ``file://``.
+    """Return the shape in an STL or OBJ file.
 
-    ``scale``, one number or one per axis, converts lengths to [m], such as 0.001 for
-    mm.
+    ``file`` is a path, or a URI that starts with ``package://`` or ``file://``.
+    ``scale`` converts the lengths in the file to [m]; for example, 0.001 is the scale
+    for mm.  ``scale`` is one number, or one number per axis.
 
     Raises:
         DescriptionError: If the file is missing or its format is not supported.

@@ -1,4 +1,4 @@
-"""Pairs of links in an SRDF that motions need not keep apart."""
+"""Pairs of links, from an SRDF, between which motions ignore collisions."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def read_disabled_collisions(
     All other elements, such as groups and states, are ignored.
 
     Raises:
-        DescriptionError: If the file is not an SRDF, or names a link that the robot
-            does not have; with file and line.
+        DescriptionError: If the file is not an SRDF, or contains a link that the robot
+            does not have.  The error states file and line.
     """
     root = parse_file(file).documentElement
     if root is None or root.tagName != "robot":

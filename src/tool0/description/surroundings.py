@@ -1,4 +1,4 @@
-"""Everything that a motion could collide with, at one moment."""
+"""The objects and planes with which a motion could collide, at one moment."""
 
 from __future__ import annotations
 
@@ -16,29 +16,29 @@ class HeldObject(NamedTuple):
 
     item: SceneObject
     link: str
-    """Link of the gripper that carries the fingers."""
+    """Name of the gripper's link that carries the fingers."""
     T_link_item: Transform
 
 
 class Plane(NamedTuple):
-    """A plane through which nothing may pass."""
+    """A plane that the robot must not cross."""
 
     name: str
     point: Vector3
     """Point on the plane [m], in the robot's root."""
     normal: Vector3
-    """Unit normal that points to the robot's side."""
+    """Unit normal that points to the side of the robot."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surroundings:
-    """Positions of the robot and of everything around it."""
+    """Positions of the robot's joints, and the objects around the robot."""
 
     positions: Mapping[str, float]
     """Positions of all movable joints by name [rad | m]."""
     objects: tuple[tuple[SceneObject, ObjectState], ...] = ()
-    """Objects around the robot, with their states."""
+    """Objects around the robot, and the state of each object."""
     held: tuple[HeldObject, ...] = ()
     """Objects that grippers hold and move."""
     planes: tuple[Plane, ...] = ()

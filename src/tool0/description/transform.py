@@ -1,6 +1,6 @@
-"""Rigid transforms in plain floats: URDF poses, quaternions and rotation vectors.
+"""Rigid transforms with plain floats: URDF poses, quaternions and rotation vectors.
 
-``transform_arrays`` does the same for arrays of transforms.
+``transform_arrays`` contains the corresponding functions for arrays of transforms.
 """
 
 from __future__ import annotations
@@ -26,14 +26,15 @@ Rotation = tuple[Vector3, Vector3, Vector3]
 FARTHEST = 1e6
 """Largest coordinate of a requested pose [m]."""
 _SMALL = 1e-12
-"""Angle below which a rotation is treated as linear in its rotation vector [rad]."""
+"""Angle below which the relation between a rotation and its rotation vector is
+linearized [rad]."""
 _IDENTITY: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pose:
-    """Pose of a frame in its parent, as in URDF's ``<origin>``."""
+    """Pose of a frame in the parent frame, in the form of URDF's ``<origin>``."""
 
     xyz: Vector3 = (0.0, 0.0, 0.0)
     """Position of the frame's origin [m]."""
@@ -41,7 +42,7 @@ class Pose:
     """Roll, pitch and yaw about fixed axes [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
 
     def __post_init__(self) -> None:
-        """Raise ConfigError if an angle must have been meant in degrees."""
+        """Raise ConfigError if an angle is so large that it must be in degrees."""
         require_plausible_angles(self.rpy, "rpy")
 
 
@@ -61,7 +62,7 @@ class Transform:
         (A, B, C), (D, E, F), (G, H, I) = other.rotation  # noqa: E741
         return Transform(
             position=self.apply(other.position),
-            rotation=(  # from 0.0, so that no zero is negative
+            rotation=(  # each sum starts at 0.0, so that no zero is negative
                 (
                     0.0 + a * A + b * D + c * G,
                     0.0 + a * B + b * E + c * H,
@@ -96,7 +97,7 @@ class Transform:
         return Transform(rotation=self.rotation).apply(vector)
 
     def inverse(self) -> Transform:
-        """Return the inverse transform."""
+        """Return the inverse of this transform."""
         a, b, c = zip(*self.rotation, strict=True)
         transposed = Transform(rotation=(a, b, c))
         x, y, z = transposed.apply(self.position)
@@ -106,7 +107,7 @@ class Transform:
     def quat_wxyz(self) -> Quaternion:
         """The rotation as a unit quaternion with w >= 0."""
         (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = self.rotation
-        # Take the root of the largest component, so that none is divided by ~0.
+        # Use the root of the largest component, so that no division by nearly 0 occurs.
         squares = (
             1 + xx + yy + zz,
             1 + xx - yy - zz,
@@ -127,7 +128,7 @@ class Transform:
 
     @property
     def rotation_vector(self) -> Vector3:
-        """The rotation as axis times angle [rad], of length 0 … π."""
+        """The rotation as the product of axis and angle [rad], with length 0 … π."""
         w, x, y, z = self.quat_wxyz
         sine = math.hypot(x, y, z)
         factor = 2.0 / w if sine < _SMALL else 2.0 * math.atan2(sine, w) / sine
@@ -144,7 +145,7 @@ class Transform:
         return matrix
 
     def __repr__(self) -> str:
-        """Return position and quaternion as text, rounded to the micrometre."""
+        """Return position and quaternion as text, rounded to 6 decimal places."""
         position = ", ".join(_short(value) for value in self.position)
         quat = ", ".join(_short(value) for value in self.quat_wxyz)
         return f"Transform(position=({position}), quat_wxyz=({quat}))"
@@ -175,7 +176,7 @@ def to_pose(transform: Transform) -> Pose:
     """Return ``transform`` in the form of URDF's ``<origin>``."""
     (xx, _, _), (yx, yy, yz), (zx, zy, zz) = transform.rotation
     horizontal = math.hypot(xx, yx)
-    if horizontal > 1e-9:  # [1] above that, roll and yaw are distinct
+    if horizontal > 1e-9:  # for larger values, roll and yaw are distinct
         rpy = (math.atan2(zy, zz), math.atan2(-zx, horizontal), math.atan2(yx, xx))
     else:
         rpy = (math.atan2(-yz, yy), math.atan2(-zx, horizontal), 0.0)
@@ -183,7 +184,7 @@ def to_pose(transform: Transform) -> Pose:
 
 
 def from_quaternion(position: Sequence[float], quat_wxyz: Sequence[float]) -> Transform:
-    """Return the transform with a position and a quaternion of any positive length."""
+    """Return the transform with a position and a quaternion of any positive norm."""
     px, py, pz = position
     length = math.hypot(*quat_wxyz)
     w, x, y, z = (part / length for part in quat_wxyz)
@@ -212,7 +213,7 @@ def from_rotation_vector(
 
 
 def rotation_about(axis: Vector3, angle: float) -> Rotation:
-    """Return the rotation by ``angle`` [rad] about a unit vector (Rodrigues)."""
+    """Return the rotation by ``angle`` [rad] about a unit vector."""
     x, y, z = axis
     c, s = math.cos(angle), math.sin(angle)
     v = 1.0 - c
@@ -238,13 +239,15 @@ def from_arrays(
 
 
 AnyPose = Transform | Pose | Iterable[Sequence[float]]
-"""A pose in any accepted form; sequences are homogeneous matrices, shape (4, 4)."""
+"""A pose in one of the accepted forms.  A sequence is a homogeneous matrix, shape (4,
+4)."""
 
 
 def as_matrix(pose: AnyPose) -> NDArray[np.float64]:
     """Return a pose as a homogeneous matrix, shape (4, 4).
 
-    A rotation that is not exactly orthogonal is replaced by the nearest orthogonal one.
+    A rotation that is not exactly orthogonal is replaced by the nearest orthogonal
+    matrix.
 
     Raises:
         ModelError: If the value is not a pose.

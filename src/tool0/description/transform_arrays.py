@@ -1,4 +1,7 @@
-"""Arrays of rotations and rigid transforms; ``transform`` has the scalar versions."""
+"""Functions for arrays of rotations and rigid transforms.
+
+``transform`` contains the functions for single transforms.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +16,8 @@ from tool0.description.transform import Transform, from_arrays, from_rotation_ve
 Array = NDArray[np.float64]
 
 _SMALL = 1e-4
-"""Angle below which series replace the quotients [rad]; the next terms are about
-1e-16."""
+"""Angle below which the quotients are computed from power series [rad].  At this angle,
+the first neglected terms are about 1e-16."""
 
 
 class Frames(NamedTuple):
@@ -27,11 +30,11 @@ class Frames(NamedTuple):
 
     @classmethod
     def of(cls, T: Transform) -> Frames:
-        """Return one transform as an array with n = 1, which composes with any n."""
+        """Return a transform as an array with n = 1, which composes with any n."""
         return cls(np.array([T.position]), np.array([T.rotation]))
 
     def __matmul__(self, other: Frames | Transform) -> Frames:
-        """Return the poses ``other``, given in these frames, in the frames' parents."""
+        """Return the poses ``other``, given in these frames, in the parent frames."""
         position, rotation = np.asarray(other.position), np.asarray(other.rotation)
         return Frames(
             self.position + (self.rotation @ position[..., None])[..., 0],
@@ -39,7 +42,7 @@ class Frames(NamedTuple):
         )
 
     def inverse(self) -> Frames:
-        """Return the inverse transforms."""
+        """Return the inverses of these transforms."""
         transposed = self.rotation.swapaxes(-1, -2)
         return Frames(-(transposed @ self.position[..., None])[..., 0], transposed)
 
@@ -57,12 +60,12 @@ class Frames(NamedTuple):
 
     @property
     def yaw(self) -> Array:
-        """Angles of the x axes about the parent's z axis [rad], shape (n,)."""
+        """Angles of the frames' x axes about the parent's z axis [rad], shape (n,)."""
         return yaw_of(self.rotation)
 
 
 def cross_matrices(vectors: Array) -> Array:
-    """Return K with K @ u = v x u for vectors v, (…, 3); shape (…, 3, 3)."""
+    """Return matrices K, (…, 3, 3), with K @ u = v x u for vectors v, (…, 3)."""
     K = np.zeros((*vectors.shape, 3))
     K[..., 2, 1], K[..., 0, 2], K[..., 1, 0] = np.moveaxis(vectors, -1, 0)
     K[..., 1, 2], K[..., 2, 0], K[..., 0, 1] = np.moveaxis(-vectors, -1, 0)
@@ -72,8 +75,9 @@ def cross_matrices(vectors: Array) -> Array:
 def rotations_about(K: Array, K_squared: Array, angle: Array) -> Array:
     """Return rotations by ``angle`` [rad], shape (…), about unit axes.
 
-    This is Rodrigues' formula.  ``K`` are the axes' cross-product matrices, of shape
-    (3, 3) or of the result's shape, (…, 3, 3).
+    The function implements Rodrigues' formula.  ``K`` contains the cross-product
+    matrices of the axes.  The shape of ``K`` is (3, 3) or that of the result, (…, 3,
+    3).
     """
     sin, versine = np.sin(angle), 1.0 - np.cos(angle)
     turn = sin[..., None, None] * K
@@ -92,8 +96,8 @@ def from_rotation_vectors(vectors: Array) -> Array:
 def left_jacobians(vectors: Array) -> Array:
     """Return J, (n, 3, 3), with ω = J v̇ for R = exp(v) and ω in the fixed axes.
 
-    J = 1 + (1 - cos θ)/θ² K + (θ - sin θ)/θ³ K², with K the cross-product matrix of v:
-    T. D. Barfoot, State Estimation for Robotics (2017), (7.77).
+    J = 1 + (1 - cos θ)/θ² K + (θ - sin θ)/θ³ K², where K is the cross-product matrix of
+    v.  See T.  D.  Barfoot, State Estimation for Robotics (2017), equation (7.77).
     """
     K = cross_matrices(vectors)
     _, second, third = _quotients(vectors)
@@ -116,7 +120,7 @@ def _quotients(vectors: Array) -> tuple[Array, Array, Array]:
 
 
 def sine_vectors(R: Array) -> Array:
-    """Return each rotation's axis times 2 sin(angle), shape (n, 3)."""
+    """Return the product of axis and 2 sin(angle) of each rotation, shape (n, 3)."""
     return np.stack(
         [R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]],
         axis=1,
@@ -126,7 +130,8 @@ def sine_vectors(R: Array) -> Array:
 def quats_wxyz(R: Array) -> Array:
     """Return rotations, (n, 3, 3), as unit quaternions with w >= 0, shape (n, 4)."""
     xx, yy, zz = R[:, 0, 0], R[:, 1, 1], R[:, 2, 2]
-    # Products of the quaternion's parts; the row of the largest one is exact.
+    # Products of the quaternion's components.  The row of the largest component has the
+    # best numerical accuracy.
     table = np.empty((len(R), 4, 4))
     table[:, 0, 0] = 1 + xx + yy + zz
     table[:, 1, 1] = 1 + xx - yy - zz
@@ -143,7 +148,7 @@ def quats_wxyz(R: Array) -> Array:
 
 
 def from_quats(quat_wxyz: Array) -> Array:
-    """Return quaternions of any length, (n, 4), as rotation matrices, (n, 3, 3)."""
+    """Return quaternions of any norm, (n, 4), as rotation matrices, (n, 3, 3)."""
     w, x, y, z = (quat_wxyz / np.linalg.norm(quat_wxyz, axis=1, keepdims=True)).T
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -190,7 +195,7 @@ def yaw_of(R: Array) -> Array:
 
 
 def turn_z_to(axis: Sequence[float]) -> Array:
-    """Return a rotation, shape (3, 3), whose third column is the unit ``axis``."""
+    """Return a rotation, shape (3, 3), with the unit ``axis`` as third column."""
     z = np.asarray(axis, dtype=float)
     helper = np.eye(3)[int(np.argmin(np.abs(z)))]
     x = np.cross(helper, z)
@@ -204,5 +209,5 @@ def matrix_of(pose: Sequence[float]) -> Array:
 
 
 def rotation_vector(R: Array) -> Array:
-    """Return the rotation vector of a rotation matrix, (3, 3); length 0 … π [rad]."""
+    """Return the rotation vector [rad], of length 0 … π, of a matrix, (3, 3)."""
     return np.array(from_arrays(np.zeros(3), R).rotation_vector)

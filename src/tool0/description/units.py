@@ -1,8 +1,9 @@
-"""Numbers with units as people write them, and detection of values in a wrong unit.
+"""Numbers with units in user input, and detection of values in a wrong unit.
 
-Every file and option of tool0 accepts ``40mm``, ``90deg`` and ``250mm/s``, with or
-without a blank, and ROS's notations for angles: ``deg(90)``, ``rad(1.57)`` and, in
-YAML, ``!degrees 90`` and ``!radians 1.57``.  All internal values are SI.
+Every file and option of tool0 accepts units, such as ``40mm``, ``90deg`` and
+``250mm/s``, with or without a space before the unit.  ROS's notations for angles are
+also accepted: ``deg(90)``, ``rad(1.57)`` and, in YAML, ``!degrees 90`` and
+``!radians 1.57``.  All internal values are in SI units.
 """
 
 from __future__ import annotations
@@ -20,29 +21,30 @@ _NUMBER = re.compile(
     r"([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*([^\W\d_]*(?:/s)?)", re.I
 )
 _ROS_ANGLE = re.compile(r"(deg|rad)\(([^)]*)\)")
-"""rosparam's ``deg(90)`` and ``rad(pi/2)``; only plain numbers inside are
-understood."""
+"""Pattern of rosparam's angles, such as ``deg(90)`` and ``rad(pi/2)``.  Only plain
+numbers in the parentheses are supported."""
 ANGLE_TAGS: Final = {"!degrees": "deg", "!radians": "rad"}
-"""ROS's tags in YAML, and the unit that each stands for."""
+"""ROS's YAML tags, and the unit that each tag denotes."""
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Quantity:
-    """A physical quantity, with the units in which it can be written."""
+    """A physical quantity, and the units in which its values can be written."""
 
     name: str
     units: Mapping[str, float]
-    """The SI unit and the other common unit, each with its size in SI."""
+    """The SI unit and another common unit, each with the factor that converts values to
+    the SI unit."""
     suspect: float
-    """Size from which a value is probably in the other unit [SI]."""
+    """Magnitude at and above which a value is probably in the other unit [SI unit]."""
 
     def suggestion(self, value: float, fits: Callable[[float], bool]) -> str:
         """Return a hint such as ``; did you mean 90deg = 1.571 rad?``, or ``""``.
 
         Args:
-            value: A refused value, in SI.
-            fits: Whether another value would be accepted.
+            value: A rejected value, in the SI unit.
+            fits: Function that returns whether another value would be accepted.
         """
         si, other = self.units
         meant = value * self.units[other]
@@ -51,11 +53,11 @@ class Quantity:
         return f"; did you mean {value:g}{other} = {meant:.4g} {si}?"
 
     def require_plausible(self, value: float, what: str) -> None:
-        """Raise ConfigError if ``value``, in SI, must have been meant in another unit.
+        """Raise ConfigError if ``value`` is too large to be in the SI unit.
 
         Args:
-            value: The value; anything but a finite float is ignored.
-            what: Name of the value, for the message.
+            value: The value to check.  Values other than finite floats are ignored.
+            what: Name of the value, for the error message.
         """
         if self.suspect <= abs(value) <= sys.float_info.max:
             hint = self.suggestion(value, lambda meant: True)
@@ -68,31 +70,32 @@ class Quantity:
 LENGTH: Final = Quantity("length", {"m": 1.0, "mm": 1e-3}, 1.0)
 ANGLE: Final = Quantity("angle", {"rad": 1.0, "deg": math.radians(1.0)}, 10.0)
 SPEED: Final = Quantity("speed", {"m/s": 1.0, "mm/s": 1e-3}, 10.0)
-"""Speed of a tool; no arm reaches 10 m/s."""
+"""Speed of a tool.  No arm reaches 10 m/s."""
 
 Metres = Annotated[float, LENGTH]
 Radians = Annotated[float, ANGLE]
 MetresPerSecond = Annotated[float, SPEED]
 
 FAR: Final = 100.0
-"""Distance from every link beyond which an object is probably placed in mm [m]."""
+"""Distance to the nearest link at which an object's position is probably in mm [m]."""
 LARGEST_MOVABLE: Final = 5.0
-"""Size in every direction from which a movable body is probably in mm [m]."""
+"""Smallest edge length at which a movable body's size is probably in mm [m]."""
 LARGEST_FIXED: Final = 20.0
-"""Size from which a fixed body is probably in mm [m]; larger, since it may be the
-ground."""
+"""Smallest edge length at which a fixed body's size is probably in mm [m].  This length
+is larger than that for movable bodies, since the fixed body may be the ground."""
 
 
 def read_number(text: str, *quantities: Quantity) -> tuple[float, Quantity | None]:
-    """Return the number in ``text``, in SI, and the quantity that its unit measures.
+    """Return the number in ``text``, in the SI unit, and the quantity of its unit.
 
     Args:
-        text: A number, with a unit or without one.
-        quantities: Quantities that it may measure.
+        text: A number with or without a unit.
+        quantities: Quantities to which the unit can belong.
 
     Raises:
-        ConfigError: If it is not a finite number, has another unit, or has no unit and
-            is implausible, such as an angle of several turns.
+        ConfigError: If the text is not a finite number or has another unit.  The error
+            is also raised if the number has no unit and is implausible, such as an
+            angle of several turns.
     """
     ros = _ROS_ANGLE.fullmatch(text.strip())
     match = _NUMBER.fullmatch(ros[2].strip() + ros[1] if ros else text.strip())
@@ -116,16 +119,16 @@ def is_ros_angle(text: str) -> bool:
 
 
 def within_a_turn(angle: float) -> float:
-    """Return an implausible angle in a robot's file reduced to one turn [rad].
+    """Return ``angle`` [rad], reduced to one turn if it is implausibly large.
 
-    ROS accepts such files unchanged.
+    ROS accepts robot files with such angles.
     """
     return angle if abs(angle) < ANGLE.suspect else math.remainder(angle, math.tau)
 
 
 def require_plausible_angles(angles: object, what: str) -> None:
-    """Raise ConfigError if an angle must have been meant in degrees."""
-    listed = angles.tolist() if hasattr(angles, "tolist") else angles  # of numpy
+    """Raise ConfigError if an angle is so large that it must be in degrees."""
+    listed = angles.tolist() if hasattr(angles, "tolist") else angles  # NumPy arrays
     for angle in listed if isinstance(listed, Sequence) else ():
         if isinstance(angle, int | float):
             ANGLE.require_plausible(angle, what)
@@ -134,11 +137,11 @@ def require_plausible_angles(angles: object, what: str) -> None:
 def require_plausible_size(
     edges: Sequence[float], what: str, *, is_fixed: bool
 ) -> None:
-    """Raise ConfigError if a body is so large that its sizes must be in mm.
+    """Raise ConfigError if a body is so large that its size must be in mm.
 
     Args:
         edges: Lengths of the body along each axis [m].
-        what: The body, for the message.
+        what: Description of the body, for the error message.
         is_fixed: Whether the body cannot move.
     """
     largest = LARGEST_FIXED if is_fixed else LARGEST_MOVABLE

@@ -1,9 +1,10 @@
-"""Strict URDF parser: returns a ``RobotModel``, or an error with file and line.
+"""Strict URDF parser, which returns a ``RobotModel`` or an error with file and line.
 
-In addition to the tree, it reads ``<transmission>`` like ros_control,
-``<ros2_control>`` like ros2_control, and ``<gazebo reference=…>`` (surfaces and
-springs) like Gazebo.  It also reads tool0's own elements: ``<loop_joint>``,
-``<passive_joint>`` (a name from SRDF), ``<parallel_gripper>`` and ``<self_collide>``.
+In addition to the tree, the parser reads ``<transmission>`` as ros_control does,
+``<ros2_control>`` as ros2_control does, and ``<gazebo reference=…>`` (surfaces and
+springs) as Gazebo does.  The parser also reads the elements that tool0 defines:
+``<loop_joint>``, ``<passive_joint>`` (a name from SRDF), ``<parallel_gripper>`` and
+``<self_collide>``.
 """
 
 from __future__ import annotations
@@ -54,7 +55,8 @@ _Locations = dict[str, SourceLocation]
 LOOP_GAP = 1e-5
 """Largest distance between the ends of a loop in its rest position [m]."""
 _SELF_COLLIDE = ("selfCollide", "self_collide")
-"""Tags that tell libsdformat whether a link collides with links of its own model."""
+"""Tags that define for libsdformat whether a link collides with other links of the same
+model."""
 _BOOLEANS = ("true", "1", "false", "0")
 _SURFACE = ("mu1", "mu2", "kp", "kd", "minDepth", "maxVel")
 
@@ -62,11 +64,11 @@ _SURFACE = ("mu1", "mu2", "kp", "kd", "minDepth", "maxVel")
 def read_model(document: Document) -> RobotModel:
     """Return the robot that ``document`` describes.
 
-    Unknown elements are ignored, as in ROS.
+    Unknown elements are ignored, as they are in ROS.
 
     Raises:
-        DescriptionError: If something is missing or cannot be read.
-        ModelError: If the robot is physically impossible.
+        DescriptionError: If an element or attribute is missing or cannot be read.
+        ModelError: If a parameter of the robot is physically impossible.
     """
     robot = document.documentElement
     if robot is None or robot.tagName != "robot":
@@ -137,7 +139,7 @@ def _add(
 def _order(
     links: Mapping[str, Link], joints: Mapping[str, Joint], locations: _Locations
 ) -> tuple[str, tuple[Joint, ...]]:
-    """Return the root link and the joints, depth first, or raise ModelError."""
+    """Return the root link and the joints in depth-first order, or raise ModelError."""
     above: dict[str, Joint] = {}
     below: dict[str, list[Joint]] = {name: [] for name in links}
     for joint in joints.values():
@@ -178,7 +180,7 @@ def _order(
 
 
 def _loop(above: Mapping[str, Joint], start: Joint) -> list[str]:
-    """Return the joints of the cycle that is found by going up from ``start``."""
+    """Return the joints of the cycle that is found upwards from ``start``."""
     path: list[str] = []
     joint = start
     while joint.name not in path:
@@ -188,7 +190,7 @@ def _loop(above: Mapping[str, Joint], start: Joint) -> list[str]:
 
 
 def _check_mimics(joints: Mapping[str, Joint], locations: _Locations) -> None:
-    """Raise ModelError if a mimic joint follows a missing or another mimic joint."""
+    """Raise ModelError if a mimic joint follows an unknown joint or a mimic joint."""
     for joint in joints.values():
         if joint.mimic is None:
             continue
@@ -215,15 +217,18 @@ def _check_mimics(joints: Mapping[str, Joint], locations: _Locations) -> None:
 def _apply_gazebo(
     robot: Element, links: dict[str, Link], joints: dict[str, Joint]
 ) -> None:
-    """Add the springs and surfaces that ``<gazebo reference>`` gives to the items."""
+    """Add the springs and surfaces in ``<gazebo reference>`` to joints and links."""
     for element in children(robot, "gazebo"):
         name = element.getAttribute("reference")
         if name in joints:
             joints[name] = _with_spring(joints[name], element)
         elif name in links:
             links[name] = _with_surface(links[name], element)
-        elif name:  # without a name it is for the whole model: left to Gazebo
-            logger.warning(  # as in Gazebo; published robots contain such references
+        elif name:
+            # Only Gazebo uses an element without a name.  A reference to an unknown
+            # name is only a warning, as in Gazebo, since published robots contain such
+            # references.
+            logger.warning(
                 "%s: <gazebo> refers to '%s', which is no link: it has no effect%s",
                 locate(element),
                 name,
@@ -241,7 +246,7 @@ def _with_spring(joint: Joint, element: Element) -> Joint:
 
 
 def _with_surface(link: Link, element: Element) -> Link:
-    """Return ``link`` with the properties of one of its ``<gazebo>`` elements."""
+    """Return ``link`` with the properties in one of its ``<gazebo>`` elements."""
     flags = [flag for tag in _SELF_COLLIDE for flag in children(element, tag)]
     if flags:
         link = replace(link, self_collide=any([_is_true(flag) for flag in flags]))
@@ -258,9 +263,10 @@ def _with_surface(link: Link, element: Element) -> Link:
 
 
 def _is_self_colliding(robot: Element) -> bool:
-    """Return whether all links collide with each other: ``<self_collide>``.
+    """Return whether all links collide with each other, as set by ``<self_collide>``.
 
-    This is tool0's own element below ``<robot>``, or Gazebo's for the whole model.
+    The element is read below ``<robot>``, where only tool0 uses it, and in Gazebo's
+    extensions for the whole model.
     """
     of_model = (
         element
@@ -279,7 +285,7 @@ def _is_true(flag: Element) -> bool:
 
 
 def _mark_passive(robot: Element, joints: dict[str, Joint]) -> None:
-    """Mark the joints that only a loop drives."""
+    """Mark the joints that are driven only by a loop."""
     for element in children(robot, "passive_joint"):
         name = required(element, "name")
         what = "<passive_joint> names the unknown joint"
@@ -295,7 +301,7 @@ def _mark_passive(robot: Element, joints: dict[str, Joint]) -> None:
 def _read_transmissions(
     robot: Element, joints: Mapping[str, Joint], drives: Mapping[str, Transmission]
 ) -> tuple[Transmission, ...]:
-    """Return the drives; those from ``<ros2_control>`` come first."""
+    """Return the drives, starting with the drives from ``<ros2_control>``."""
     found: dict[str, Transmission] = {}
     for element in children(robot, "transmission"):
         transmission = read_transmission(element, drives)
@@ -313,10 +319,10 @@ def _read_transmissions(
 
 
 def _check_loops(model: RobotModel) -> None:
-    """Raise ModelError unless every loop stays closed over its range of motion.
+    """Raise ModelError unless every loop is closed over its range of motion.
 
-    The ``<mimic>`` of passive joints must keep the loop closed; both ends and the
-    middle of each master's range are tried.
+    The ``<mimic>`` relations of passive joints must keep the loop closed.  The check is
+    made at both ends and in the middle of the range of each master joint.
     """
     masters = {
         joint.mimic.joint for joint in model.joints if joint.mimic and joint.passive

@@ -1,7 +1,7 @@
-"""Parser of URDF's elements: ``<link>``, ``<joint>`` and the parts of a joint.
+"""Parser of the URDF elements ``<link>`` and ``<joint>``, and of a joint's parts.
 
-``<loop_joint>`` and ``<parallel_gripper>`` are tool0's own; other URDF parsers ignore
-them.
+``<loop_joint>`` and ``<parallel_gripper>`` are elements that tool0 defines; other URDF
+parsers ignore them.
 """
 
 from __future__ import annotations
@@ -61,7 +61,8 @@ from tool0.description.xml_source import (
 from tool0.errors import ConfigError, DescriptionError, LimitsError, ModelError
 
 SHEET = 1e-3
-"""Thickness given to a box with one edge of length 0, such as a flat floor [m]."""
+"""Thickness that replaces an edge of length 0 of a box, such as that of a flat floor
+[m]."""
 
 _LIMITED = (JointType.REVOLUTE, JointType.PRISMATIC)
 _WITH_AXIS = (*_LIMITED, JointType.CONTINUOUS, JointType.PLANAR)
@@ -69,7 +70,7 @@ _INTERFACE_PACKAGE = "hardware_interface/"
 
 
 def read_link(element: Element, materials: Mapping[str, RGBA]) -> Link:
-    """Return the link that ``element`` describes, given all named ``materials``."""
+    """Return the link that ``element`` describes, with colors from ``materials``."""
     name = required(element, "name")
     return Link(
         name=name,
@@ -90,7 +91,10 @@ def read_link(element: Element, materials: Mapping[str, RGBA]) -> Link:
 
 
 def read_inertial(link: Element, name: str) -> Inertial | None:
-    """Return the ``<inertial>`` of a link, or None; ModelError if it is impossible."""
+    """Return the ``<inertial>`` of a link, or None if there is no such element.
+
+    A physically impossible inertia raises ModelError.
+    """
     element = only_child(link, "inertial")
     if element is None:
         return None
@@ -142,7 +146,7 @@ def _read_rgba(visual: Element, materials: Mapping[str, RGBA]) -> RGBA | None:
 
 
 def read_color(material: Element) -> RGBA | None:
-    """Return the ``<color>`` of a ``<material>``; None if it has none."""
+    """Return the ``<color>`` of a ``<material>``, or None if there is no color."""
     element = only_child(material, "color")
     if element is None:
         return None
@@ -206,7 +210,7 @@ def _read_limits(element: Element, name: str, kind: JointType) -> JointLimits:
     child = only_child(element, "limit")
     is_limited = kind in _LIMITED
     if kind is JointType.FIXED:
-        return JointLimits()  # ROS does not read them
+        return JointLimits()  # ROS does not read the limits of these joints
     if child is None:
         if is_limited:
             raise LimitsError(
@@ -216,7 +220,7 @@ def _read_limits(element: Element, name: str, kind: JointType) -> JointLimits:
                 locate(element),
             )
         return JointLimits()
-    # urdfdom requires velocity and effort; continuous joints may omit them
+    # urdfdom requires velocity and effort; only continuous joints may omit them
     otherwise = None if is_limited else math.inf
     velocity = number(child, "velocity", otherwise)
     effort = number(child, "effort", otherwise)
@@ -253,9 +257,10 @@ def _read_safety(element: Element) -> SafetyController | None:
 def read_transmission(
     element: Element, drives: Mapping[str, Transmission]
 ) -> Transmission:
-    """Return the transmission that ``element`` describes, as in ros_control.
+    """Return the transmission that ``element`` describes, as ros_control does.
 
-    If its joint is already in ``drives``, its data is added to that drive.
+    If ``drives`` already contains a drive of this joint, the data of the transmission
+    is added to that drive.
     """
     joint = required_child(element, "joint")
     actuator = only_child(element, "actuator")
@@ -293,7 +298,7 @@ def read_transmission(
 def _read_interface(
     element: Element, joint: Element, actuator: Element | None
 ) -> Interface:
-    """Return the interface named in ``joint``, or else the one in ``actuator``."""
+    """Return the interface in ``joint``, or that in ``actuator`` if it is missing."""
     valid = [item.value for item in Interface]
     for owner in (joint, actuator):
         for named in () if owner is None else children(owner, "hardwareInterface"):
@@ -337,7 +342,7 @@ _ROTARY, _LINEAR = ("pad_cos", "pad_sin"), ("pad_slope",)
 
 
 def read_gripper(element: Element, joints: Mapping[str, Joint]) -> ParallelGripper:
-    """Return the gripper that ``element`` describes; one of ``joints`` drives it."""
+    """Return the gripper that ``element`` describes and one of ``joints`` drives."""
     name, driven = required(element, "name"), required(element, "joint")
     what = f"gripper '{name}' is driven by the unknown joint"
     require_known(driven, joints, what, locate(element))

@@ -17,16 +17,17 @@ _ZERO: Final = (0.0, 0.0, 0.0)
 def velocity_efforts(
     dynamics: JointDynamics, position: Sequence[float], velocity: Sequence[float]
 ) -> Matrix:
-    """Return the efforts that keep the joints at constant velocities, without gravity.
+    """Return the efforts that keep the joint velocities constant, without gravity.
 
-    They are C(q, qd) qd [N·m | N], shape (n_joints,), computed from the accelerations
-    of the bodies at constant joint velocities.
+    The efforts C(q, qd) qd [N·m | N], shape (n_joints,), are computed from the
+    accelerations of the bodies at constant joint velocities.
 
     Args:
         dynamics: Dynamics of the robot.
         position: Positions of the movable joints, in the model's order [rad | m].
-        velocity: Velocities in the same order [rad/s | m/s]; mimic joints follow their
-            masters.
+        velocity: Velocities of the movable joints, in the model's order [rad/s | m/s].
+            The values for mimic joints are ignored, since these follow their master
+            joints.
     """
     frames = dynamics.frames(position)
     efforts = np.zeros(len(frames))
@@ -61,7 +62,7 @@ def _carried(
     body: int,
     parent: int,
 ) -> tuple[Vector3, Vector3, Vector3]:
-    """Return the motion, as part of the parent, of the point at a body's frame."""
+    """Return the motion of the parent at the origin of a body's frame."""
     if parent < 0:
         return _ZERO, _ZERO, _ZERO
     omega, alpha, a = motions[parent]
@@ -70,7 +71,7 @@ def _carried(
 
 
 def _relative(omega: Vector3, alpha: Vector3, way: Vector3) -> tuple[Vector3, Vector3]:
-    """Return tangential and centripetal acceleration at an offset ``way`` [m/s²]."""
+    """Return the tangential and centripetal accelerations at an offset [m/s²]."""
     return _cross(alpha, way), _cross(omega, _cross(omega, way))
 
 

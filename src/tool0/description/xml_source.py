@@ -1,8 +1,8 @@
-"""XML whose elements know their file and line, and typed access to their values.
+"""XML elements with file and line, and typed access to the elements' values.
 
-An element keeps its location when xacro clones a macro's body, so that an error in
-expanded XML points at the macro's source.  Comments and white space between elements
-are omitted: nothing needs them, and xacro is much faster without them.
+An element keeps its location when xacro clones a macro's body.  Therefore an error in
+expanded XML refers to the source of the macro.  Comments and white space between
+elements are omitted, since they are not used and xacro is much faster without them.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from tool0.description.units import within_a_turn
 from tool0.errors import DescriptionError, ModelError, SourceLocation, did_you_mean
 
 MAX_DEPTH = 500
-"""Largest nesting depth; limited since minidom climbs to the top for each new
-element."""
+"""Largest nesting depth.  The depth is limited, since minidom visits all ancestors of
+each new element."""
 
 
 @final
 class LocatedElement(Element):
-    """A DOM element that remembers its source location.
+    """A DOM element with its source location.
 
-    Its attributes are a plain dict.  minidom would keep each as a node in two dicts,
-    which takes a third of an expansion's time.
+    The attributes of the element are a plain dict. minidom would store each attribute
+    as a node in two dicts, which would take a third of the time of an expansion.
     """
 
     def __init__(self, tag: str, location: SourceLocation | None = None) -> None:
@@ -39,7 +39,7 @@ class LocatedElement(Element):
 
     @property
     def attributes(self) -> Any:  # type: ignore[override]  # a NamedNodeMap in minidom
-        """Copy of the attributes; xacro only uses ``items`` and ``keys``."""
+        """Copy of the attributes, of which xacro uses only ``items`` and ``keys``."""
         return dict(self._values)
 
     def hasAttribute(self, name: str) -> bool:
@@ -76,7 +76,7 @@ class LocatedElement(Element):
     def writexml(
         self, writer: Any, indent: str = "", addindent: str = "", newl: str = ""
     ) -> None:
-        """Write the element and its children; text-only elements stay on one line."""
+        """Write the element and its children; text-only elements have one line."""
         attributes = "".join(
             f' {name}="{value.translate(_ESCAPES)}"'
             for name, value in self._values.items()
@@ -97,7 +97,7 @@ class LocatedElement(Element):
 _ESCAPES = str.maketrans(
     {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\n": "&#10;"}
 )
-"""Escapes for text in XML, between tags or in double quotes."""
+"""Escape sequences for XML text between tags or in double quotes."""
 
 
 def parse_file(path: Path) -> Document:
@@ -125,7 +125,7 @@ def parse_text(text: str | bytes, file: Path | None = None) -> Document:
 
 
 def locate(node: Node | None) -> SourceLocation | None:
-    """Return the source location of ``node``, or of the nearest enclosing element."""
+    """Return the source location of ``node``, or of the nearest element around it."""
     while node is not None:
         if isinstance(node, LocatedElement) and node.location is not None:
             return node.location
@@ -141,22 +141,22 @@ def children(element: Element, tag: str | None = None) -> Iterator[Element]:
 
 
 def to_text(document: Document) -> str:
-    """Return ``document`` as indented XML; white space between elements is lost."""
+    """Return ``document`` as indented XML, without white space between elements."""
     for element in document.getElementsByTagName("*"):
         for child in list(element.childNodes):
             if not isinstance(child, Element) and not (child.nodeValue or "").strip():
-                element.removeChild(child)  # xacro leaves blank text
+                element.removeChild(child)  # xacro does not remove blank text
     return document.toprettyxml(indent="  ")
 
 
 @final
 class _Builder:
-    """Builder of one document from expat's events."""
+    """Builder of one document from the events of expat."""
 
     def __init__(self, file: Path | None) -> None:
         self._file = file
         self._document = Document()
-        self._around: list[Element] = []  # the open elements
+        self._around: list[Element] = []  # the elements that are not closed yet
         self._prefixes = {"xml", "xmlns"}
         self._parser = parser = expat.ParserCreate()
         parser.buffer_text = True
@@ -215,7 +215,7 @@ class _Builder:
     def _doctype(
         self, _name: str, _system: str | None, _public: str | None, declares: bool
     ) -> None:
-        """Reject entity declarations: nested ones expand a small file to gigabytes."""
+        """Reject entity declarations, which can expand a small file to gigabytes."""
         if declares:
             raise DescriptionError(
                 "declarations in <!DOCTYPE …> are not allowed; remove them, "
@@ -240,7 +240,7 @@ def required(element: Element, attribute: str) -> str:
 
 
 def only_child(element: Element, tag: str) -> Element | None:
-    """Return the one child called ``tag``; None if there is none."""
+    """Return the only child called ``tag``, or None if there is no such child."""
     found = list(children(element, tag))
     if len(found) > 1:
         raise DescriptionError(
@@ -250,7 +250,7 @@ def only_child(element: Element, tag: str) -> Element | None:
 
 
 def required_child(element: Element, tag: str) -> Element:
-    """Return the one child called ``tag``, or raise DescriptionError."""
+    """Return the only child called ``tag``, or raise DescriptionError."""
     child = only_child(element, tag)
     if child is None:
         name = element.getAttribute("name")
@@ -262,7 +262,7 @@ def required_child(element: Element, tag: str) -> Element:
 
 
 def number(element: Element, attribute: str, default: float | None = None) -> float:
-    """Return ``attribute`` as a number; without ``default`` it is required."""
+    """Return ``attribute`` as a number; it is required if there is no ``default``."""
     (value,) = numbers(element, attribute, 1, None if default is None else [default])
     return value
 
@@ -308,7 +308,7 @@ def vector(
 
 
 def origin(element: Element) -> Pose:
-    """Return ``<origin>`` of ``element``; none means the identity."""
+    """Return the ``<origin>`` of ``element``, or the identity if there is no origin."""
     child = only_child(element, "origin")
     if child is None:
         return Pose()
@@ -318,7 +318,7 @@ def origin(element: Element) -> Pose:
 
 
 def not_negative(value: float, what: str, element: Element) -> float:
-    """Return ``value``, or raise ModelError with ``what`` before it."""
+    """Return ``value``, or raise ModelError with the text ``what`` if it is < 0."""
     if not value >= 0:
         raise ModelError(f"{what} {value:g}; it must not be negative", locate(element))
     return value
@@ -346,18 +346,18 @@ def choice(text: str, valid: Sequence[str], element: Element, what: str) -> str:
 def require_known(
     name: str, valid: Collection[str], what: str, location: SourceLocation | None
 ) -> None:
-    """Raise ModelError, starting with ``what``, unless ``name`` is in ``valid``."""
+    """Raise ModelError with the text ``what`` unless ``name`` is in ``valid``."""
     if name not in valid:
         raise ModelError(f"{what} '{name}'{did_you_mean(name, list(valid))}", location)
 
 
 def text_of(element: Element) -> str:
-    """Return the text inside ``element``, stripped."""
+    """Return the text inside ``element``, without leading and trailing white space."""
     texts = (node for node in element.childNodes if not isinstance(node, Element))
     return "".join(node.nodeValue or "" for node in texts).strip()
 
 
 def child_number(element: Element, tag: str) -> float | None:
-    """Return the number inside the child ``tag``; None if there is no such child."""
+    """Return the number inside the child ``tag``, or None if there is no such child."""
     child = only_child(element, tag)
     return None if child is None else to_numbers(text_of(child), 1, child, tag)[0]

@@ -1,4 +1,4 @@
-"""Checks of the values in YAML parameter files; errors name file and line."""
+"""Checks of the values in YAML parameter files.  Errors state file and line."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SHAPES = ("mesh", "box", *_SIZES)
 def check_files(
     files: Mapping[str, Path], checks: Mapping[str, Callable[[YamlEntry], None]]
 ) -> None:
-    """Check files by name; missing files and those without a check are skipped."""
+    """Check the files by name; missing files and files without a check are skipped."""
     for name, check in checks.items():
         path = files.get(name)
         if path is not None and path.is_file():
@@ -28,7 +28,7 @@ def check_files(
 
 
 def child_at(entry: YamlEntry, key: str, siblings: Collection[str] = ()) -> YamlEntry:
-    """Return the entry at ``key``; error hints never suggest one of ``siblings``."""
+    """Return the entry at ``key``; hints in errors never suggest ``siblings``."""
     child = entry.find(key)
     if child is None:
         near = nearest_name(key, entry.children.keys() - set(siblings))
@@ -47,7 +47,7 @@ def mapping_at(entry: YamlEntry, key: str) -> YamlEntry:
 
 
 def allow_only(entry: YamlEntry, *valid: str) -> None:
-    """Raise DescriptionError for a key that is not valid."""
+    """Raise DescriptionError for a key that is not in ``valid``."""
     for key, child in entry.children.items():
         if key not in valid:
             raise DescriptionError(
@@ -59,7 +59,10 @@ def allow_only(entry: YamlEntry, *valid: str) -> None:
 def numbers_at(
     entry: YamlEntry, keys: tuple[str, ...], *, others: bool = False
 ) -> dict[str, float]:
-    """Return the numbers at ``keys``; other keys are errors unless ``others``."""
+    """Return the numbers at ``keys``.
+
+    Other keys are errors unless ``others`` is set.
+    """
     if not others:
         allow_only(entry, *keys)
     return {key: number_of(child_at(entry, key, keys)) for key in keys}
@@ -80,7 +83,7 @@ def vector_of(entry: YamlEntry, count: int) -> list[float]:
 
 
 def number_of(entry: YamlEntry) -> float:
-    """Return a finite number, even if YAML 1.1 reads it as text (such as 2e-05)."""
+    """Return a finite number, even if it is text in YAML 1.1 (such as 2e-05)."""
     value = entry.scalar
     try:
         number = math.nan if value is None or value is True else float(value)
@@ -96,21 +99,25 @@ def _dotted(entry: YamlEntry) -> str:
 
 
 def wrong_value(entry: YamlEntry, wanted: str) -> DescriptionError:
-    """Return the error about a value of the wrong type."""
+    """Return the error for a value of the wrong type."""
     return DescriptionError(
         f"'{_dotted(entry)}' must be {wanted}, got {entry.describe()}", entry.location
     )
 
 
 def impossible_value(entry: YamlEntry, wanted: str) -> ModelError:
-    """Return the error about a value that no robot can have."""
+    """Return the error for a physically impossible value."""
     return ModelError(
         f"'{_dotted(entry)}' must be {wanted}, got {entry.plain()}", entry.location
     )
 
 
 def check_shape(item: YamlEntry, materials: YamlEntry | None) -> None:
-    """Raise an error unless the entry is a shape; a visual has one of ``materials``."""
+    """Raise an error unless the entry is a valid shape.
+
+    If ``materials`` is given, the shape is a visual and must have one of these
+    materials.
+    """
     kind = next(iter(item.children), "")
     if kind not in _SHAPES:
         raise DescriptionError(

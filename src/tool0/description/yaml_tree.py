@@ -1,4 +1,4 @@
-"""YAML as a tree of entries: each value with its full key, file and line.
+"""YAML as a tree of entries, which are values with full key, file and line.
 
 Controllers, scenes, launch files, the linter and xacro read YAML through this module.
 """
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 Scalar = str | float | int | bool | None
 Constructor = Callable[[Any, Any], Any]
-"""Constructor of a tagged scalar from PyYAML's loader and node."""
+"""Constructor of a tagged scalar, with PyYAML's loader and node as arguments."""
 
 MOST_ENTRIES = 30_000
-"""Largest number of values in one text, since a few lines of aliases can mean
-billions."""
+"""Largest number of values in one text.  The number is limited, since a few lines with
+aliases can represent billions of values."""
 MOST_LEVELS = 100
 """Largest nesting depth of lists and mappings."""
 
@@ -54,21 +54,21 @@ class YamlEntry:
 
     @property
     def scalar(self) -> Scalar:
-        """The value of a number, string or boolean; None for other entries."""
+        """Value of a number, string or boolean; None for other entries."""
         return None if isinstance(self.value, list | dict) else self.value
 
     @property
     def items(self) -> list[YamlEntry]:
-        """The elements of a list; empty if it is not a list."""
+        """Elements of a list; empty if the entry is not a list."""
         return self.value if isinstance(self.value, list) else []
 
     @property
     def children(self) -> dict[str, YamlEntry]:
-        """The entries of a mapping by key; empty if it is not a mapping."""
+        """Entries of a mapping by key; empty if the entry is not a mapping."""
         return self.value if isinstance(self.value, dict) else {}
 
     def find(self, path: str) -> YamlEntry | None:
-        """Return the entry at ``a/b`` below this one, or None."""
+        """Return the entry at a path such as ``a/b`` below this entry, or None."""
         entry: YamlEntry | None = self
         for part in path.split("/"):
             entry = None if entry is None else entry.children.get(part)
@@ -97,7 +97,7 @@ class YamlEntry:
         )
 
     def leaves(self) -> Iterator[YamlEntry]:
-        """Yield every value that is not a mapping, depth first."""
+        """Yield every value that is not a mapping, in depth-first order."""
         if not self.is_mapping:
             yield self
         for child in self.children.values():
@@ -107,7 +107,10 @@ class YamlEntry:
 @final
 @dataclass(slots=True)
 class Tree:
-    """All parameters of one or several files; later ones override, as in ROS."""
+    """All parameters of one or several files.
+
+    Parameters of later files override those of earlier files, as in ROS.
+    """
 
     root: YamlEntry = field(
         default_factory=lambda: YamlEntry("", SourceLocation(None), {})
@@ -116,11 +119,11 @@ class Tree:
     """Findings about entries that are readable but suspicious."""
 
     def load(self, text: str, location: SourceLocation) -> None:
-        """Merge the parameters of a YAML text into the existing ones, replacing values.
+        """Merge the parameters of a YAML text into the tree, replacing existing values.
 
         Raises:
-            ConfigError: If the text is not YAML or not a mapping; ``location`` is the
-                location of its first line.
+            ConfigError: If the text is not YAML or not a mapping.  ``location`` is the
+                location of the text's first line.
         """
         entry = _TreeReader(location, self.findings).read(text)
         if entry is not None and not entry.is_mapping:
@@ -140,11 +143,11 @@ class Tree:
 
 
 def read_mapping(file: Path) -> YamlEntry:
-    """Return the mapping in a YAML file, read as ``read_verbatim`` does.
+    """Return the mapping in a YAML file, which is read with ``read_verbatim``.
 
     Raises:
-        ConfigError: If it cannot be read, is not YAML, not a mapping, or has a key
-            twice.
+        ConfigError: If the file cannot be read, is not YAML, is not a mapping, or
+            contains a key twice.
     """
     tree = read_verbatim(file)
     tree.require_unique_keys()
@@ -157,14 +160,15 @@ def read_mapping(file: Path) -> YamlEntry:
 
 
 def read_verbatim(file: Path, units: Mapping[str, Constructor] | None = None) -> Tree:
-    """Return the content of a YAML file; the root is null if the file is empty.
+    """Return the content of a YAML file.
 
-    Keys and strings are used as they are, without rosparam's slashes and angles;
-    ``!degrees 90`` is the text ``90deg``, for ``read_number``.  ``units``, if given,
-    constructs tagged scalars by tag instead.
+    The root is null if the file is empty.  Keys and strings are not changed: slashes
+    and angles do not have rosparam's meaning.  ``!degrees 90`` is returned as the text
+    ``90deg``, which ``read_number`` accepts.  If ``units`` is given, it contains the
+    constructors of tagged scalars by tag.
 
     Raises:
-        ConfigError: If it cannot be read, or is not YAML.
+        ConfigError: If the file cannot be read, or is not YAML.
     """
     return read_verbatim_text(text_of(file), SourceLocation(file, 1), units)
 
@@ -174,10 +178,10 @@ def read_verbatim_text(
 ) -> Tree:
     """Return the content of a YAML text, as ``read_verbatim`` does.
 
-    ``start`` is the location of its first line.
+    ``start`` is the location of the text's first line.
 
     Raises:
-        ConfigError: If it is not YAML.
+        ConfigError: If the text is not YAML.
     """
     findings = list[Finding]()
     entry = _TreeReader(start, findings, units or {}).read(text)
@@ -185,7 +189,7 @@ def read_verbatim_text(
 
 
 def text_of(file: Path) -> str:
-    """Return the text of a UTF-8 file; ConfigError if it cannot be read."""
+    """Return the text of a UTF-8 file, or raise ConfigError if it cannot be read."""
     try:
         return file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -198,8 +202,8 @@ def text_of(file: Path) -> str:
 def require_yaml(text: str, location: SourceLocation) -> None:
     """Raise ConfigError if a text cannot be parsed, or is nested too deeply.
 
-    Parsing needs no recursion, but composing does, and the C library would overflow the
-    stack.
+    Parsing is not recursive.  Composing is recursive, and deep nesting would cause a
+    stack overflow in the C library.
     """
     import yaml
 
@@ -228,7 +232,8 @@ def _not_yaml(error: yaml.YAMLError, location: SourceLocation) -> ConfigError:
     if not isinstance(error, yaml.MarkedYAMLError):
         return ConfigError(f"not YAML: {error}", location)
     where = _line_of(error.problem_mark, location)
-    if "nesting depth" in str(error.problem):  # the C library's own limit of brackets
+    # The C library limits the nesting of brackets.
+    if "nesting depth" in str(error.problem):
         return _too_deep(where)
     context = f" ({error.context})" if error.context else ""
     return ConfigError(f"not YAML: {error.problem or error}{context}", where)
@@ -241,13 +246,13 @@ def _too_deep(where: SourceLocation) -> ConfigError:
 
 
 def _line_of(mark: Any, first: SourceLocation) -> SourceLocation:
-    """Return the location of a PyYAML mark in a text whose first line is ``first``."""
+    """Return the location of a PyYAML mark in a text that starts at ``first``."""
     line = (first.line or 1) + (0 if mark is None else mark.line)
     return SourceLocation(first.file, line)
 
 
 def merged(*entries: YamlEntry) -> YamlEntry:
-    """Return a copy of the first mapping, updated with the values of the others."""
+    """Return a copy of the first mapping, updated with the other mappings."""
     result = YamlEntry(entries[0].key, entries[0].location, {})
     for entry in entries:
         _merge(result, _copied(entry))
@@ -255,7 +260,7 @@ def merged(*entries: YamlEntry) -> YamlEntry:
 
 
 def _copied(entry: YamlEntry) -> YamlEntry:
-    """Return a copy of an entry and of the mappings in it."""
+    """Return a copy of an entry, including the mappings in the entry."""
     if not entry.is_mapping:
         return entry
     children = {name: _copied(child) for name, child in entry.children.items()}
@@ -263,7 +268,7 @@ def _copied(entry: YamlEntry) -> YamlEntry:
 
 
 def _merge(target: YamlEntry, source: YamlEntry) -> None:
-    """Merge ``source`` into ``target``; both are mappings."""
+    """Merge the mapping ``source`` into the mapping ``target``."""
     for name, child in source.children.items():
         present = target.children.get(name)
         if present is not None and present.is_mapping and child.is_mapping:
@@ -274,7 +279,7 @@ def _merge(target: YamlEntry, source: YamlEntry) -> None:
 
 @final
 class _TreeReader:
-    """Converter of the nodes of one text into entries."""
+    """Converter from the YAML nodes of one text to entries."""
 
     def __init__(
         self,
@@ -360,7 +365,7 @@ class _TreeReader:
         return result
 
     def _path(self, name: str, name_node: yaml.Node, key: str) -> list[str]:
-        """Return the names in a key; in ROS, ``a/b`` is ``b`` in namespace ``a``."""
+        """Return the names in a key; in ROS, ``a/b`` means ``b`` in namespace ``a``."""
         where = self._where(name_node)
         if self._units is not None:
             if not name:
@@ -378,7 +383,10 @@ class _TreeReader:
     def _pairs(
         self, node: yaml.Node, key: str
     ) -> Iterator[tuple[str, yaml.Node, yaml.Node]]:
-        """Yield keys and values; those of ``<<`` come first unless overridden."""
+        """Yield the keys and values of a mapping, including its ``<<``.
+
+        The pairs of ``<<`` come first.  Overridden pairs are left out.
+        """
         import yaml
 
         own = [
@@ -416,7 +424,7 @@ class _TreeReader:
         return _line_of(node.start_mark, self._location)
 
     def _scalar(self, node: yaml.Node, key: str, where: SourceLocation) -> Scalar:
-        """Return the value as ROS's parameter server would store it."""
+        """Return the value that ROS's parameter server would store."""
         import yaml
 
         text = str(node.value)

@@ -1,4 +1,4 @@
-"""Typed access to the values of a YAML mapping, with errors that name the line."""
+"""Typed access to the values of a YAML mapping, with errors that state the line."""
 
 from __future__ import annotations
 
@@ -13,29 +13,30 @@ from tool0.description.yaml_tree import YamlEntry
 from tool0.errors import ConfigError, SourceLocation, did_you_mean, nearest_name
 
 Value = str | float | int | bool | tuple[str, ...] | tuple[float, ...]
-"""Type of the values that getters return."""
+"""Type of the values that the getters of ``Namespace`` return."""
 Recorded = TypeVar("Recorded", bound=Value)
 
 
 @final
 @dataclass(slots=True)
 class Reading:
-    """Record of the reads from a mapping and its nested mappings, by full key."""
+    """Record of the keys read from a mapping and its nested mappings, by full key."""
 
     keys: set[str] = field(default_factory=set)
-    """Keys that were looked up so far."""
+    """Keys that have been looked up."""
     values: dict[str, Value] = field(default_factory=dict)
-    """Key → returned value, including defaults."""
+    """Returned values by key, including defaults."""
     adjustable: set[str] = field(default_factory=set)
-    """Keys whose values may change later."""
+    """Keys of the values that may change while a controller runs."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Namespace:
-    """A mapping of values; every getter raises ConfigError with file and line.
+    """A mapping of values.
 
-    So does the constructor if ``entry`` is not a mapping.
+    Every getter raises ConfigError, with file and line, if its value is invalid.  The
+    constructor raises ConfigError if ``entry`` is not a mapping.
     """
 
     entry: YamlEntry
@@ -55,17 +56,17 @@ class Namespace:
         return self.entry.key.rpartition("/")[2]
 
     def find(self, path: str) -> YamlEntry | None:
-        """Return the entry at ``a/b``, or None."""
+        """Return the entry at a path such as ``a/b``, or None."""
         self.reading.keys.add(f"{self.entry.key}/{path}")
         return self.entry.find(path)
 
     def namespace(self, path: str) -> Namespace | None:
-        """Return the mapping at ``path``, or None if there is none."""
+        """Return the mapping at ``path``, or None if there is no such mapping."""
         entry = self.find(path)
         return None if entry is None else Namespace(entry, self.reading)
 
     def accept(self, *paths: str) -> None:
-        """Mark parameters that ROS reads and tool0 does not need as known."""
+        """Mark as known the parameters that ROS reads and tool0 does not need."""
         self.reading.keys.update(f"{self.entry.key}/{path}" for path in paths)
 
     def mark_adjustable(self, *paths: str) -> None:
@@ -83,7 +84,7 @@ class Namespace:
         return frozenset(keys - outer)
 
     def read_values(self) -> dict[str, Value]:
-        """Return the values that the getters returned, by path, with defaults."""
+        """Return the values that the getters returned, including defaults, by path."""
         return {self.path_of(key): value for key, value in self.reading.values.items()}
 
     def adjustable_paths(self) -> frozenset[str]:
@@ -91,7 +92,7 @@ class Namespace:
         return frozenset(map(self.path_of, self.reading.adjustable))
 
     def path_of(self, key: str) -> str:
-        """Return the path within the mapping of an entry, given its full key."""
+        """Return the path, in this mapping, of the entry with the full key ``key``."""
         return key.removeprefix(f"{self.entry.key}/")
 
     def _recorded(self, path: str, value: Recorded) -> Recorded:
@@ -99,7 +100,7 @@ class Namespace:
         return value
 
     def only(self, *valid: str) -> None:
-        """Raise ConfigError if there is a key outside ``valid``."""
+        """Raise ConfigError if there is a key that is not in ``valid``."""
         for name, entry in self.entry.children.items():
             if name not in valid:
                 raise ConfigError(
@@ -110,9 +111,10 @@ class Namespace:
     def number(
         self, path: str, default: float | None = None, *quantities: Quantity
     ) -> float:
-        """Return the finite number at ``path``, in SI.
+        """Return the finite number at ``path``, in SI units.
 
-        With ``quantities``, the number may have a unit of one of these.
+        If ``quantities`` are given, the number may have a unit of one of these
+        quantities.
         """
         if default is not None and self.find(path) is None:
             return self._recorded(path, default)
@@ -154,7 +156,7 @@ class Namespace:
         return (x, y, z)
 
     def items(self, path: str) -> tuple[YamlEntry, ...]:
-        """Return the elements of the list at ``path``; none if it is absent."""
+        """Return the elements of the list at ``path``; empty if there is no list."""
         entry = self.find(path)
         if entry is None or entry.is_null:
             return ()
@@ -192,7 +194,7 @@ class Namespace:
     ) -> tuple[str, ...]:
         """Return the list of strings at ``path``.
 
-        Without a default it must have at least one element.
+        If there is no default, the list must have at least one element.
         """
         found = self.find(path)
         if default is not None and found is None:
@@ -219,10 +221,11 @@ class Namespace:
 
 
 def number_of(entry: YamlEntry, *quantities: Quantity) -> float:
-    """Return a finite number in SI; only units of ``quantities`` are accepted.
+    """Return a finite number in SI units; it may have a unit of ``quantities``.
 
     Raises:
-        ConfigError: If the value is not such a number; with its location.
+        ConfigError: If the value is not a finite number, or has another unit.  The
+            error states the location of the value.
     """
     value = entry.scalar
     if quantities and value is not None and not isinstance(value, bool):

@@ -1,7 +1,8 @@
-"""The physics engines by name: their options, abilities and constructors.
+"""Registry of the physics engines: their names, options, abilities and constructors.
 
 To add an engine, pass an ``EngineDefinition`` to ``register_engine``.  Only ``create``
-imports the simulator, so the options are known even if it is not installed.
+imports the simulator.  Therefore the options are available even if the simulator is not
+installed.
 """
 
 from __future__ import annotations
@@ -19,20 +20,20 @@ from tool0.hardware.engine import Engine
 from tool0.installation.machine import python_package_version
 
 HARDWARE: Final = "hardware"
-"""The engine of a real robot."""
+"""Name of the engine for a real robot."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EngineSettings:
-    """The settings that every engine has."""
+    """The settings that all engines have."""
 
     dt: float
     """Length of a physics step [s]."""
     spawn_z: float
     """Height of the robot's root above the ground [m]."""
     scene: Scene
-    """The objects around the robot."""
+    """Objects around the robot."""
 
 
 @final
@@ -41,24 +42,27 @@ class EngineDefinition:
     """The name, options and constructor of an engine."""
 
     options: type[Any]  # a different dataclass for each engine
-    """The engine's own options: a frozen dataclass with a default for each field."""
+    """Type of the engine's specific options: a frozen dataclass with a default for each
+    field."""
     create: Callable[[RobotDescription, EngineSettings, Any], Engine]
-    """Start the engine with a robot, from settings and an instance of ``options``.
+    """Function that starts the engine, with the robot, the settings and an instance of
+    ``options`` as arguments.
 
-    This imports the simulator, and raises ConfigError for unsupported settings or
-    EngineUnavailableError if the simulator is missing.
+    The function imports the simulator.  Unsupported settings raise ConfigError, and a
+    missing simulator raises EngineUnavailableError.
     """
     package: str | None = None
-    """The Python package whose version affects the results; None without one."""
+    """Name of the Python package with a version that affects the results; None if there
+    is no such package."""
     is_deterministic: bool = False
     """Whether the same input gives bit-identical results."""
     is_real: bool = False
-    """Whether the engine is a real robot rather than physics."""
+    """Whether the engine is a real robot instead of a simulator."""
     runs_batches: bool = False
     """Whether ``tool0.Batch`` simulates its copies with this engine."""
 
     def versions(self) -> dict[str, str]:
-        """Return ``package`` with its version; empty without a package."""
+        """Return a mapping from ``package`` to its version, or an empty mapping."""
         if self.package is None:
             return {}
         return {self.package: python_package_version(self.package) or "not installed"}
@@ -67,7 +71,7 @@ class EngineDefinition:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MujocoEngineOptions:
-    """MuJoCo has no specific options."""
+    """Options that only MuJoCo has; there are no such options at present."""
 
 
 @final
@@ -76,9 +80,9 @@ class GazeboEngineOptions:
     """Options that only Gazebo has."""
 
     world: Path | str | None = None
-    """A world file; None for an empty world with the ground at z = 0."""
+    """World file; None selects an empty world with the ground at z = 0."""
     gui: bool = False
-    """Whether to open gzclient, Gazebo's own window."""
+    """Whether to open gzclient, the window of Gazebo."""
 
 
 def _create_mujoco(
@@ -148,17 +152,17 @@ _ENGINES: Final[dict[str, EngineDefinition]] = {
 
 
 def engine_names() -> tuple[str, ...]:
-    """Return the names of the registered engines with physics."""
+    """Return the names of the registered simulators."""
     return tuple(name for name, engine in _ENGINES.items() if not engine.is_real)
 
 
 def register_engine(name: str, definition: EngineDefinition) -> None:
-    """Register or replace an engine."""
+    """Register an engine, or replace the engine of this name."""
     _ENGINES[name] = definition
 
 
 def batch_engine() -> str:
-    """Return the name of the engine of batches."""
+    """Return the name of the engine that runs batches."""
     return next(name for name, engine in _ENGINES.items() if engine.runs_batches)
 
 
@@ -166,7 +170,7 @@ def engine_definition(name: str) -> EngineDefinition:
     """Return the definition of an engine.
 
     Raises:
-        EngineUnavailableError: If there is no such engine.
+        EngineUnavailableError: If there is no engine of this name.
     """
     if name not in _ENGINES:
         hint = did_you_mean(name, set(_ENGINES))
@@ -186,16 +190,19 @@ def make_engine(
     """Start an engine with a robot and its scene.
 
     Args:
-        name: One of ``engine_names()``.
+        name: Name of the engine, such as one of ``engine_names()``.
         description: The robot.
         dt: Length of a physics step [s].
         spawn_z: Height of the robot's root above the ground [m].
-        scene: The objects around the robot.
-        options: Fields of the engine's own options that differ from their defaults.
+        scene: Objects around the robot.
+        options: Fields of the engine's specific options with values other than the
+            defaults.
 
     Raises:
-        EngineUnavailableError: If there is no such engine, or if it cannot start here.
-        ConfigError: If the engine has no such option, or cannot simulate the robot.
+        EngineUnavailableError: If there is no engine of this name, or if it cannot
+            start on this machine.
+        ConfigError: If the engine does not have one of the ``options``, or cannot
+            simulate the robot.
         ModelError: If the engine rejects the robot or an object.
     """
     definition = engine_definition(name)

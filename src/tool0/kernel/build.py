@@ -1,13 +1,14 @@
-"""Compile the C sources of this folder into one shared library beside them, if stale.
+"""Compile the C sources in this folder into a library, if it is out of date.
 
 usage: python -m tool0.kernel.build [--install-compiler]
 
-The compiler is the one named in CC; else cc, gcc, clang or ziglang (`pip install
-ziglang`), the first one that works.  `--install-compiler` installs ziglang if there is
-none.  The library does not depend on the version of Python.
+The library is written to the same folder.  If CC is set, its value is the command of
+the compiler.  If CC is not set, the compiler is the first of cc, gcc, clang and ziglang
+(`pip install ziglang`) that works.  `--install-compiler` installs ziglang if no
+compiler works.  The library does not depend on the version of Python.
 
-`hatch_build.py` loads this file by its path, before tool0's requirements are installed:
-it imports the standard library only.
+`hatch_build.py` loads this file by its path before tool0's requirements are installed.
+Therefore this file imports only the standard library.
 """
 
 from __future__ import annotations
@@ -23,19 +24,21 @@ from typing import Final
 FOLDER: Final = Path(__file__).resolve().parent
 LIBRARY: Final = "_kernel.so"
 ZIG: Final = "ziglang>=0.13,<0.18"
-"""A C compiler as a Python package, for a machine that has none of its own."""
+"""Requirement of a Python package that contains a C compiler, for machines without a
+compiler."""
 
 FLAGS: Final = (
     *("-std=c11", "-O2", "-fPIC", "-shared", "-pthread", "-fvisibility=hidden"),
-    # The results are identical to Python's: the same operations in the same order, and
-    # the same functions of libm, neither folded nor merged into a sincos.
+    # The results must be identical to those of Python.  Operations are executed in the
+    # same order, and the same functions of libm are called, without constant folding
+    # and without merging of sin and cos into sincos.
     *("-ffp-contract=off", "-fno-fast-math"),
     *("-fno-builtin-sin", "-fno-builtin-cos", "-fno-builtin-pow"),
     *("-Wall", "-Wextra", "-Werror=implicit-function-declaration"),
 )
 _LIBRARIES: Final = ("-lm",)
 _TIMEOUT: Final = 300.0
-"""Timeout of one call of the compiler [wall s]."""
+"""Timeout of one call of a compiler [wall s]."""
 _PROBE: Final = """\
 #include <math.h>
 #include <pthread.h>
@@ -43,11 +46,12 @@ _PROBE: Final = """\
 #include <string.h>
 double probe(double x) { return pthread_self() == 0 ? x : sin(x); }
 """
-"""Program to try a compiler with: it needs headers and libraries that some lack."""
+"""Program with which a compiler is tested.  The program needs headers and libraries
+that are missing on some machines."""
 
 
 class KernelBuildError(Exception):
-    """The kernel cannot be compiled; the message says what to do."""
+    """The kernel cannot be compiled; the message states the remedy."""
 
 
 class KernelUnusableError(Exception):
@@ -62,7 +66,7 @@ def open_library(folder: Path = FOLDER) -> ctypes.CDLL:
             or for another machine.
     """
     path = folder / LIBRARY
-    try:  # a library from other sources is never loaded
+    try:  # the library is not loaded if it was built from other sources
         is_fresh = source_digest(folder).encode() in path.read_bytes()
     except FileNotFoundError:
         raise KernelUnusableError(f"'{path}' does not exist") from None
@@ -77,10 +81,10 @@ def open_library(folder: Path = FOLDER) -> ctypes.CDLL:
 
 
 def source_digest(folder: Path = FOLDER) -> str:
-    """Return a digest of the sources and the flags they are compiled with.
+    """Return a digest of the sources and of the compiler flags.
 
-    It only needs to detect accidental changes; importing hashlib would take ten times
-    as long.
+    The digest only detects accidental changes. hashlib is not used, since its import
+    would take ten times as long.
     """
     parts = ["\0".join((*FLAGS, *_LIBRARIES)).encode()]
     for path in _sources(folder):
@@ -92,15 +96,16 @@ def source_digest(folder: Path = FOLDER) -> str:
 def build(folder: Path = FOLDER, *, flags: Sequence[str] = ()) -> Path:
     """Compile the sources in ``folder``, and return the path of the library.
 
-    A process that uses the previous library can go on using it.
+    A process that uses the previous library can continue to use it.
 
     Args:
-        folder: The folder of the sources, into which the library is written.
+        folder: The folder that contains the sources, and to which the library is
+            written.
         flags: Additional compiler flags.
 
     Raises:
-        KernelBuildError: If there is no compiler, compilation fails, or the folder is
-            read-only.
+        KernelBuildError: If there is no compiler, if the compilation fails, or if the
+            folder is read-only.
     """
     import tempfile
 
@@ -123,7 +128,8 @@ def find_compiler() -> list[str]:
     """Return the command of the first C compiler that works.
 
     Raises:
-        KernelBuildError: If there is none; it states the problems of those that exist.
+        KernelBuildError: If no compiler works.  The error states the problems of the
+            existing compilers.
     """
     if os.name != "posix":
         raise KernelBuildError("the kernel is not compiled on this operating system")
@@ -143,7 +149,7 @@ def find_compiler() -> list[str]:
 
 
 def _compilers() -> Iterator[list[str]]:
-    """Yield the commands of compilers that exist: the one in CC, or all others."""
+    """Yield the command in CC, or the commands of all existing compilers."""
     import importlib.util
     import platform
     import shlex
@@ -159,14 +165,15 @@ def _compilers() -> Iterator[list[str]]:
     yield from ([name] for name in ("cc", "gcc", "clang") if shutil.which(name))
     if importlib.util.find_spec("ziglang") is not None:
         machine = platform.machine()
-        target = ["-mcpu=baseline"]  # the default is this machine's processor
+        # Without this option, the target is this machine's processor.
+        target = ["-mcpu=baseline"]
         if machine in ("x86_64", "aarch64") and platform.libc_ver()[0] == "glibc":
             target = ["-target", f"{machine}-linux-gnu.2.17"]
         yield [sys.executable, "-m", "ziglang", "cc", *target]
 
 
 def _problem(command: Sequence[str]) -> str | None:
-    """Return the reason why this compiler cannot make a shared library, or None."""
+    """Return the reason why a compiler cannot build a shared library, or None."""
     import tempfile
 
     with tempfile.TemporaryDirectory() as folder:
@@ -224,12 +231,12 @@ def _call(command: Sequence[str], folder: Path | None = None) -> str:
 
 
 def _sources(folder: Path) -> list[Path]:
-    """Return the files from which the library is made, including headers."""
+    """Return the files from which the library is built, including headers."""
     return sorted(path for path in folder.iterdir() if path.suffix in (".c", ".h"))
 
 
 def _install_compiler() -> None:
-    """Install ziglang for this Python, unless a compiler works."""
+    """Install ziglang for this Python installation, unless a compiler works."""
     import importlib
     import subprocess
 
@@ -249,7 +256,7 @@ def _install_compiler() -> None:
 
 
 def main(words: Sequence[str], folder: Path = FOLDER) -> int:
-    """Run the command line, and return the exit status."""
+    """Execute the command line, and return the exit status."""
     if words not in ([], ["--install-compiler"]):
         print(__doc__, file=sys.stderr)
         return 2

@@ -1,5 +1,5 @@
-/* Whether shapes stay apart, by conservative advancement: from a pose with known
-   distances, a motion is free for as long as no point can come that much nearer
+/* Checks whether shapes stay apart, by conservative advancement.  From a pose with
+   known distances, a motion is free as long as no point can approach by this distance
    (Mirtich, PhD thesis, UC Berkeley 1996). */
 
 #include "clearance.h"
@@ -9,11 +9,17 @@
 
 #include "export.h"
 
-#define UPRIGHT_STEPS 20    /* of the projection onto the tool's tilt */
-#define UPRIGHT_MARGIN 5e-3 /* [rad]: between two projected poses, it may tilt more */
-#define PROBE 0.1  /* [rad], of the leading joint between poses that are tried first */
-#define CLOSELY 0.1 /* [rad]: shorter steps are worth the exact distance */
-#define TILT_STEP 0.02      /* [rad], of the leading joint between two looks at the tilt */
+/* largest number of steps of the projection onto the tool's tilt */
+#define UPRIGHT_STEPS 20
+/* margin of the tilt in projected poses, since the tilt is larger between two poses
+   [rad] */
+#define UPRIGHT_MARGIN 5e-3
+/* motion of the leading joint between the poses that are checked first [rad] */
+#define PROBE 0.1
+/* step of the leading joint below which the exact distance is computed [rad] */
+#define CLOSELY 0.1
+/* motion of the leading joint between two checks of the tilt [rad] */
+#define TILT_STEP 0.02
 
 static double square(double x)
 {
@@ -28,8 +34,9 @@ static void put(Clearances *c, const double *q)
     c->poses++;
 }
 
-/* A quick lower bound of the distance of a pair: sphere around the first shape, box
-   around the second.  Beyond `most`, that of spheres is enough. */
+/* Return a fast lower bound of the distance of a pair.  The first shape is bounded by a
+   sphere and the second shape by a box.  If the distance is larger than `most`, the
+   second shape is bounded by a sphere, too. */
 static double bound(const Clearances *c, int32_t pair, double most)
 {
     const int32_t first = c->first[pair], second = c->second[pair];
@@ -53,9 +60,10 @@ static double bound(const Clearances *c, int32_t pair, double most)
     return sqrt(outside) - radius;
 }
 
-/* A better lower bound: the largest gap between the boxes around both shapes along the
-   axes of their faces and pairs of edges (Gottschalk et al., SIGGRAPH 1996).  `n`: that
-   axis, from the first to the second. */
+/* Return a better lower bound: the largest gap between the boxes of both shapes along
+   the axes of their faces and of pairs of their edges (Gottschalk et al., SIGGRAPH
+   1996).  `n` is set to the axis of the largest gap, which points from the first shape
+   to the second shape. */
 static double gap(const Clearances *c, int32_t pair, double *n)
 {
     const int32_t first = c->first[pair], second = c->second[pair];
@@ -73,7 +81,8 @@ static double gap(const Clearances *c, int32_t pair, double *n)
         return centre - reach;
     }
     double R[3][3], Q[3][3], d[3], t[3], best = -INFINITY, sign = 1.0;
-    int one = -1, two = -1; /* the best axis: of the first, of the second, or of both */
+    /* the best axis: of the first box, of the second box, or of an edge pair */
+    int one = -1, two = -1;
     for (int k = 0; k < 3; k++) {
         d[k] = c->centres[3 * second + k] - c->centres[3 * first + k];
         for (int m = 0; m < 3; m++)
@@ -153,14 +162,15 @@ static double exact(Clearances *c, int32_t pair, double most, double *ends)
         c->model, c->data, c->first[pair], c->second[pair], fmax(most, 1e-6), ends);
 }
 
-/* Whether a pair may be nearer, as far as boxes tell. */
+/* Return whether the boxes of a pair can be closer than `than`. */
 static int is_suspicious(const Clearances *c, int32_t pair, double than)
 {
     double n[3];
     return bound(c, pair, than) < than && gap(c, pair, n) < than;
 }
 
-/* The largest speed along `n` of a shape that the joints of `mask` move [m per way]. */
+/* Return the largest speed along `n` of a shape that is moved by the joints in `mask`
+   [m per way]. */
 static double speed_along(
     const Clearances *c, int32_t shape, uint32_t mask, const double *way, const double *n)
 {
@@ -195,8 +205,8 @@ static double speed_along(
     return speed;
 }
 
-/* The largest relative acceleration of the points of a pair [m per way²]: twice each
-   joint's motion times those of the joints before it. */
+/* Return the largest relative acceleration of the points of a pair [m per way²].  It is
+   twice the product of each joint's motion and the motions of the joints before it. */
 static double bend(const Clearances *c, int32_t pair, const double *way)
 {
     const uint32_t one = c->moved_by[c->first[pair]], two = c->moved_by[c->second[pair]];
@@ -217,8 +227,8 @@ static double bend(const Clearances *c, int32_t pair, const double *way)
     return sum;
 }
 
-/* The part of the way for which a pair has `room` to come nearer [m] along `n`, a unit
-   vector from the first to the second. */
+/* Return the fraction of the way for which a pair can approach by at most `room` [m]
+   along `n`, a unit vector from the first shape to the second shape. */
 static double free_for(
     const Clearances *c, int32_t pair, double room, const double *n, const double *way)
 {
@@ -234,7 +244,8 @@ static double free_for(
     return fmax(crude, t);
 }
 
-/* The cosine of the angle between the tool's axis and up; `axis`: that in the world. */
+/* Return the cosine of the angle between the tool's axis and `up`; `axis` is set to the
+   tool's axis in the world. */
 static double uprightness(const Clearances *c, double *axis)
 {
     const double *R = c->bodies + 9 * c->tool, *a = c->tool_axis;
@@ -258,7 +269,7 @@ static int is_too_near(Clearances *c, int32_t pair)
     return is_suspicious(c, pair, least) && exact(c, pair, least + 1e-9, NULL) < least;
 }
 
-/* Return FREE, TILTED, or a pair that is too near in a pose. */
+/* Return FREE, TILTED, or a pair that is too close in a pose. */
 int32_t clearances_at(Clearances *c, const double *q)
 {
     put(c, q);
@@ -270,7 +281,8 @@ int32_t clearances_at(Clearances *c, const double *q)
     return FREE;
 }
 
-/* Whether a pose is free.  What was too near the last time is looked at first. */
+/* Return whether a pose is free.  The pair that was too close in the last violation is
+   checked first. */
 static int is_free(Clearances *c, const double *q)
 {
     put(c, q);
@@ -286,8 +298,8 @@ static int is_free(Clearances *c, const double *q)
     return 1;
 }
 
-/* The pairs whose poses are to be looked at again, as a heap: that with the smallest
-   part of the way first. */
+/* Move an element down in the heap of the pairs that must be checked again.  The pair
+   with the smallest fraction of the way is the first element. */
 static void sink(Clearances *c, int32_t n, int32_t at)
 {
     const int32_t pair = c->heap[at];
@@ -303,8 +315,8 @@ static void sink(Clearances *c, int32_t n, int32_t at)
     c->heap[at] = pair;
 }
 
-/* Look at a pair at the part `t` of the way, ever more closely; note until when it is
-   free.  Return whether it is too near. */
+/* Check a pair at the fraction `t` of the way, with higher accuracy in each call.  Set
+   the fraction up to which the pair is free.  Return whether the pair is too close. */
 static int look(Clearances *c, int32_t pair, const double *way, double t)
 {
     const double least = c->least[pair], rate = c->rates[pair], slack = c->slack;
@@ -331,9 +343,10 @@ static int look(Clearances *c, int32_t pair, const double *way, double t)
             n[k] = (ends[3 + k] - ends[k]) / fmax(distance, 1e-12);
             size += square(n[k]);
         }
-        /* between two looks, it may come nearer by the slack */
+        /* Between two checks, the pair may approach by the slack. */
         free = distance - least + slack;
-        if (fabs(size - 1.0) < 1e-3) /* otherwise the engine does not say where */
+        /* otherwise, the engine does not return the closest points */
+        if (fabs(size - 1.0) < 1e-3)
             free = free_for(c, pair, free, n, way);
         else
             free /= rate;
@@ -345,7 +358,8 @@ static int look(Clearances *c, int32_t pair, const double *way, double t)
 }
 
 /* Return FREE if all poses on the straight way between two poses keep their distances,
-   with the slack; otherwise what does not, and in `at` the part of the way where. */
+   including the slack.  Otherwise, return the violation, and set `at` to the fraction
+   of the way at which it occurs. */
 int32_t clearances_between(Clearances *c, const double *from, const double *to, double *at)
 {
     double q[MOST_MOVING], way[MOST_MOVING], leading = 0.0, t = 0.0;
@@ -367,7 +381,7 @@ int32_t clearances_between(Clearances *c, const double *from, const double *to, 
         c->rates[pair] = rate;
         const double least = c->least[pair], room = bound(c, pair, least + rate) - least;
         if (room > rate)
-            continue; /* for all of the way */
+            continue; /* free on the whole way */
         c->until[pair] = room > 0.0 ? room / rate : 0.0;
         c->looks[pair] = 1;
         c->heap[n++] = pair;
@@ -375,7 +389,8 @@ int32_t clearances_between(Clearances *c, const double *from, const double *to, 
     for (int32_t k = n / 2 - 1; k >= 0; k--)
         sink(c, n, k);
     for (;;) {
-        /* what limits the way here is looked at, until it does not, or surely does */
+        /* The pair that limits the step is checked with increasing accuracy, until it
+           does not limit the step or its highest accuracy is reached. */
         double step = 1.0;
         while (n > 0) {
             const int32_t pair = c->heap[0];
@@ -410,8 +425,9 @@ int32_t clearances_between(Clearances *c, const double *from, const double *to, 
     }
 }
 
-/* Whether the straight way between two poses is free.  Some poses are looked at first,
-   the middle before the quarters: most that are not free are found there. */
+/* Return whether the straight way between two poses is free.  Some poses are checked
+   first, starting with the middle, followed by the quarters.  Most violations are found
+   in these poses. */
 int clearances_connect(Clearances *c, const double *from, const double *to)
 {
     double q[MOST_MOVING], leading = 0.0, at;
@@ -433,7 +449,7 @@ int clearances_are_kept(Clearances *c, const double *q)
     return is_free(c, q);
 }
 
-/* Turn `q` until the tool is upright enough; return whether it is. */
+/* Rotate the tool by changing `q` until it is upright; return whether it is upright. */
 int32_t clearances_upright(Clearances *c, double *q)
 {
     for (int k = 0; c->tool >= 0; k++) {
@@ -468,13 +484,13 @@ int32_t clearances_upright(Clearances *c, double *q)
     return 1;
 }
 
-/* Return what is wrong in a pose, as `clearances_at`. */
+/* Return the result of `clearances_at` for a pose. */
 TOOL0_EXPORT int32_t tool0_clearances_at(Clearances *c, const double *q)
 {
     return clearances_at(c, q);
 }
 
-/* Write the distance of each pair in a pose, up to `most`. */
+/* Write the distance of each pair in a pose, limited to `most`. */
 TOOL0_EXPORT void tool0_clearances_all(
     Clearances *c, const double *q, double most, double *distances)
 {
@@ -483,8 +499,9 @@ TOOL0_EXPORT void tool0_clearances_all(
         distances[pair] = is_suspicious(c, pair, most) ? exact(c, pair, most, NULL) : most;
 }
 
-/* Look at a way through `n` poses; return what `clearances_between` does, the index of
-   the pose before in `row`, and the part of the way from there to the next in `at`. */
+/* Check a way through `n` poses, and return the result of `clearances_between`.  `row`
+   is set to the index of the pose before the violation, and `at` to the fraction of the
+   way from this pose to the next pose. */
 TOOL0_EXPORT int32_t tool0_clearances_along(
     Clearances *c, const double *poses, int32_t n, int32_t *row, double *at)
 {

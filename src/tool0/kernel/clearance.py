@@ -29,15 +29,15 @@ MOST_MOVING: Final = 24
 """Largest number of joints that a plan can move."""
 FREE: Final = -1
 TILTED: Final = -2
-"""Violation of a pose that is not a pair of shapes: the tool is tilted."""
+"""Value that is returned instead of a pair of shapes if the tool is tilted."""
 
 
 class Ended(IntEnum):
-    """Reason for the end of a search."""
+    """Reason why a search ended."""
 
     FOUND = 0
     NO_WAY = 1
-    """The search trees were full."""
+    """The search trees were full, and no path was found."""
     TIMEOUT = 2
     CANCELLED = 3
     NO_MEMORY = 4
@@ -105,12 +105,13 @@ class Pairs(NamedTuple):
 
     first: IntArray
     second: IntArray
-    """Numbers of the shapes; the second is the larger one, or a plane."""
+    """Numbers of the shapes of each pair.  The second shape of a pair is the larger
+    shape, or a plane."""
     least: FloatArray
-    """Smallest allowed distance of each pair [m]."""
+    """Smallest allowed distance between the shapes of each pair [m]."""
     reach: FloatArray
-    """Largest relative motion of a pair's points per joint [m/rad], shape (n,
-    n_joints)."""
+    """Largest relative motion of the points of a pair per motion of each joint [m/rad],
+    shape (n, n_joints)."""
 
 
 class Joints(NamedTuple):
@@ -131,24 +132,24 @@ class Upright(NamedTuple):
 
     body: int
     axis: FloatArray
-    """Axis in the body, shape (3,)."""
+    """Axis of the tool in the body's frame, shape (3,)."""
     up: FloatArray
-    """Direction of that axis in the world, shape (3,)."""
+    """Required direction of ``axis`` in the world, shape (3,)."""
     tilt: float
-    """Largest allowed angle between ``axis`` and its direction [rad]."""
+    """Largest allowed angle between ``axis`` and ``up`` [rad]."""
     tilting: int
     """Bit mask of the joints that rotate the tool."""
 
 
 class Violation(NamedTuple):
-    """Pair of shapes that are too near on a path, and the place on the path."""
+    """Pair of shapes that are too close on a path, and the location on the path."""
 
     pair: int
-    """Number of the pair, or TILTED."""
+    """Number of the pair, or ``TILTED``."""
     row: int
-    """Row of the last pose before the violation."""
+    """Row of the last pose of the path before the violation."""
     part: float
-    """Fraction of the segment from that pose to the next one."""
+    """Fraction of the segment from the pose ``row`` to the next pose."""
 
 
 class Found(NamedTuple):
@@ -162,7 +163,7 @@ class Found(NamedTuple):
 
 @final
 class Cancelled:
-    """Flag that another thread sets to end a search."""
+    """Flag with which another thread can end a search."""
 
     def __init__(self) -> None:
         self._flag = c_int32(0)
@@ -181,7 +182,10 @@ class Cancelled:
 
 @final
 class Clearances:
-    """Checker of poses and paths of one group of joints, for one thread at a time."""
+    """Checker of poses and paths of a group of joints.
+
+    Only one thread at a time may use a checker.
+    """
 
     def __init__(
         self,
@@ -193,15 +197,15 @@ class Clearances:
         slack: float,
         upright: Upright | None = None,
     ) -> None:
-        """Check the clearances of ``pairs``.
+        """Prepare the check of ``pairs``.
 
         Args:
             compiled: The kernel.
             memory: Memory of the engine.
             joints: Joints that move.
-            pairs: Pairs of shapes; ``least`` must include ``slack``.
-            slack: Smallest distance by which a motion is checked ahead [m].
-            upright: The tool to keep upright.
+            pairs: Pairs of shapes.  The distances ``least`` must include ``slack``.
+            slack: Distance by which the check of a motion advances at least [m].
+            upright: The tool that must be kept upright, if any.
         """
         self.n_joints = len(joints.addresses)
         if self.n_joints > MOST_MOVING:
@@ -248,11 +252,11 @@ class Clearances:
 
     @property
     def poses(self) -> int:
-        """Number of poses that were checked so far."""
+        """Number of poses that have been checked."""
         return int(self._struct.poses)
 
     def at(self, q: FloatArray) -> int:
-        """Return FREE, TILTED, or a pair that is too near, for a pose (n_joints,)."""
+        """Return FREE, TILTED, or a pair that is too close, in a pose (n_joints,)."""
         q = _packed(q)
         return int(self._compiled.tool0_clearances_at(self._ref, _at(q)))
 
@@ -265,7 +269,7 @@ class Clearances:
         return found
 
     def along(self, poses: FloatArray) -> Violation | None:
-        """Return the first violation on straight segments between poses, or None."""
+        """Return the first violation on straight segments through poses, or None."""
         poses, row, part = _packed(poses), c_int32(), c_double()
         found = self._compiled.tool0_clearances_along(
             self._ref, _at(poses), len(poses), byref(row), byref(part)
@@ -290,11 +294,11 @@ class Clearances:
         Args:
             start: A free pose, shape (n_joints,).
             goals: Free poses, shape (n, n_joints).
-            samples: Bounds of the samples, shape (n_joints,) each.
-            beside: Distance by which most samples may lie outside the range between the
+            samples: Lower and upper bounds of the samples, each of shape (n_joints,).
+            beside: Distance by which most samples may be outside the range between the
                 start and a goal [rad].
             seed: Seed of the samples.
-            longest: Length of a tree's longest extension step [rad].
+            longest: Length of the longest extension step of a tree [rad].
             most_nodes: Largest number of nodes of a tree.
             timeout: Wall time after which the search ends [s].
             cancelled: Flag that ends the search.
@@ -330,9 +334,10 @@ class Clearances:
         timeout: float = math.inf,
         cancelled: Cancelled,
     ) -> FloatArray:
-        """Return a path in which straight parts replace detours.
+        """Return a path in which detours are replaced by straight parts.
 
-        Poses are left out first; then ``tries`` random parts are replaced.
+        The method first removes poses that are not needed.  Then the method tries to
+        replace ``tries`` random parts of the path.
         """
         most = 2 * len(way) + 16
         room = np.empty((most, self.n_joints))

@@ -34,30 +34,30 @@ from tool0.motion.gripper import RAMP_TIME
 
 NO_GRIP = (0.0, 0.0, 0.0)
 DLPACK_CPU, DLPACK_CUDA = 1, 2
-"""Device types that ``__dlpack_device__`` returns."""
+"""Device types in the result of ``__dlpack_device__``."""
 
 
 class DeviceState(NamedTuple):
-    """Arrays of the engine on the device, one row per robot.
+    """Arrays of the engine on the device, with one row per robot.
 
-    Where an array has more columns, those of the joints come first.
+    If an array has more columns than joints, the columns of the joints come first.
     """
 
     steps: Any
-    """Physics steps since the reset, shape (n,)."""
+    """Number of physics steps since the reset, shape (n,)."""
     position: Any
     velocity: Any
     motors: Any
-    """Efforts that the engine reads, one per motor."""
+    """Efforts that the engine reads, with one column per motor."""
     has_diverged: Any
-    """1 for robots that diverged and stand still since, shape (n,)."""
+    """Value 1 for each robot that was stopped because it diverged, shape (n,)."""
 
 
 @final
 class DeviceControl:
     """The running controllers and the drives of n copies of one robot.
 
-    Arrays that callers pass or get are in double precision.
+    Arguments and results that are arrays have double precision.
     """
 
     def __init__(
@@ -72,17 +72,18 @@ class DeviceControl:
         period: float,
         device: str,
     ) -> None:
-        """Start with every copy at rest.
+        """Start with all copies at rest.
 
         Args:
-            running: The running controllers by name, in load order, with their joints.
+            running: The running controllers and their joints by controller name, in
+                load order.
             hardware: The drives.
-            grippers: Grippers that are moved by goals with limits.
+            grippers: Grippers for which goals with limits can be started.
             state: State of the engine.
             position: Positions of the joints [rad | m], shape (n, n_joints).
-            motor_joints: The joint of each motor.
+            motor_joints: Number of the joint of each motor.
             period: Length of a tick [s].
-            device: Name of Warp's device.
+            device: Warp's name of the device.
 
         Raises:
             ConfigError: If the device cannot run a controller or a drive.
@@ -92,7 +93,8 @@ class DeviceControl:
         self._dt, self._period = hardware.table.dt, period
         n = len(position)
         self._first: list[int] = []
-        """Number of each running controller's first joint."""
+        """Index of each running controller's first joint among the controlled
+        joints."""
         joints: list[int] = []
         for (_, its), law in zip(running.values(), laws, strict=True):
             self._first.append(len(joints))
@@ -100,7 +102,7 @@ class DeviceControl:
         self._joints = joints
         wraps, gains, feed_forward = _constants(laws)
         self._motions = Motions(position[:, joints], wraps)
-        self._motions.extend(2)  # as many as ``command`` needs
+        self._motions.extend(2)  # number of pieces that ``command`` needs
         self._is_uploaded = self._is_ahead = False
         table = hardware.table
         self._drives = [bounds.joint for bounds in table.bounds]
@@ -141,8 +143,8 @@ class DeviceControl:
             self._grip_array = wp.zeros((n, len(self._drives)), dtype=wp.vec3)
         self._gravity = table.dynamics.gravity
         self.layout = 0
-        """Counter that grows when arrays have moved, which invalidates recorded
-        graphs."""
+        """Counter that is incremented when arrays are reallocated.  A reallocation
+        invalidates recorded graphs."""
         self._allocate()
 
     @property
@@ -152,13 +154,13 @@ class DeviceControl:
 
     @property
     def effort_array(self) -> Any:
-        """The efforts applied in the last step [N·m | N], as a Warp array."""
+        """Efforts that were applied in the last step [N·m | N], as a Warp array."""
         return self._effort
 
-    # ---- what a tick launches -------------------------------------------------------
+    # ---- launches in a tick ---------------------------------------------------------
 
     def upload(self) -> None:
-        """Copy changed commands to the device."""
+        """Copy the commands to the device if they have changed."""
         if self._is_uploaded:
             return
         if self._until.shape != self._motions.until.shape:
@@ -190,7 +192,7 @@ class DeviceControl:
             self._coefficients = wp.zeros(shape, dtype=wp.vec4)
 
     def launch_laws(self) -> None:
-        """Write the commands of a tick."""
+        """Launch the computation of the commands of a tick."""
         state = self._state
         wp.launch(
             run_laws,
@@ -215,7 +217,7 @@ class DeviceControl:
         )
 
     def launch_drives(self) -> None:
-        """Write the efforts of the next step for the engine's motors."""
+        """Launch the computation of the motors' efforts for the next step."""
         state = self._state
         wp.launch(
             balance,
@@ -259,7 +261,7 @@ class DeviceControl:
     # ---- commands between ticks -----------------------------------------------------
 
     def restart(self, rows: Indices, position: Array) -> None:
-        """Put copies at rest with all joints at ``position``, (len(rows), n_joints)."""
+        """Set copies to rest with all joints at ``position``, (len(rows), n_joints)."""
         self._download()
         self._motions.rest(rows, position[:, self._joints])
         self._grips[rows] = NO_GRIP
@@ -289,7 +291,7 @@ class DeviceControl:
         positions: Array,
         velocities: Array | None,
     ) -> int | None:
-        """Start motions like ``Motions.start``; earlier goals' limits end."""
+        """Start motions as ``Motions.start`` does, without limits of earlier goals."""
         self._download()
         columns = [self._first[controller] + joint for joint in joints]
         refused = self._motions.start(
@@ -319,12 +321,12 @@ class DeviceControl:
     ) -> None:
         """Start motions to positions in arrays on the device, shape (n, k).
 
-        This works like ``start`` with one point, and limits of earlier goals no longer
-        apply.  Positions beyond the limits are clamped; a robot with a number that is
-        not finite diverges.
+        The effect is that of ``start`` with one point; limits of earlier goals no
+        longer apply.  Positions beyond the limits are clamped.  A robot with a number
+        that is not finite is marked as diverged.
 
         Raises:
-            ControlError: If an array is not of single precision.
+            ControlError: If an array does not have single precision.
         """
         self.upload()
         structs = []
@@ -368,15 +370,15 @@ class DeviceControl:
         speeds: Array,
         forces: Array,
     ) -> None:
-        """Move pads to openings [m], with speeds [m/s] and forces [N], shape (n,) each.
+        """Move pads to openings [m] with speeds [m/s] and forces [N], shape (n,).
 
-        ``openings`` may be an array on the device.  Openings out of range are clamped,
-        and a robot whose opening is not finite diverges.
+        ``openings`` may be an array on the device.  Openings out of range are clamped.
+        A robot with an opening that is not finite is marked as diverged.
 
         Args:
             rows: The robots.
-            controller: The number of the running controller.
-            joint: The number of the gripper's joint in that controller.
+            controller: Number of the running controller.
+            joint: Number of the gripper's joint in this controller.
             gripper: Geometry of the gripper.
             openings: Distances between the pads.
             speeds: Largest speeds of the pads relative to each other.
@@ -428,7 +430,7 @@ class DeviceControl:
 
 
 def is_on_device(array: object, device: str) -> bool:
-    """Return whether an array of another library is in the memory of a device."""
+    """Return whether another library's array is in the memory of a device."""
     if not hasattr(array, "__dlpack_device__"):
         return False
     kind, number = array.__dlpack_device__()
@@ -451,7 +453,11 @@ def _floats(array: object) -> Any:
 def _laws(
     running: Mapping[str, tuple[Controller, Sequence[int]]], hardware: RobotHardware
 ) -> list[TrajectoryLaw | None]:
-    """Return each controller's law (None if it is idle), or raise ConfigError."""
+    """Return each controller's law, or None for an idle controller.
+
+    Raises:
+        ConfigError: If a controller, a servo or a brake cannot run on a GPU.
+    """
     laws: list[TrajectoryLaw | None] = []
     for name, (controller, _) in running.items():
         law = controller.law()
@@ -478,7 +484,7 @@ def _laws(
 def _constants(
     laws: Sequence[TrajectoryLaw | None],
 ) -> tuple[list[bool], list[tuple[float, ...]], list[float]]:
-    """Return whether errors wrap, the gains and the feed-forward of each joint."""
+    """Return whether errors wrap, the gains and the feed-forward, for each joint."""
     wraps: list[bool] = []
     gains: list[tuple[float, ...]] = []
     feed_forward: list[float] = []

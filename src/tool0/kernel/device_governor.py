@@ -1,4 +1,4 @@
-"""The joint speed governor for many robots on a Warp device."""
+"""Joint speed governor for many robots on a Warp device."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from tool0.kernel.warp_laws import Body
 
 @final
 class DeviceGovernor:
-    """Limiter of the efforts of n robots, like ``SpeedGovernor``."""
+    """Limiter of the efforts of n robots, equivalent to ``SpeedGovernor``."""
 
     def __init__(self, hardware: RobotHardware, n: int) -> None:
-        """Allocate memory on Warp's current device."""
+        """Allocate memory on the current device of Warp."""
         setup, table, own = (
             hardware.setup.governor,
             hardware.table,
@@ -63,7 +63,7 @@ class DeviceGovernor:
 
     @property
     def flags(self) -> tuple[Any, Any]:
-        """Flags of robots with known velocities and mobility; 0 restarts a robot."""
+        """Flags for known velocities and known mobility; 0 restarts a robot."""
         return self._remembered.has_before, self._remembered.has_mobility
 
     def launch(
@@ -71,7 +71,7 @@ class DeviceGovernor:
     ) -> Any:
         """Return the efforts to request from the drives, computed from Warp arrays.
 
-        ``applied`` are the efforts of the last step.
+        ``applied`` contains the efforts of the last step.
         """
         wp.launch(
             govern,
@@ -101,7 +101,7 @@ class DeviceGovernor:
 def body_structs(bodies: Sequence[DynamicBody], to_model: Sequence[int]) -> list[Any]:
     """Return the bodies as Warp structs, without their inertia tensors.
 
-    ``to_model`` contains the engine's number of each joint of the model.
+    ``to_model`` contains the engine's joint number for each joint of the model.
     """
     found = []
     for each, joint in zip(bodies, to_model, strict=True):

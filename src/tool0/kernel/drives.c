@@ -5,7 +5,8 @@
 #include "drives.h"
 #include "export.h"
 
-/* Python's min and max: the first argument, unless the second is beyond it. */
+/* Python's min and max: the first argument, unless the second argument is smaller or
+   larger. */
 static inline double least(double a, double b) { return b < a ? b : a; }
 static inline double greatest(double a, double b) { return b > a ? b : a; }
 
@@ -156,7 +157,7 @@ static double acceleration(const DriveTable *table, DriveServo *servo, double co
 
 /* ---- limits: hardware/limits.py -------------------------------------------------- */
 
-/* The largest effort and velocity of a goal's limits: DriveLimits.at. */
+/* Set the largest effort and velocity of a goal's limits: DriveLimits.at. */
 void drives_goal_at(const DriveGoal *goal, double position, double *effort,
                     double *velocity)
 {
@@ -171,7 +172,7 @@ void drives_goal_at(const DriveGoal *goal, double position, double *effort,
     *velocity = lever <= 0.0 ? INFINITY : goal->speed / lever;
 }
 
-/* SpeedLimiter.limit; before is the velocity that it remembers. */
+/* SpeedLimiter.limit; *before is the velocity in the last step. */
 static double limit_speed(const DriveBounds *bounds, const DriveGoal *goal,
                           double *before, double effort, double applied,
                           double gravity, double position, double velocity)
@@ -208,7 +209,8 @@ static double limit_speed(const DriveBounds *bounds, const DriveGoal *goal,
     return greatest(effort, least(room, greatest(0.0, gravity)));
 }
 
-/* A row of EffortLimiter.saturate; speed is infinite if the speed is limited above. */
+/* One row of EffortLimiter.saturate; speed is infinite if the speed has already been
+   limited. */
 static double saturate(const DriveBounds *bounds, double speed, double u,
                        double position, double velocity)
 {
@@ -292,7 +294,7 @@ static void share_excess(const DriveGovernor *governor, double *coming, double *
     }
 }
 
-/* SpeedGovernor.limit, but for what it remembers. */
+/* SpeedGovernor.limit, without the changes of its state. */
 static void govern(const DriveGovernor *governor, double *effort, const double *applied,
                    const double *velocity)
 {

@@ -1,6 +1,7 @@
-"""The drives of a robot for ``drives.c``: tables, and the state of one copy.
+"""Tables and state of the drives of a robot, for ``drives.c``.
 
-The classes mirror the structures of ``drives.h``, which documents the fields.
+The classes mirror the structures in ``drives.h``.  The fields are documented in
+``drives.h``.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ def _numbers(*names: str) -> list[tuple[str, Any]]:
 
 @final
 class Body(ctypes.Structure):
-    """``DriveBody`` of ``drives.h``."""
+    """Structure ``DriveBody`` of ``drives.h``."""
 
     _fields_ = (
         *_integers("parent", "is_prismatic", "master", "joint"),
@@ -136,7 +137,7 @@ class _Governor(ctypes.Structure):
 
 
 class Drives(ctypes.Structure):
-    """The drives of one copy of a robot."""
+    """Structure ``Drives`` of ``drives.h``, for one copy of a robot."""
 
     _fields_ = (
         ("table", POINTER(_Table)),
@@ -157,17 +158,17 @@ class Drives(ctypes.Structure):
 
 @final
 class NativeDrives:
-    """The drives of one robot, in memory that ``drives.c`` works on.
+    """Drives of one robot, in the memory that ``drives.c`` reads and writes.
 
-    ``drives_efforts`` changes only the values in ``RobotHardware.state``, never the
-    setup.
+    ``drives_efforts`` changes only values that are in ``RobotHardware.state``.  The
+    setup is never changed.
     """
 
     struct: Drives
-    """The struct for ``drives_efforts``."""
+    """Argument of ``drives_efforts``."""
 
     def __init__(self, hardware: RobotHardware) -> None:
-        """Allocate the memory, and continue from the state of ``hardware``."""
+        """Allocate the memory, and copy the state of ``hardware``."""
         table = hardware.table
         self._hardware = hardware
         self._bounds = {drive.joint: drive for drive in table.bounds}
@@ -203,7 +204,7 @@ class NativeDrives:
         self.load()
 
     def load(self) -> None:
-        """Continue from the state of the hardware."""
+        """Copy the state of the hardware to this memory."""
         hardware, struct = self._hardware, self.struct
         setup, state, table = hardware.setup, hardware.state, hardware.table
         if table is not self._table:
@@ -226,7 +227,7 @@ class NativeDrives:
             servo.target, servo.integral, servo.speed = memory
 
     def store(self) -> None:
-        """Copy this state back to the hardware."""
+        """Copy the state in this memory to the hardware."""
         struct, before = self.struct, self._before
         if struct.masses_at >= 0:
             self._keep_masses()
@@ -247,7 +248,7 @@ class NativeDrives:
         self._hardware.restore(self._setup, state)
 
     def _keep_masses(self) -> None:
-        """Copy the masses that were set in this memory to the setup."""
+        """Copy masses that were computed in this memory to the setup."""
         n = self.struct.n_servos
         masses = tuple(self._masses[k * n : (k + 1) * n] for k in range(n))
         fastest = [servo.fastest for servo in self._servos[:n]]
@@ -255,7 +256,7 @@ class NativeDrives:
         self.struct.masses_at = -1
 
     def _keep_mobility(self) -> None:
-        """Copy the mobility that was set in this memory to the setup."""
+        """Copy mobility that was computed in this memory to the setup."""
         n = self.struct.governor.n_free
         mobility = tuple(tuple(self._mobility[k * n : (k + 1) * n]) for k in range(n))
         posture = tuple(self._posture[:n])
@@ -265,11 +266,11 @@ class NativeDrives:
 
     @property
     def drive_limits(self) -> Mapping[int, DriveLimits]:
-        """Drive limits of goals by joint number."""
+        """Drive limits of the current goals by joint number."""
         return self._setup.drive_limits
 
     def set_drive_limits(self, index: int, limits: DriveLimits | None) -> None:
-        """Limit a drive like ``RobotHardware``, but only in this copy."""
+        """Limit a drive as ``RobotHardware`` does, but only in this copy."""
         current = dict(self._setup.drive_limits)
         current.pop(index, None)
         if limits is not None:
@@ -322,13 +323,14 @@ class NativeDrives:
             return
         self._goals[index] = _Goal()
         if index not in self._rotors:
-            self._before[index] = math.nan  # no speed limiter has its velocity
+            # No speed limiter stores the velocity of this joint.
+            self._before[index] = math.nan
 
 
 def native_bodies(
     bodies: Sequence[DynamicBody], joints: Sequence[int]
 ) -> ctypes.Array[Body]:
-    """Return bodies for C; ``joints`` are the engine's numbers of their joints."""
+    """Return bodies for C; ``joints`` contains the joint numbers in the engine."""
     return (Body * len(bodies))(
         *(
             Body(
@@ -414,7 +416,7 @@ def _servo(joint: int, law: ServoLaw) -> _Servo:
 
 
 def goal_limits(limits: DriveLimits) -> _Goal:
-    """Return the limits of a goal as ``DriveGoal`` of ``drives.h``."""
+    """Return the limits of a goal as the structure ``DriveGoal`` of ``drives.h``."""
     effort = math.inf if limits.effort is None else limits.effort
     goal = _Goal(
         is_limited=True,

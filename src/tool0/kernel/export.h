@@ -1,4 +1,4 @@
-/* What the library exports; everything else stays hidden (-fvisibility=hidden). */
+/* Macro for exported functions; all other symbols are hidden (-fvisibility=hidden). */
 #ifndef TOOL0_KERNEL_EXPORT_H
 #define TOOL0_KERNEL_EXPORT_H
 

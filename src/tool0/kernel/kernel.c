@@ -1,4 +1,4 @@
-/* The tick of simulation/core.py, without Python: laws, drives, engine. */
+/* The tick of simulation/core.py without Python: laws, drives and engine. */
 
 #include <math.h>
 #include <setjmp.h>
@@ -9,7 +9,8 @@
 #include "export.h"
 #include "robot.h"
 
-/* Sum of squares from which Python decides whether a state has diverged. */
+/* Sum of squares of the velocities above which Python checks whether a state has
+   diverged. */
 static const double SUSPICIOUS = 0.99e8;
 
 static void copy(double *to, const double *from, int n)
@@ -22,10 +23,10 @@ static int is_suspicious(const double *velocity, int n)
     double sum = 0.0;
     for (int i = 0; i < n; i++)
         sum += velocity[i] * velocity[i];
-    return !(sum < SUSPICIOUS); /* NaN, too */
+    return !(sum < SUSPICIOUS); /* also true for NaN */
 }
 
-/* Execute the laws of one tick; return 0, with nothing changed, on an event. */
+/* Execute the laws of one tick; return 0, without changes, if there is an event. */
 static int update(Robot *robot)
 {
     double time = (double)robot->steps * robot->dt;
@@ -38,8 +39,9 @@ static int update(Robot *robot)
     return 1;
 }
 
-/* An error of the engine would end the process.  In the kernel it returns to the step, and
-   Python repeats that, so that the bindings of the engine raise the error. */
+/* An error of the engine would end the process.  In the kernel, the error handler
+   returns to the step.  Python then repeats the step, so that the engine's bindings
+   raise the error. */
 static _Thread_local jmp_buf *stepping;
 static void (*other_handler)(const char *);
 
@@ -55,8 +57,9 @@ static void return_to_step(const char *message)
     exit(EXIT_FAILURE);
 }
 
-/* MuJoCo reads a clock at the start and the end of each part of a step, which takes a
-   twentieth of the time.  In the kernel, that clock stands still. */
+/* MuJoCo reads a clock at the start and at the end of each part of a step, which takes
+   a twentieth of the time of the step.  While the kernel steps the engine, this clock
+   returns 0. */
 static double (*other_clock)(void);
 
 static double stopped_clock(void)
@@ -64,7 +67,7 @@ static double stopped_clock(void)
     return stepping ? 0.0 : other_clock();
 }
 
-/* Step the engine; return 0 on its error. */
+/* Step the engine; return 0 if the engine reports an error. */
 static int step_engine(Robot *robot)
 {
     jmp_buf here;
@@ -84,7 +87,8 @@ static int step_engine(Robot *robot)
     return !is_error;
 }
 
-/* Let joints stand that their brakes have brought to rest: friction alone creeps. */
+/* Stop the joints that their brakes have brought to rest, since friction alone would
+   let them creep. */
 static void stick(Robot *robot)
 {
     for (int k = 0; k < robot->n_brakes; k++) {
@@ -96,7 +100,8 @@ static void stick(Robot *robot)
     }
 }
 
-/* Execute one physics step; if something is due, return what before it. */
+/* Execute one physics step.  If masses or a mobility are due before the step, return
+   the reason. */
 static int step(Robot *robot)
 {
     int n = robot->n_joints;
@@ -120,11 +125,12 @@ static int step(Robot *robot)
     return is_suspicious(robot->velocity, robot->n_velocities) ? RUN_CHECK : RUN_DONE;
 }
 
-/* Execute up to `most` ticks; *done is how many were.  Returns RUN_...
+/* Execute up to `most` ticks, and set *done to the number of executed ticks.  Returns
+   RUN_...
 
-   If `steps_left` is not 0 then, the laws of one further tick are executed, and so many
-   of its steps are left.  After RUN_MASSES and RUN_MOBILITY, the next call
-   executes them first. */
+   If `steps_left` is not 0 afterwards, the laws of one additional tick have been
+   executed, and `steps_left` steps of this tick are left.  After RUN_MASSES and
+   RUN_MOBILITY, the next call executes these steps first. */
 TOOL0_EXPORT int tool0_run(Robot *robot, int most, int *done)
 {
     int n = robot->n_joints, left = robot->steps_left;
@@ -149,7 +155,7 @@ TOOL0_EXPORT int tool0_run(Robot *robot, int most, int *done)
     return RUN_DONE;
 }
 
-/* The sizes of the structs that Python has, too, for a test: they must agree. */
+/* Sizes of the structs that are also defined in Python.  A test compares both. */
 TOOL0_EXPORT const int tool0_struct_sizes[] = {
     sizeof(Robot), sizeof(Law), sizeof(Piece), sizeof(Grip), sizeof(Start), sizeof(Drives),
     sizeof(DriveTable), sizeof(DriveBody), sizeof(DriveBounds), sizeof(DriveGoal),

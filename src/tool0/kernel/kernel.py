@@ -1,4 +1,4 @@
-"""Selection of the ticks that are executed without Python."""
+"""Selection of the ticks that are executed by the compiled kernel."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from tool0.kernel.program import TickProgram
 
 @final
 class Kernel:
-    """Decision which ticks of one robot the kernel executes.
+    """Selector of the ticks of one robot that the compiled kernel executes.
 
-    Only the thread that owns the tick may use this object.
+    Only the thread of the tick may use this object.
     """
 
     def __init__(
@@ -33,10 +33,11 @@ class Kernel:
         self._program: TickProgram | None = None
 
     def load(self, state: JointState) -> TickProgram | None:
-        """Return a program that executes the ticks from ``state`` on.
+        """Return a program that executes the ticks that start at ``state``, or None.
 
-        It returns None if only Python can execute them: there is no compiled kernel, it
-        cannot step the engine, or a controller has no law.
+        The result is None if there is no compiled kernel, if the kernel cannot step the
+        engine, or if a controller has no law.  Only Python can execute the ticks in
+        these cases.
         """
         stepper, compiled = self._engine.stepper, self._compiled
         if compiled is None or stepper is None:

@@ -18,7 +18,7 @@ static const Piece *active(const Law *law, int k)
     return &law->pieces[k * law->max_pieces + law->piece[k]];
 }
 
-/* Find the pieces that are active at `time`; return 0 if one is not known. */
+/* Find the pieces that are active at `time`; return 0 if a piece is not known. */
 static int advance(const Law *law, double time, int32_t *active_piece,
                    int32_t *is_any_moving, double *next)
 {
@@ -42,7 +42,8 @@ static int advance(const Law *law, double time, int32_t *active_piece,
     return 1;
 }
 
-/* Find the pieces of the errors at `time`, and of the command; 0 if one is not known. */
+/* Find the pieces of the errors and of the command at `time`; return 0 if a piece is
+   not known. */
 static int find_pieces(Law *law, double time)
 {
     if (time >= law->next_change
@@ -85,7 +86,8 @@ static int allows(const Piece *piece, double error, double rate)
     return is_within(tolerance, error, rate);
 }
 
-/* Whether all joints are within their tolerances, on the path (0) or at the goal (2). */
+/* Return whether all joints are within their tolerances on the path (0) or at the goal
+   (2). */
 static int are_all_within(const Law *law, int which)
 {
     for (int k = 0; k < law->n; k++)
@@ -94,7 +96,8 @@ static int are_all_within(const Law *law, int which)
     return 1;
 }
 
-/* Return whether a trajectory goes on: control/trajectory_monitor.TrajectoryMonitor.check */
+/* Return whether a trajectory continues:
+   control/trajectory_monitor.TrajectoryMonitor.check */
 static int trajectory_continues(const Law *law, double time)
 {
     int is_moving = time + law->lead < law->end;
@@ -109,7 +112,7 @@ static int trajectory_continues(const Law *law, double time)
     return !(past > law->timeout);
 }
 
-/* Return whether an active goal continues; note which joints have arrived. */
+/* Return whether an active goal continues, and note the joints that have arrived. */
 static int goal_continues(Law *law, double time)
 {
     int n_arrived = 0;
@@ -144,7 +147,7 @@ static void compare_commands(Law *law, const double *measured)
     }
 }
 
-/* Return whether a gripper's goal neither succeeds nor stalls for too long. */
+/* Return whether a gripper's goal has not succeeded and does not stall for too long. */
 static int grip_continues(const Grip *grip, double time, double position)
 {
     return !(fabs(grip->target - position) < grip->tolerance)
@@ -152,7 +155,8 @@ static int grip_continues(const Grip *grip, double time, double position)
             || !(time - grip->stall_since > grip->stall_timeout));
 }
 
-/* Return whether Python has nothing to do: the end of an unheard goal is noted here. */
+/* Return whether Python need not execute the tick.  The end of a goal without a handle
+   is noted here. */
 static int prepare_grip(Law *law, double time, double position)
 {
     return !law->is_monitored || law->grip->is_unheard != 0.0

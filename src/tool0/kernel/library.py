@@ -1,4 +1,4 @@
-"""The compiled kernel of this installation, or the reason why there is none."""
+"""Loading of the compiled kernel of this installation."""
 
 from __future__ import annotations
 
@@ -18,26 +18,27 @@ from tool0.kernel.build import FOLDER, LIBRARY, KernelUnusableError, open_librar
 logger = logging.getLogger(__name__)
 
 VARIABLE: Final = "TOOL0_KERNEL"
-"""Environment variable; ``python`` selects the slower Python reference, same
-results."""
+"""Environment variable that selects the kernel.  The value ``python`` selects the
+Python reference, which is slower and has the same results."""
 COMPILE_COMMAND: Final = shlex.join([sys.executable, "-m", "tool0.kernel.build"])
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class KernelStatus:
-    """The compiled kernel, or the reason why the Python reference runs."""
+    """The compiled kernel, or the reason why the Python reference is used."""
 
     path: Path
-    """Path of the library, which may not exist."""
+    """Path of the library; the file may be missing."""
     library: ctypes.CDLL | None
-    """The library, whose calls release the interpreter's lock."""
+    """The loaded library.  Calls of the library's functions release the interpreter's
+    lock."""
     reason: str = ""
-    """Reason why there is no library; empty if there is one."""
+    """Reason why the library is not used; empty if it is used."""
 
 
 def load() -> ctypes.CDLL | None:
-    """Return the compiled kernel, or None if the Python reference has to run.
+    """Return the compiled kernel, or None if the Python reference must be used.
 
     Raises:
         ConfigError: If ``TOOL0_KERNEL`` has an unknown value.
@@ -46,7 +47,7 @@ def load() -> ctypes.CDLL | None:
 
 
 def kernel_status() -> KernelStatus:
-    """Return the kernel that ``load`` returns, or the reason why there is none."""
+    """Return the result of ``load``, or the reason why ``load`` returns None."""
     selected = os.environ.get(VARIABLE, "")
     if selected == "python":
         reason = f"{VARIABLE}=python selects the Python reference"
@@ -61,7 +62,7 @@ def kernel_status() -> KernelStatus:
 
 @cache
 def _opened(folder: Path) -> KernelStatus:
-    """Open the library in ``folder``, once per process, since it takes 0.5 ms."""
+    """Open the library in ``folder`` once per process, since opening takes 0.5 ms."""
     path = folder / LIBRARY
     try:
         return KernelStatus(path, open_library(folder))

@@ -1,4 +1,4 @@
-/* The ticks of many copies of a robot, in threads. */
+/* Execution of the ticks of many copies of a robot in threads. */
 
 #include <pthread.h>
 #include <stdlib.h>
@@ -18,18 +18,18 @@ typedef struct {
     const int32_t *most;
     int64_t *left, *ticks, *untold;
     int32_t *results;
-    int next; /* the copy that the next free thread takes */
+    int next; /* the copy that the next free thread processes */
 } Work;
 
-/* Threads that wait for work: creating them costs more than many a call, and on a busy
-   machine a new thread is the last in the queue. */
+/* A pool of threads that wait for work.  Creating threads would take longer than many
+   calls, and on a busy machine a new thread is the last thread in the queue. */
 typedef struct {
     pthread_mutex_t lock;
-    pthread_cond_t changed; /* there is work, or the pool closes */
-    pthread_cond_t finished; /* no thread is busy */
+    pthread_cond_t changed; /* signaled if there is work, or if the pool is closed */
+    pthread_cond_t finished; /* signaled if no thread is busy */
     Work work;
     int has_work, n_busy, n_threads, is_closed;
-    pid_t process; /* which has the threads */
+    pid_t process; /* the process that has the threads */
 } Pool;
 
 static void take_copies(Work *work)
@@ -71,7 +71,7 @@ static void *serve(void *argument)
         pthread_mutex_unlock(&pool->lock);
         take_copies(&pool->work);
         pthread_mutex_lock(&pool->lock);
-        pool->has_work = 0; /* every copy is taken */
+        pool->has_work = 0; /* all copies are being processed */
         if (!--pool->n_busy)
             pthread_cond_signal(&pool->finished);
     }
@@ -82,7 +82,8 @@ static void *serve(void *argument)
     return NULL;
 }
 
-/* Return a pool of so many threads, the caller's included, or NULL without memory. */
+/* Return a pool of `threads` threads, including the caller's thread, or NULL if there
+   is no memory. */
 TOOL0_EXPORT void *tool0_open_pool(int threads)
 {
     Pool *pool = calloc(1, sizeof(Pool));
@@ -96,20 +97,21 @@ TOOL0_EXPORT void *tool0_open_pool(int threads)
     pthread_mutex_lock(&pool->lock);
     while (pool->n_threads < threads - 1 && !pthread_create(&thread, NULL, serve, pool)) {
         pthread_detach(thread);
-        pool->n_threads++; /* with fewer threads than wanted, it takes longer */
+        pool->n_threads++; /* with fewer threads, a run takes longer */
     }
     pthread_mutex_unlock(&pool->lock);
     return pool;
 }
 
-/* A fork copies a pool without its threads, and its lock and conditions as they were at
-   that moment: held, or with waiters that do not exist.  Nothing may wait for them. */
+/* A fork copies a pool without its threads.  The lock and the conditions are copied in
+   their states at the fork: they can be held, or have waiters that do not exist.
+   Therefore the copy must not wait for them. */
 static int is_copy(const Pool *pool)
 {
     return pool->process != getpid();
 }
 
-/* End the threads; the last one frees the pool. */
+/* End the threads; the last thread frees the pool. */
 TOOL0_EXPORT void tool0_close_pool(void *opened)
 {
     Pool *pool = opened;
@@ -126,10 +128,10 @@ TOOL0_EXPORT void tool0_close_pool(void *opened)
         free_pool(pool);
 }
 
-/* Execute a batch's work, in the threads of a pool.
+/* Execute the work of a batch in the threads of a pool.
 
-   A thread that wakes up after the last copy was taken is not waited for.  In a process
-   that was forked after the pool was opened, the caller does all the work. */
+   The function does not wait for threads that wake up after the last copy was taken.
+   In a process that was forked after the pool was opened, the caller does all the work. */
 static void run(Pool *pool, const Work *work)
 {
     if (is_copy(pool)) {
@@ -151,9 +153,10 @@ static void run(Pool *pool, const Work *work)
     pthread_mutex_unlock(&pool->lock);
 }
 
-/* Execute the ticks that are left of each robot, up to most[i], as tool0_run; robots that
-   are NULL are left out.  Their numbers are subtracted from `left`, and added to `ticks`
-   and `untold`.  Returns whether an event ended a run, or ticks are left. */
+/* Execute the ticks that are left of each robot, up to most[i], as tool0_run does.
+   Robots that are NULL are left out.  The numbers of executed ticks are subtracted from
+   `left`, and added to `ticks` and `untold`.  Returns whether an event ended a run, or
+   whether ticks are left. */
 TOOL0_EXPORT int tool0_run_many(void *pool, Robot *const *robots, int n,
                                 const int32_t *most, int64_t *left, int64_t *ticks,
                                 int64_t *untold, int32_t *results)
@@ -166,8 +169,8 @@ TOOL0_EXPORT int tool0_run_many(void *pool, Robot *const *robots, int n,
     return 0;
 }
 
-/* Copy positions, velocities and efforts of the joints of those robots for which is_read
-   is true to an array of shape (3, n, n_joints). */
+/* Copy positions, velocities and efforts of the joints to an array of shape (3, n,
+   n_joints), for the robots for which is_read is true. */
 TOOL0_EXPORT void tool0_read_many(Robot *const *robots, int n, int n_joints,
                                   const char *is_read, double *found)
 {

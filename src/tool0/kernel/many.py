@@ -1,4 +1,4 @@
-"""Execution of many copies of a robot by the kernel: ``many.c``."""
+"""Execution of many copies of a robot by the kernel (``many.c``)."""
 
 from __future__ import annotations
 
@@ -22,23 +22,24 @@ from tool0.kernel.program import REFRESHES, Ended
 
 
 class StartResult(IntEnum):
-    """Whether motions have started."""
+    """Result of a request to start motions."""
 
     YES = 0
     UNKNOWN = 1
-    """No: Python knows more about the current motion than the kernel."""
+    """The motions have not started, because only Python has all data of the current
+    motion."""
     REFUSED = 2
-    """No: the motion is implausible."""
+    """The motions have not started, because a motion is implausible."""
 
 
-_STARTS = tuple(StartResult)  # an index takes a tenth of the time of StartResult(...)
+_STARTS = tuple(StartResult)  # indexing takes a tenth of the time of StartResult(...)
 
 
 @final
 class BatchKernel:
-    """Runner of robots that are loaded into the kernel, by their structs' addresses.
+    """Runner of robots that are loaded into the kernel, given by their addresses.
 
-    Every array has one row per robot.
+    Every array has one row per robot.  The addresses are those of the robots' structs.
     """
 
     def __init__(
@@ -50,23 +51,23 @@ class BatchKernel:
         ticks: TickCounts,
         untold: TickCounts,
     ) -> None:
-        """Start a pool of threads, which ends with this object.
+        """Start a pool of threads, which is stopped when this object is deleted.
 
         Args:
             compiled: The kernel.
             threads: Number of threads.
-            left: Ticks to execute; a run subtracts the executed ones.
-            ticks: Counts to which a run adds the executed ticks.
-            untold: Further counts to which a run adds the executed ticks.
+            left: Numbers of ticks to execute.  A run subtracts the executed ticks.
+            ticks: Counters to which a run adds the executed ticks.
+            untold: Additional counters to which a run adds the executed ticks.
         """
         n = len(left)
         self._compiled = compiled
         self.robots: Addresses = np.zeros(n, dtype=np.uintp)
-        """Addresses of the robots' structs; 0 for those that are not loaded."""
+        """Addresses of the robots' structs; 0 for robots that are not loaded."""
         self.most: IntArray = np.zeros(n, dtype=np.int32)
-        """Largest number of ticks of each robot in one run."""
+        """Largest number of ticks that each robot executes in one run."""
         self.results: IntArray = np.zeros(n, dtype=np.int32)
-        """Reason why each robot's last run ended, as in ``Ended``."""
+        """Reason why each robot's last run ended, as a value of ``Ended``."""
         compiled.tool0_open_pool.restype = ctypes.c_void_p
         pool = compiled.tool0_open_pool(threads)
         if pool is None:
@@ -80,9 +81,9 @@ class BatchKernel:
         self._read.restype = None
 
     def run(self) -> bool:
-        """Execute up to ``most`` of each loaded robot's remaining ticks.
+        """Execute remaining ticks of each loaded robot, at most ``most`` ticks.
 
-        Return whether an event has ended a robot's run, or ticks are left.
+        Return whether an event ended the run of a robot, or whether ticks are left.
         """
         n = len(self.robots)
         return bool(
@@ -92,9 +93,9 @@ class BatchKernel:
         )
 
     def refresh(self, hardware: RobotHardware) -> None:
-        """Compute the masses and mobilities that are due; the run is then ``DONE``.
+        """Compute the masses and mobilities that are due, and set results to ``DONE``.
 
-        ``hardware`` is one robot's hardware.
+        ``hardware`` is the hardware of one of the robots.
         """
         for due, compute in REFRESHES.items():
             if (is_due := self.results == due).any():
@@ -104,7 +105,7 @@ class BatchKernel:
     def read(self, which: BoolArray, n_joints: int) -> FloatArray:
         """Return positions, velocities and efforts of robots, shape (3, n, n_joints).
 
-        Values of robots for which ``which``, shape (n,), is false are arbitrary.
+        The values of robots for which ``which``, shape (n,), is false are undefined.
         """
         n = len(which)
         found = np.empty((3, n, n_joints))
@@ -122,21 +123,22 @@ class BatchKernel:
         positions: FloatArray,
         velocities: FloatArray | None,
     ) -> tuple[StartResult, int]:
-        """Start motions through points, like ``JointTrajectoryController.command``.
+        """Start motions through points, as ``JointTrajectoryController.command`` does.
 
         Args:
             robots: Addresses of the robots that the laws move.
             laws: Addresses of the laws of trajectory controllers.
-            joints: Numbers of the laws' k joints that move, shape (k,).
+            joints: Numbers of the k joints of each law that move, shape (k,).
             now: The time of the next tick [s], shape (n,).
-            times: Times of the points after now [s], increasing, shape (n, m).
+            times: Times of the points relative to ``now`` [s], in increasing order,
+                shape (n, m).
             positions: Positions of the points [rad | m], shape (n, m, k).
-            velocities: Velocities [rad/s | m/s], shape (n, m, k); None makes linear
-                motions.
+            velocities: Velocities at the points [rad/s | m/s], shape (n, m, k).  If
+                ``velocities`` is None, the motions between the points are linear.
 
         Returns:
-            Whether all motions started (otherwise none did), and the row that prevented
-            it.
+            Whether all motions have started, and the row that prevented the start.  If
+            not all motions can start, no motion is started.
         """
         arrays = [np.ascontiguousarray(a) for a in (now, times, positions)]
         speeds = None if velocities is None else np.ascontiguousarray(velocities)
@@ -160,7 +162,7 @@ class BatchKernel:
     ) -> FloatArray | None:
         """Return the desired positions of one joint [rad | m], shape (n,).
 
-        It returns None if the kernel does not know all of them.
+        The method returns None if the kernel does not have all desired positions.
         """
         laws, now = np.ascontiguousarray(laws), np.ascontiguousarray(now)
         found = np.zeros(len(laws))

@@ -5,7 +5,7 @@
 #include "export.h"
 #include "robot.h"
 
-/* Mass, first moment and inertia (xx xy xz yy yz zz) about the root. */
+/* Compute mass, first moment and inertia (xx xy xz yy yz zz) about the root. */
 static void about_root(const double *f, const DriveBody *body, double *carried)
 {
     const double *c = body->center, *t = body->tensor;
@@ -40,7 +40,7 @@ static void cross(const double *a, const double *b, double *c)
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Linear and angular momentum about the root per joint velocity. */
+/* Compute linear and angular momentum about the root at unit joint velocity. */
 static void momentum_of(const DriveBody *body, const double *f, const double *carried,
                         double *momentum)
 {
@@ -63,7 +63,7 @@ static void momentum_of(const DriveBody *body, const double *f, const double *ca
     momentum[5] = moved[2] + (I[2] * x + I[4] * y + I[5] * z);
 }
 
-/* The part of a momentum that a joint feels. */
+/* Return the component of a momentum along a joint's axis. */
 static double along(const DriveBody *body, const double *f, const double *momentum)
 {
     const double *axis = &f[6], *p = momentum, *l = &momentum[3];
@@ -118,8 +118,8 @@ TOOL0_EXPORT void tool0_masses_many(Robot *const *robots, int n, double *matrice
     }
 }
 
-/* Set the masses, shape (n, n_servos, n_servos), and the largest accelerations of n
-   robots' servos, (n, n_servos), for the coming step. */
+/* Set the masses, shape (n, n_servos, n_servos), and the largest accelerations, shape
+   (n, n_servos), of the servos of n robots for the next step. */
 TOOL0_EXPORT void tool0_set_masses_many(Robot *const *robots, int n, const double *masses,
                                         const double *fastest)
 {
@@ -135,7 +135,8 @@ TOOL0_EXPORT void tool0_set_masses_many(Robot *const *robots, int n, const doubl
     }
 }
 
-/* Copy the numbers of n robots' free joints, shape (n, n_bodies); the rest of a row is -1. */
+/* Copy the numbers of n robots' free joints, shape (n, n_bodies); unused elements are
+   -1. */
 TOOL0_EXPORT void tool0_free_many(Robot *const *robots, int n, int32_t *joints)
 {
     for (int i = 0; i < n; i++) {
@@ -146,8 +147,8 @@ TOOL0_EXPORT void tool0_free_many(Robot *const *robots, int n, int32_t *joints)
     }
 }
 
-/* Set the mobilities of n robots' free joints, shape (n, n_free, n_free), at their present
-   positions. */
+/* Set the mobilities of n robots' free joints, shape (n, n_free, n_free), at their
+   current positions. */
 TOOL0_EXPORT void tool0_set_mobility_many(Robot *const *robots, int n,
                                           const double *mobility)
 {

@@ -1,4 +1,4 @@
-"""Masses and mobilities of drives for robots that the kernel runs: ``masses.c``."""
+"""Masses and mobilities of the drives of robots in the kernel (``masses.c``)."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from tool0.kernel.memory import Addresses, FloatArray, address
 def refresh_masses(
     compiled: ctypes.CDLL, robots: Addresses, hardware: RobotHardware
 ) -> None:
-    """Compute the masses of servos in robots in which these are due.
+    """Compute the masses of servos for robots for which new masses are due.
 
-    ``hardware`` has the drives of one of the robots; all have the same drives and
-    payloads.
+    ``hardware`` contains the drives of one of the robots.  All robots must have the
+    same drives and payloads.
     """
     robots = np.ascontiguousarray(robots)
     matrices, positions = _mass_matrices(compiled, robots, hardware)
@@ -31,9 +31,10 @@ def refresh_masses(
 def refresh_mobilities(
     compiled: ctypes.CDLL, robots: Addresses, hardware: RobotHardware
 ) -> None:
-    """Compute the mobilities of free joints in robots in which these are due.
+    """Compute the mobilities of free joints for robots for which they are due.
 
-    ``hardware`` is as for ``refresh_masses``, except that brakes may hold other joints.
+    ``hardware`` has the same meaning as for ``refresh_masses``, but the robots' engaged
+    brakes can be different.
     """
     robots = np.ascontiguousarray(robots)
     matrices, positions = _mass_matrices(compiled, robots, hardware)

@@ -1,6 +1,6 @@
-"""The memory that the kernel works on: structs, and arrays of laws.
+"""Memory of the kernel: structs, and arrays of laws.
 
-The structs are those of ``laws.h`` and ``robot.h``; addresses are integers.
+The structs are those of ``laws.h`` and ``robot.h``.  Addresses are integers.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ from tool0.protocol.goals import Tolerance
 from tool0.protocol.trajectories import TrajectoryPoint
 
 MOST_PIECES = 64
-"""Largest number of pieces of a motion per joint; Python continues longer motions."""
+"""Largest number of pieces of a motion per joint.  Python continues motions with more
+pieces."""
 PIECE_SIZE = 16
 """Number of values of a piece."""
 
@@ -47,9 +48,9 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 BoolArray = NDArray[np.bool_]
 TickCounts = NDArray[np.int64]
-"""Numbers of ticks, one per robot."""
+"""Numbers of ticks, with one element per robot."""
 Addresses = NDArray[np.uintp]
-"""Addresses of structs or of numbers, one per robot."""
+"""Addresses of structs or of numbers, with one element or row per robot."""
 
 
 class LawKind(IntEnum):
@@ -84,14 +85,14 @@ GRIP_FIELDS = (
 
 @final
 class GripStruct(Structure):
-    """``Grip`` of ``laws.h``."""
+    """Structure ``Grip`` of ``laws.h``."""
 
     _fields_ = tuple((name, c_double) for name in GRIP_FIELDS)
 
 
 @final
 class StartStruct(Structure):
-    """``Start`` of ``laws.h``."""
+    """Structure ``Start`` of ``laws.h``."""
 
     _fields_ = (
         ("is_known", c_int32),
@@ -116,7 +117,7 @@ class StartStruct(Structure):
 
 @final
 class StartMemory:
-    """Memory of one law for the trajectory that starts with the coming tick."""
+    """Memory of one law for the trajectory that starts in the next tick."""
 
     def __init__(self, n_joints: int) -> None:
         self.struct = struct = StartStruct()
@@ -131,7 +132,10 @@ class StartMemory:
         self._loaded: TrajectoryStart | None = None
 
     def load(self, start: TrajectoryStart | None, *, has_points: bool) -> None:
-        """Set the start of trajectories; the motion before them ``has_points``."""
+        """Set the data for the start of a trajectory.
+
+        ``has_points`` states whether the motion before the trajectory has points.
+        """
         struct = self.struct
         struct.is_known, struct.has_points = start is not None, has_points
         struct.n_points = struct.is_first = 0
@@ -145,7 +149,7 @@ class StartMemory:
         self._tolerances[:] = tolerance_rows(start.path, start.at_goal)
 
     def coming(self) -> tuple[TrajectoryGoal, float] | None:
-        """Return the trajectory that starts next, and the time of its command [s]."""
+        """Return the trajectory that starts next, and its command time [s]."""
         struct, n = self.struct, self.struct.n_points
         if not n:
             return None
@@ -164,13 +168,13 @@ class StartMemory:
 def tolerance_rows(
     path: Sequence[Tolerance], at_goal: Sequence[Tolerance]
 ) -> list[tuple[float, ...]]:
-    """Return the rows of ``Law.tolerances`` in ``laws.h``, one per joint."""
+    """Return the rows of ``Law.tolerances`` in ``laws.h``, with one row per joint."""
     return [(*one[:2], *other[:2]) for one, other in zip(path, at_goal, strict=True)]
 
 
 @final
 class LawStruct(Structure):
-    """``Law`` of ``laws.h``."""
+    """Structure ``Law`` of ``laws.h``."""
 
     _fields_ = (
         ("kind", c_int32),
@@ -219,7 +223,7 @@ class LawStruct(Structure):
 
 @final
 class RobotStruct(Structure):
-    """``Robot`` of ``robot.h``."""
+    """Structure ``Robot`` of ``robot.h``."""
 
     _fields_ = (
         ("n_joints", c_int32),
@@ -258,10 +262,10 @@ class RobotStruct(Structure):
 
 @final
 class LawMemory:
-    """Memory of one law of one robot, in arrays of shape (n_joints, …)."""
+    """Memory of one law of one robot.  The arrays have the shape (n_joints, …)."""
 
     def __init__(self, law: ActiveLaw, joints: Sequence[int]) -> None:
-        """Allocate memory; ``joints`` are the engine's numbers of the law's joints."""
+        """Allocate memory; ``joints`` contains the joint numbers in the engine."""
         k = len(joints)
         self._kind = _KINDS[type(law)]
         self.joints: IntArray = np.array(joints, dtype=np.int32)
@@ -310,7 +314,7 @@ class LawMemory:
         struct.rates = self._scratch[1].ctypes.data
 
     def started_splines(self) -> dict[int, JointSpline]:
-        """Return the motions that the kernel started, by joint number."""
+        """Return the motions that were started by the kernel, by joint number."""
         found = {}
         for k in np.flatnonzero(self.started).tolist():
             n = self.started[k]
@@ -323,7 +327,7 @@ class LawMemory:
 
 
 _UNTIL, _ORIGIN, _COEFFICIENTS = 0, 1, slice(2, 8)
-"""Columns of a piece's values."""
+"""Columns of the values of a piece."""
 _ARRAYS = (
     "joints",
     "wraps",
@@ -344,7 +348,7 @@ _ARRAYS = (
 
 
 def packed(piece: Piece, monitor: GoalMonitor | None = None) -> tuple[float, ...]:
-    """Return a piece in the kernel's format, with the checks of an active goal."""
+    """Return a piece in the kernel's format, including the checks of an active goal."""
     check, tolerance = Check.NOTHING, UNCHECKED
     if monitor is not None:
         check, tolerance = monitor.check_of(piece)
@@ -362,10 +366,10 @@ _from_buffer = cast("Callable[[NDArray[Any]], Array[c_char]]", (c_char * 0).from
 
 
 def address(array: NDArray[Any]) -> Array[c_char] | c_void_p:
-    """Return the address of a contiguous array's data, for calls of the kernel."""
+    """Return the address of the data of a contiguous array, for calls of the kernel."""
     try:
-        return _from_buffer(array)  # an eighth of the time
+        return _from_buffer(array)  # takes an eighth of the time of the call below
     except TypeError:
-        if array.flags.writeable:  # then it is not contiguous
+        if array.flags.writeable:  # the array is not contiguous
             raise
         return c_void_p(array.ctypes.data)

@@ -1,4 +1,4 @@
-"""Desired motions of many joints at once, as sequences of cubics."""
+"""Desired motions of many joints, as sequences of cubics."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Indices = NDArray[np.intp]
 
 
 class JointGoal(NamedTuple):
-    """A joint that a command on the device moves."""
+    """A joint that is moved by a command on the device."""
 
     source: int
     """Column of the joint in the command array."""
@@ -29,35 +29,37 @@ class JointGoal(NamedTuple):
 
 @final
 class Motions:
-    """The motions of k joints of n robots, in pieces.
+    """Motions of k joints of n robots, divided into pieces.
 
-    They equal the motions of a JointTrajectoryController that receives points without
-    accelerations on its topic: lines or cubics, followed by rest.
+    The motions are lines or cubics, followed by rest.  The motions are equal to those
+    of a JointTrajectoryController that receives points without accelerations on its
+    topic.
     """
 
     def __init__(self, position: Array, wraps: Sequence[bool]) -> None:
         """Start with every joint at rest at ``position`` [rad | m], shape (n, k).
 
-        ``wraps`` is true for continuous joints.
+        The elements of ``wraps`` are true for continuous joints.
         """
         self._wraps = tuple(wraps)
         self.until: Array = np.full((*position.shape, 1), math.inf)
-        """Start of the piece after each piece [s], shape (n, k, n_pieces)."""
+        """End of each piece [s], at which the next piece starts, shape (n, k,
+        n_pieces)."""
         self.origin: Array = np.zeros_like(self.until)
-        """Start of each piece [s], of the same shape."""
+        """Start of each piece [s], shape (n, k, n_pieces)."""
         self.coefficients: Array = np.zeros((*self.until.shape, 4))
-        """Coefficients of the polynomial in time since ``origin``, the constant one
-        first."""
+        """Coefficients of each piece's polynomial in the time since ``origin``, in the
+        order of increasing powers, shape (n, k, n_pieces, 4)."""
         self.coefficients[..., 0, 0] = position
 
     def rest(self, rows: Indices, position: Array) -> None:
-        """Put the joints of some robots at rest at ``position``, (len(rows), k)."""
+        """Set the joints of some robots to rest at ``position``, (len(rows), k)."""
         self.until[rows] = math.inf
         self.coefficients[rows] = 0.0
         self.coefficients[rows, :, 0, 0] = position
 
     def desired(self, rows: Indices, joint: int, now: Array) -> tuple[Array, Array]:
-        """Return the desired positions and velocities of a joint, (len(rows),)."""
+        """Return the desired positions and velocities of a joint, each (len(rows),)."""
         piece = (now[:, None] >= self.until[rows, joint]).sum(axis=1)
         c = np.moveaxis(self.coefficients[rows, joint, piece], -1, 0)
         t = now - self.origin[rows, joint, piece]
@@ -74,20 +76,21 @@ class Motions:
         positions: Array,
         velocities: Array | None,
     ) -> int | None:
-        """Move from the current desired motion through m points, and then rest.
+        """Start motions from the current desired motion through m points to rest.
 
         Args:
-            rows: The robots, r of them.
+            rows: The r robots.
             joints: The j joints that move.
             now: The time of the next tick [s], shape (r,).
-            times: Times of the points after now [s], increasing, shape (r, m).
-            positions: Positions [rad | m], shape (r, m, j).
-            velocities: Velocities at the points [rad/s | m/s], of the same shape; None
-                makes linear motions.
+            times: Times of the points relative to ``now`` [s], in increasing order,
+                shape (r, m).
+            positions: Positions of the points [rad | m], shape (r, m, j).
+            velocities: Velocities at the points [rad/s | m/s], shape (r, m, j).  If
+                ``velocities`` is None, the motions between the points are linear.
 
         Returns:
-            None, or the number of a row that requests an implausible motion; in that
-            case, nothing has changed.
+            None, or the number of a row that requests an implausible motion.  If a row
+            is returned, no motion has been changed.
         """
         n_points = times.shape[1]
         ends = now[:, None] + times
@@ -118,7 +121,8 @@ class Motions:
         chosen = np.ix_(rows, columns)
         self.until[chosen] = math.inf
         self.until[at] = ends[:, None]
-        last = np.nextafter(ends[:, -1:], math.inf)  # at its end, a motion still moves
+        # At the end time, the motion is still active.
+        last = np.nextafter(ends[:, -1:], math.inf)
         self.until[(*chosen, n_points - 1)] = last
         self.origin[at] = begins[:, None]
         self.coefficients[at] = found
@@ -126,7 +130,7 @@ class Motions:
         return None
 
     def extend(self, n_pieces: int) -> None:
-        """Make room for ``n_pieces`` pieces of each motion."""
+        """Allocate memory for ``n_pieces`` pieces of each motion."""
         missing = n_pieces - self.until.shape[2]
         if missing > 0:
             room = ((0, 0), (0, 0), (0, missing))
@@ -147,7 +151,7 @@ def _fit(q0: Array, v0: Array, q1: Array, v1: Array | None, T: Array) -> Array:
 
 
 def _largest(coefficients: Array, T: Array) -> Array:
-    """Return bounds of position and velocity, as in ``Segment.is_bounded``."""
+    """Return bounds of position and velocity, as ``Segment.is_bounded`` does."""
     a = np.moveaxis(np.abs(coefficients), -1, 0)
     position = a[0] + T * (a[1] + T * (a[2] + T * a[3]))
     speed = a[1] + T * (2.0 * a[2] + T * 3.0 * a[3])

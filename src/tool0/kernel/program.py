@@ -1,4 +1,4 @@
-"""Execution of one robot's ticks by the kernel, until an event."""
+"""Execution of the ticks of one robot by the kernel, up to the next event."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ from tool0.kernel.memory import (
 )
 
 LOADED_PIECES = 16
-"""Number of pieces of a motion that Python makes for each joint at a time."""
+"""Number of pieces of a motion that Python loads for each joint at a time."""
 
 
 @final
 class RobotMemory:
-    """Memory of one robot: its struct, with the state between ticks."""
+    """Memory of one robot, which contains its struct and the state between ticks."""
 
     def __init__(self, n_joints: int, n_laws: int) -> None:
         self.laws = (LawStruct * n_laws)()
@@ -64,7 +64,7 @@ class RobotMemory:
                 setattr(struct, f"{at}_{name}", row.ctypes.data)
 
     def set_stepper(self, stepper: NativeStepper) -> None:
-        """Step this engine from now on."""
+        """Set the engine that is stepped."""
         self._motor_joints = np.array(stepper.motor_joints, dtype=np.int32)
         struct = self.struct
         struct.step, struct.on_error = stepper.step, stepper.on_error
@@ -80,7 +80,7 @@ class RobotMemory:
         struct.standstill = BRAKE_STANDSTILL
 
     def tick_start(self) -> JointState:
-        """Return the state at the start of the last or of the unfinished tick."""
+        """Return the state at the start of the last tick or of the unfinished tick."""
         struct = self.struct
         steps = struct.steps - struct.steps_per_tick + struct.steps_left
         position, velocity, effort = self._tick.tolist()
@@ -95,7 +95,7 @@ class RobotMemory:
 
 @final
 class _LoadedLaw:
-    """A running controller's law in the kernel's memory."""
+    """Law of a running controller in the kernel's memory."""
 
     def __init__(self, law: ActiveLaw, joints: Sequence[int]) -> None:
         self._memory = LawMemory(law, joints)
@@ -105,10 +105,11 @@ class _LoadedLaw:
         self._packed: tuple[object, object] | None = None
         self._known_until = -math.inf
         self._started_grip: tuple[DriveLimits, float] | None = None
-        """Limits and start [s] of a goal that Python does not know yet."""
+        """Limits and start time [s] of a goal that has not been passed to Python
+        yet."""
 
     def use(self, struct: LawStruct) -> None:
-        """Use ``struct``, which is new and empty, for the law."""
+        """Use ``struct``, which must be new and empty, for the law."""
         self._struct = struct
         self._memory.fill(struct, self._law)
 
@@ -185,7 +186,7 @@ class _LoadedLaw:
     def start_grip(
         self, target: float, effort: float | None, limits: DriveLimits, now: float
     ) -> None:
-        """Start a goal that nobody awaits, like ``GripperActionController.drive``."""
+        """Start a goal without a handle, as ``GripperActionController.drive`` does."""
         law, grip = self._law, self._memory.grip
         assert isinstance(law, GripperLaw)
         self._started_grip = limits, now
@@ -214,7 +215,7 @@ class _LoadedLaw:
         grip.stall_position, grip.stall_since = now.stall_position, now.stall_since
 
     def _store_starts(self, controller: TrajectoryFollower, time: float) -> None:
-        """Pass motions that started in the kernel, or are about to, to Python."""
+        """Pass motions that the kernel has started or will start to Python."""
         memory, start = self._memory, self._memory.start
         coming = start and start.coming()
         if memory.started.any():
@@ -229,7 +230,7 @@ class _LoadedLaw:
             controller.command(*coming)
 
     def store(self, controller: Controller, time: float) -> None:
-        """Copy the state back to the controller; the next tick is at ``time`` [s]."""
+        """Copy the state to the controller; the next tick is at ``time`` [s]."""
         law, memory = self._law, self._memory
         if isinstance(controller, TrajectoryFollower):
             self._store_starts(controller, time)
@@ -250,27 +251,29 @@ class Ended(IntEnum):
     DONE = 0
     """All ticks were executed."""
     EVENT = 1
-    """Python must execute the next tick, or the remaining steps of this one."""
+    """Python must execute the next tick, or the remaining steps of the current tick."""
     CHECK = 2
-    """Python must check whether the state has diverged; otherwise like ``EVENT``."""
+    """Python must check whether the state has diverged, and then continue as after
+    ``EVENT``."""
     MASSES = 3
-    """Masses of servos are due (``refresh_masses``) before the run can go on."""
+    """Masses of servos must be computed (``refresh_masses``) before the run can
+    continue."""
     MOBILITY = 4
-    """Mobility of fast joints is due (``refresh_mobilities``) before the run can go
-    on."""
+    """Mobility of fast joints must be computed (``refresh_mobilities``) before the run
+    can continue."""
 
 
 REFRESHES = {Ended.MASSES: refresh_masses, Ended.MOBILITY: refresh_mobilities}
-"""Functions that compute the quantities that are due."""
-_ENDED = tuple(Ended)  # an index takes a tenth of the time of Ended(...)
+"""Functions that compute the quantities that are due, by the reason why a run ended."""
+_ENDED = tuple(Ended)  # indexing takes a tenth of the time of Ended(...)
 
 
 @final
 class TickProgram:
-    """One robot's running controllers and drives in the kernel's memory.
+    """Running controllers and drives of one robot in the kernel's memory.
 
-    From ``load`` to ``store``, the kernel's memory has their state, and the Python
-    objects are out of date.
+    Between ``load`` and ``store``, the state of the controllers and drives is in the
+    kernel's memory, and the Python objects are out of date.
     """
 
     def __init__(
@@ -284,13 +287,13 @@ class TickProgram:
         dt: float,
         period: float,
     ) -> None:
-        """Allocate the memory; nothing is loaded.
+        """Allocate the memory, without loading a state.
 
         Args:
-            compiled: The library.
-            running: The running controllers in load order, with their joints.
+            compiled: The library of the kernel.
+            running: The running controllers and their joints, in load order.
             specs: The controllers' parameters.
-            laws: The controllers' laws, one for each.
+            laws: The laws of the controllers, with one law per controller.
             hardware: The drives.
             dt: Length of a step of the engine [s].
             period: Length of a tick [s].
@@ -321,9 +324,10 @@ class TickProgram:
         running: Sequence[tuple[Controller, Sequence[int]]],
         specs: Sequence[ControllerSpec],
     ) -> bool:
-        """Run these controllers from the next ``load`` on; return whether memory fits.
+        """Use the memory for these controllers if it fits; return whether it fits.
 
-        The memory fits controllers that were restarted, for example by a reset.
+        The memory fits if the controllers are the same, even if they were restarted,
+        for example by a reset.  The controllers are executed after the next ``load``.
         """
         if running is self._running:
             return True
@@ -337,7 +341,7 @@ class TickProgram:
     def load(
         self, laws: Sequence[Law], state: JointState, stepper: NativeStepper
     ) -> None:
-        """Take over the controllers and drives in ``state``."""
+        """Copy the controllers' laws and the drives, at the joint state ``state``."""
         for loaded, law in zip(self._laws, laws, strict=True):
             if loaded is not None and not isinstance(law, IdleLaw):
                 loaded.load(law, state.time)
@@ -349,7 +353,10 @@ class TickProgram:
         self._use(stepper)
 
     def run(self, most: int, stepper: NativeStepper) -> tuple[Ended, int]:
-        """Execute up to ``most`` ticks; return why it ended, and their number."""
+        """Execute up to ``most`` ticks.
+
+        Return the reason why the run ended, and the number of executed ticks.
+        """
         self._use(stepper)
         robot, done = self._arguments
         executed = 0
@@ -368,13 +375,13 @@ class TickProgram:
             self._robot.set_stepper(stepper)
 
     def note_steps(self, stepper: NativeStepper) -> bool:
-        """Tell the engine the number of executed steps; return whether any were."""
+        """Report the executed steps to the engine; return whether there were any."""
         before, steps = stepper.steps(), self.steps
         stepper.note_steps(steps, self._robot.effort.tolist())
         return steps > before
 
     def set_drive_limits(self, joint: int, limits: DriveLimits) -> None:
-        """Limit the drive of a joint, given by its number, like ``RobotHardware``."""
+        """Limit the drive of a joint, given by number, as ``RobotHardware`` does."""
         before = self._drives.drive_limits.get(joint)
         if before is not limits and before != limits:  # a comparison takes microseconds
             self._drives.set_drive_limits(joint, limits)
@@ -387,9 +394,10 @@ class TickProgram:
         limits: DriveLimits,
         now: float,
     ) -> None:
-        """Start a goal of a GripperActionController, given its number, at ``now``.
+        """Start a goal of a GripperActionController, given by number, at ``now``.
 
-        Nobody awaits the goal; ``target`` and ``effort`` are as for ``drive``.
+        The goal has no handle.  ``target`` and ``effort`` are those of
+        ``GripperActionController.drive``.
         """
         law = self._laws[controller]
         assert law is not None
@@ -402,22 +410,22 @@ class TickProgram:
 
     @property
     def robot_address(self) -> int:
-        """Address of the struct, for ``BatchKernel``."""
+        """Address of the robot's struct, for ``BatchKernel``."""
         return addressof(self._struct)
 
     @property
     def command(self) -> list[float]:
-        """The last command of each joint."""
+        """Last command of each joint."""
         command: list[float] = self._robot.command.tolist()
         return command
 
     @property
     def effort(self) -> FloatArray:
-        """The effort applied in the last step [N·m | N], as a view."""
+        """Efforts that were applied in the last step [N·m | N], as a view."""
         return self._robot.effort
 
     def law_address(self, controller: int) -> int:
-        """Return the address of a running controller's law, given its number."""
+        """Return the address of the law of a running controller, given by number."""
         laws = [law for law in self._laws[:controller] if law is not None]
         return addressof(self._robot.laws) + len(laws) * sizeof(LawStruct)
 
@@ -440,12 +448,12 @@ class TickProgram:
 
     @property
     def steps_left(self) -> int:
-        """Number of steps that Python must execute to finish a tick after its laws."""
+        """Number of steps that Python must execute to finish the current tick."""
         left: int = self._struct.steps_left
         return left
 
     def tick_start(self) -> JointState:
-        """Return the state at the start of the last or of the unfinished tick."""
+        """Return the state at the start of the last tick or of the unfinished tick."""
         return self._robot.tick_start()
 
     def step_start(self) -> JointState:
@@ -453,7 +461,7 @@ class TickProgram:
         return self._robot.step_start()
 
     def store(self) -> None:
-        """Copy the state back to the controllers and drives."""
+        """Copy the state to the controllers and drives."""
         time = self.steps * self._struct.dt
         for law, (controller, _) in zip(self._laws, self._running, strict=True):
             if law is not None:

@@ -1,6 +1,6 @@
 /* RRT-Connect (Kuffner and LaValle, ICRA 2000) between a pose and several goals, with
    balanced trees and dynamic domains (Yershova et al., ICRA 2005), and shortcuts.  The
-   same seed gives the same way. */
+   same seed gives the same path. */
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,11 +10,14 @@
 #include "clearance.h"
 #include "export.h"
 
-#define NARROW 0.7        /* part of the samples near start and a goal */
-#define FAR 4.0           /* [rad]: what cannot grow is left alone by samples beyond */
-#define UPRIGHT_RANGE 0.15 /* [rad], of an extension along which the tool stays upright */
+#define NARROW 0.7        /* fraction of the samples near the start and a goal */
+/* distance beyond which samples do not extend nodes that could not be extended [rad] */
+#define FAR 4.0
+/* length of an extension along which the tool stays upright [rad] */
+#define UPRIGHT_RANGE 0.15
 
-#define SHORTER 0.995      /* of a part of the way: less is not worth looking */
+/* largest ratio of lengths at which a part of the way is replaced */
+#define SHORTER 0.995
 
 enum { FOUND = 0, NO_WAY = 1, TIMEOUT = 2, CANCELLED = 3, NO_MEMORY = 4 };
 
@@ -22,20 +25,21 @@ typedef struct {
     const double *start;  /* (n_joints) */
     const double *goals;  /* (n_goals, n_joints) */
     int32_t n_goals;
-    int32_t most_nodes;   /* of both trees */
-    const double *lower, *upper; /* (n_joints), of the samples */
-    double beside; /* of most samples, from between the start and a goal */
+    int32_t most_nodes;   /* largest number of nodes of each tree */
+    const double *lower, *upper; /* (n_joints), bounds of the samples */
+    /* largest distance of most samples from the range between the start and a goal */
+    double beside;
     double range;         /* longest extension [rad] */
-    double deadline;      /* as of CLOCK_MONOTONIC [s] */
+    double deadline;      /* time of CLOCK_MONOTONIC [s] */
     uint64_t seed;
     volatile int32_t *cancelled;
-    int64_t samples;      /* out */
+    int64_t samples;      /* out: number of samples */
 } Search;
 
 typedef struct {
     double *q;
     int32_t *parent;
-    double *radius; /* of samples that a node is extended to, squared */
+    double *radius; /* squared radius of the samples to which a node is extended */
     int32_t n, n_joints;
 } Tree;
 
@@ -85,8 +89,8 @@ static int32_t add(Tree *tree, const double *q, int32_t parent)
     return tree->n++;
 }
 
-/* Grow a tree from a node towards a target; return the new node, or -1.  `reached`:
-   whether it is the target. */
+/* Extend a tree from a node towards a target; return the new node, or -1.  `reached` is
+   set to whether the new node is the target. */
 static int32_t extend(
     Clearances *c, Tree *tree, int32_t from, const double *target, double range,
     int *reached)
@@ -103,7 +107,7 @@ static int32_t extend(
         if (!clearances_upright(c, q))
             return -1;
         const double moved = apart(here, q, n);
-        /* a projection may throw it back or aside */
+        /* The projection may move the pose back or aside. */
         if (moved < 1e-4 * range * range || moved > 4.0 * range * range)
             return -1;
         if (apart(q, target, n) >= way * way)
@@ -114,7 +118,7 @@ static int32_t extend(
     return add(tree, q, from);
 }
 
-/* Write the way from the root of a tree to a node; return how many poses it has. */
+/* Write the way from the root of a tree to a node; return the number of poses. */
 static int32_t way_to(const Tree *tree, int32_t node, double *way)
 {
     int32_t n = 0;
@@ -128,8 +132,8 @@ static int32_t way_to(const Tree *tree, int32_t node, double *way)
     return n;
 }
 
-/* Write the poses of a way from the start to one of the goals to `way`, of the size of
-   `most_nodes` poses, and their number to `n_way`. */
+/* Write the poses of a way from the start to one of the goals to `way`, which has space
+   for `most_nodes` poses, and the number of poses to `n_way`. */
 TOOL0_EXPORT int32_t tool0_search(
     Clearances *c, Search *s, double *way, int32_t *n_way)
 {
@@ -171,7 +175,7 @@ TOOL0_EXPORT int32_t tool0_search(
             sample[j] = lower + uniform(&state) * (upper - lower);
         }
         s->samples++;
-        /* the smaller tree grows towards it */
+        /* The smaller tree is extended towards the sample. */
         Tree *here = &trees[turn], *there = &trees[!turn];
         int reached;
         const int32_t from = nearest(here, sample);
@@ -191,7 +195,7 @@ TOOL0_EXPORT int32_t tool0_search(
         } while (node >= 0 && !reached);
         if (node < 0)
             continue;
-        /* both trees have this pose: the way takes it once */
+        /* Both trees contain this pose, and the way contains it once. */
         const int32_t from_start = turn ? node : grown, from_goal = turn ? grown : node;
         int32_t rows = way_to(&trees[0], from_start, way);
         for (int32_t k = trees[1].parent[from_goal]; k >= 0; k = trees[1].parent[k])
@@ -209,7 +213,7 @@ end:
     return result;
 }
 
-/* When a search ends. */
+/* Conditions for the end of a search. */
 typedef struct {
     double deadline;
     volatile int32_t *cancelled;
@@ -220,8 +224,9 @@ static int is_over(const Until *until)
     return *until->cancelled || now() > until->deadline;
 }
 
-/* Return where a way has a length, as the number of the pose before and the part of the
-   way to the next; `y`: the same for another, larger length. */
+/* Return the location at which a way has a length, as the number of the pose before the
+   location plus the fraction of the way to the next pose.  `y` is set to the location
+   of a larger length. */
 static double place_at(
     const double *way, int32_t n_way, int32_t n, double length, double *y, double larger)
 {
@@ -240,8 +245,8 @@ static double place_at(
     return x;
 }
 
-/* Leave out poses of a way between which the straight way is free, the farthest first;
-   return how many there are then. */
+/* Remove poses of a way between which the straight way is free, starting with the
+   farthest pose; return the number of remaining poses. */
 static int32_t prune(Clearances *c, double *way, int32_t n_way, Until *until)
 {
     const int32_t n = c->n_joints;
@@ -260,9 +265,9 @@ static int32_t prune(Clearances *c, double *way, int32_t n_way, Until *until)
     return n_way;
 }
 
-/* Replace parts of a way through `n_way` poses by straight ones: first from pose to
-   pose, then `tries` at random; return how many poses it has then.  `most`: room for
-   them. */
+/* Replace parts of a way through `n_way` poses by straight parts: first from pose to
+   pose, then `tries` random parts.  Return the number of poses.  `most` is the number
+   of poses for which `way` has space. */
 TOOL0_EXPORT int32_t tool0_shorten(
     Clearances *c, double *way, int32_t n_way, int32_t most, int32_t tries,
     uint64_t seed, double deadline, volatile int32_t *cancelled)
@@ -273,7 +278,7 @@ TOOL0_EXPORT int32_t tool0_shorten(
     double a[MOST_MOVING], b[MOST_MOVING];
     n_way = prune(c, way, n_way, &until);
     for (int32_t k = 0; k < tries && n_way > 2 && !is_over(&until); k++) {
-        /* Two places on the way, evenly by its length. */
+        /* Two locations on the way, with a uniform distribution over its length. */
         double x = uniform(&state), y = uniform(&state), all = 0.0;
         for (int32_t m = 0; m + 1 < n_way; m++)
             all += sqrt(apart(way + m * n, way + (m + 1) * n, n));

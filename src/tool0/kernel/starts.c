@@ -1,4 +1,4 @@
-/* Motions that the kernel starts: JointTrajectoryController.command of ROS 1 and ROS 2. */
+/* Start of motions in the kernel: JointTrajectoryController.command of ROS 1 and ROS 2. */
 
 #include <math.h>
 #include <string.h>
@@ -14,7 +14,8 @@ static const double EPSILON = 1.1920929e-07;
 
 enum { STARTED = 0, UNKNOWN = 1, REFUSED = 2 };
 
-/* The desired motion of a joint: control/spline.Segment.sample; 0 if it is not known. */
+/* Compute the desired motion of a joint (control/spline.Segment.sample); return 0 if it
+   is not known. */
 static int desired(const Law *law, int k, double time, double *q, double *qd)
 {
     const Piece *pieces = &law->pieces[k * law->max_pieces];
@@ -29,7 +30,7 @@ static int desired(const Law *law, int k, double time, double *q, double *qd)
     return 1;
 }
 
-/* control/spline._fit, to an end without an acceleration. */
+/* control/spline._fit, for an end without an acceleration. */
 static void fit(double q0, double v0, double q1, const double *v1, double T, double *c)
 {
     memset(c, 0, 6 * sizeof(double));
@@ -68,16 +69,17 @@ static double wrap_offset(double previous, double following)
     return previous + turn - following;
 }
 
-/* One joint's part of a trajectory: its points are `stride` numbers apart. */
+/* The part of a trajectory for one joint.  Its points are `stride` numbers apart. */
 typedef struct {
     double now; /* [s] */
     int n_points;
-    const double *times; /* of the points after now [s] */
+    const double *times; /* times of the points relative to `now` [s] */
     const double *positions, *velocities; /* velocities may be NULL */
     int stride;
 } Course;
 
-/* The polynomials of a joint's segments from the motion q, qd; control/spline.Knots. */
+/* Compute the polynomials of a joint's segments from the motion q, qd:
+   control/spline.Knots. */
 static int segments(const Course *course, int wraps, double q, double qd, double (*c)[6])
 {
     double begin = course->now, offset = 0.0;
@@ -97,7 +99,7 @@ static int segments(const Course *course, int wraps, double q, double qd, double
         if (!is_bounded(c[m], T))
             return REFUSED;
         q = position;
-        qd = velocity == NULL ? 0.0 : *velocity; /* lines need none */
+        qd = velocity == NULL ? 0.0 : *velocity; /* lines do not need a velocity */
         begin = end;
     }
     return STARTED;
@@ -115,7 +117,8 @@ static void set_piece(Piece *piece, double origin, double end, double until,
     piece->until = until;
 }
 
-/* The pieces of the segments and of the rest after them: control/sampler.pieces_from. */
+/* Set the pieces of the segments and of the following rest:
+   control/sampler.pieces_from. */
 static void set_pieces(Law *law, int k, const Course *course, double (*c)[6])
 {
     Piece *pieces = &law->pieces[k * law->max_pieces];
@@ -137,7 +140,8 @@ static void set_pieces(Law *law, int k, const Course *course, double (*c)[6])
     law->started[k] = last + 1;
 }
 
-/* Motions of n_joints joints of one law, by their numbers there, through points. */
+/* Motions of n_joints joints of one law through points.  The joints are given by their
+   numbers in the law. */
 typedef struct {
     double now; /* [s] */
     int n_joints, n_points;
@@ -153,7 +157,7 @@ static Course course_of(const Motion *motion, int j, double now)
                     velocities == NULL ? NULL : &velocities[j], motion->n_joints};
 }
 
-/* ---- ROS 1: a motion starts at once, with the desired one ------------------------- */
+/* ---- ROS 1: a motion starts immediately, from the desired motion ------------------ */
 
 static int start_at_once(Law *law, const Motion *motion, int is_checked)
 {
@@ -177,7 +181,7 @@ static int start_at_once(Law *law, const Motion *motion, int is_checked)
     return STARTED;
 }
 
-/* ---- ROS 2: a trajectory of all joints starts with the coming tick ---------------- */
+/* ---- ROS 2: a trajectory of all joints starts in the next tick -------------------- */
 
 /* JointTrajectoryController._can_follow, for a trajectory without a goal */
 static int can_follow(const Law *law)
@@ -186,13 +190,14 @@ static int can_follow(const Law *law)
     return start->is_spliced && start->has_points && law->is_monitored && !start->n_points;
 }
 
-/* Whether another trajectory may follow the one that is to start. */
+/* Return whether another trajectory may follow the trajectory that is due to start. */
 static int will_have_points(const Start *start)
 {
     return start->is_following || start->n_points > 1;
 }
 
-/* Whether Python must accept the trajectory, or knows more of the motion before it. */
+/* Return whether Python must accept the trajectory, or has more data of the motion
+   before it. */
 static int is_left_to_python(const Law *law, const Motion *motion)
 {
     const Start *start = law->start;
@@ -207,11 +212,12 @@ static int is_left_to_python(const Law *law, const Motion *motion)
     int last = (motion->n_points - 1) * motion->n_joints;
     for (int j = 0; j < motion->n_joints; j++)
         if (fabs(motion->velocities[last + j]) > EPSILON)
-            return 1; /* it is rejected */
+            return 1; /* Python rejects the trajectory */
     return 0;
 }
 
-/* The motion from which a trajectory of joint k starts; 0 if it is not known. */
+/* Set the motion from which a trajectory of joint k starts; return 0 if it is not
+   known. */
 static int origin(const Law *law, int k, int is_following, double time,
                   const double *position, const double *velocity, double *q, double *qd)
 {
@@ -299,12 +305,13 @@ int law_start(Law *law, double time, const double *position, const double *veloc
 
 /* ---- for BatchKernel of many.py ---------------------------------------------------- */
 
-/* Start motions of the same joints of n laws, each of one robot.
+/* Start motions of the same joints of n laws; each law is that of one robot.
 
-   `now` [s] has shape (n), `times` [s] (n, n_points), `positions` (n, n_points, n_joints),
-   and so have `velocities`, unless they are NULL.  If Python must start one, or knows more
-   of the motion before it (UNKNOWN), or a motion is implausible (REFUSED), *which is its
-   number and nothing has changed. */
+   `now` [s] has shape (n), `times` [s] has shape (n, n_points), and `positions` and
+   `velocities` have shape (n, n_points, n_joints); `velocities` may be NULL.  The
+   function returns UNKNOWN if Python must start a motion, or has more data of the
+   motion before it.  The function returns REFUSED if a motion is implausible.  In both
+   cases, *which is the number of this motion, and nothing has been changed. */
 TOOL0_EXPORT int tool0_start_many(Robot *const *robots, Law *const *laws, int n,
                                   int n_joints, const int32_t *joints, int n_points,
                                   const double *now, const double *times,
@@ -317,7 +324,7 @@ TOOL0_EXPORT int tool0_start_many(Robot *const *robots, Law *const *laws, int n,
             int at = i * n_points * n_joints;
             Motion motion = {now[i], n_joints, n_points, joints, &times[i * n_points],
                              &positions[at], velocities ? &velocities[at] : NULL};
-            int result = UNKNOWN; /* it is too long, or as Python alone knows */
+            int result = UNKNOWN; /* too long, or only Python can start the motion */
             if (n_points + 2 > law->max_pieces)
                 ;
             else if (law->start)
@@ -331,13 +338,15 @@ TOOL0_EXPORT int tool0_start_many(Robot *const *robots, Law *const *laws, int n,
     return STARTED;
 }
 
-/* Set *positions to the desired position of one joint of each law at `now`. */
+/* Set the desired positions of one joint of each law at `now`; return UNKNOWN if one is
+   not known. */
 TOOL0_EXPORT int tool0_desired_many(Law *const *laws, int n, int joint,
                                     const double *now, double *positions)
 {
     double velocity;
     for (int i = 0; i < n; i++)
-        if ((laws[i]->start && laws[i]->start->n_points) /* it is about to change */
+        /* the motion changes in the next tick */
+        if ((laws[i]->start && laws[i]->start->n_points)
             || !desired(laws[i], joint, law_time(laws[i], now[i]), &positions[i],
                         &velocity))
             return UNKNOWN;

@@ -6,17 +6,17 @@
 
 enum { JOINTS = 6, STEPS = 2 };
 
-/* A rotation by rows, and a position [m]. */
+/* A rotation matrix by rows, and a position [m]. */
 typedef struct {
     double R[9];
     double p[3];
 } Frame;
 
 typedef struct {
-    Frame base;           /* of the arm, in the root */
-    Frame joints[JOINTS]; /* of each joint at 0, in the one before */
+    Frame base;           /* pose of the arm in the root */
+    Frame joints[JOINTS]; /* pose of each joint at position 0 in the previous joint */
     double axes[JOINTS][3];
-    Frame tool; /* in the last joint */
+    Frame tool; /* pose of the tool in the last joint */
     double damping;
 } Arm;
 
@@ -48,7 +48,7 @@ static void compose(const Frame *a, const Frame *b, Frame *out)
         out->p[i] += a->p[i];
 }
 
-/* The rotation about a unit vector, by Rodrigues' formula. */
+/* Compute the rotation about a unit vector by Rodrigues' formula. */
 static void about(const double *axis, double angle, double *R)
 {
     double s = sin(angle), c = cos(angle), x = axis[0], y = axis[1], z = axis[2];
@@ -73,7 +73,7 @@ static void forward(const Arm *arm, const double *q, Posture *out)
     compose(&frame, &arm->tool, &out->tool);
 }
 
-/* Solve A x = b, symmetric and positive definite; A and b are overwritten. */
+/* Solve A x = b for a symmetric positive definite A; A and b are overwritten. */
 static void solve(double A[JOINTS][JOINTS], double *b)
 {
     for (int k = 0; k < JOINTS; k++) {
@@ -98,7 +98,8 @@ static void solve(double A[JOINTS][JOINTS], double *b)
     }
 }
 
-/* The way to a pose: a distance and a chord of the turn, in the root's axes. */
+/* Compute the way to a pose: a displacement and a chord of the rotation, in the root's
+   axes. */
 static void way(const Frame *from, const double *p, const double *R, double *out)
 {
     double E[9];
@@ -121,7 +122,8 @@ static void newton_step(const Arm *arm, const double *p, const double *R, double
     double J[JOINTS][JOINTS], A[JOINTS][JOINTS], error[JOINTS];
     forward(arm, q, &posture);
     way(&posture.tool, p, R, error);
-    for (int k = 0; k < JOINTS; k++) { /* J by joints: a row is a column of the usual */
+    /* J by joints: a row of this matrix is a column of the usual Jacobian */
+    for (int k = 0; k < JOINTS; k++) {
         const double *a = posture.axes[k];
         double r[3];
         for (int i = 0; i < 3; i++)
@@ -142,7 +144,7 @@ static void newton_step(const Arm *arm, const double *p, const double *R, double
             q[k] += J[k][i] * error[i];
 }
 
-/* Poses of the tool in the root: positions (n, 3) and rotations (n, 3, 3). */
+/* Compute the poses of the tool in the root: positions (n, 3) and rotations (n, 3, 3). */
 TOOL0_EXPORT void tool0_tool_poses(const Arm *arm, int32_t n, const double *q,
                                    double *positions, double *rotations)
 {
@@ -156,7 +158,7 @@ TOOL0_EXPORT void tool0_tool_poses(const Arm *arm, int32_t n, const double *q,
     }
 }
 
-/* Joint positions nearer to a pose; the largest change of each is a limit. */
+/* Compute joint positions closer to a pose; the change of each joint is limited. */
 static void approach(const Arm *arm, const double *from, const double *position,
                      const double *rotation, const double *limit, double *to)
 {
@@ -171,7 +173,7 @@ static void approach(const Arm *arm, const double *from, const double *position,
         to[k] = from[k] + (to[k] - from[k]) / excess;
 }
 
-/* Tool.approach of n copies. */
+/* Tool.approach for n copies. */
 TOOL0_EXPORT void tool0_approach(const Arm *arm, int32_t n, const double *q,
                                  const double *positions, const double *rotations,
                                  const double *limit, double *found)
@@ -181,7 +183,7 @@ TOOL0_EXPORT void tool0_approach(const Arm *arm, int32_t n, const double *q,
                  found + JOINTS * i);
 }
 
-/* Tool.steered of n copies; moves have shape (n, 4). */
+/* Tool.steered for n copies; moves have shape (n, 4). */
 TOOL0_EXPORT void tool0_steer(const Arm *arm, int32_t n, const double *q,
                               const double *moves, double lowest, const double *limit,
                               double *found)
@@ -199,8 +201,8 @@ TOOL0_EXPORT void tool0_steer(const Arm *arm, int32_t n, const double *q,
     }
 }
 
-/* Rotations (n, 3, 3) as unit quaternions w, x, y, z with w >= 0, (n, 4): quats_wxyz of
-   description/transform_arrays.py. */
+/* Compute unit quaternions (w, x, y, z) with w >= 0, (n, 4), from rotations (n, 3, 3):
+   quats_wxyz of description/transform_arrays.py. */
 TOOL0_EXPORT void tool0_quats(int32_t n, const double *rotations, double *quats)
 {
     for (int32_t i = 0; i < n; i++) {

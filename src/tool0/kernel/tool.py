@@ -1,4 +1,4 @@
-"""Tool kinematics of n copies of an arm, computed by the kernel: ``tool.c``."""
+"""Tool kinematics of n copies of an arm, computed by the kernel (``tool.c``)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class _Arm(Structure):
 
 @final
 class ToolKernel:
-    """Tool kinematics of one kind of arm.  Every array has one row per copy."""
+    """Tool kinematics of one type of arm.  Every array has one row per copy."""
 
     def __init__(
         self,
@@ -47,15 +47,16 @@ class ToolKernel:
         tool: FloatArray,
         damping: float,
     ) -> None:
-        """Describe the arm.
+        """Set the constants of the arm.
 
         Args:
             compiled: The kernel.
             base: Pose of the arm's base in the root, shape (4, 4).
-            joints: Six poses, shape (4, 4): each joint at position 0 in the one before.
-            axes: Axes of the joints, in their own frames, shape (6, 3).
+            joints: Six poses, shape (4, 4): the pose of each joint at position 0 in the
+                frame of the previous joint.
+            axes: Axes of the joints in the frames of the joints, shape (6, 3).
             tool: Pose of the tool in the last joint, shape (4, 4).
-            damping: Damping of the inverse of the Jacobian, squared [m²].
+            damping: Square of the damping of the Jacobian's inverse [m²].
         """
         self._arm = _Arm(
             _Frame.of(base),
@@ -75,7 +76,7 @@ class ToolKernel:
         self._quats.restype = None
 
     def poses(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return positions [m], (n, 3), and rotations, (n, 3, 3), in the root."""
+        """Return tool positions [m], (n, 3), and rotations, (n, 3, 3), in the root."""
         q = np.ascontiguousarray(q)
         n = len(q)
         positions, rotations = np.empty((n, 3)), np.empty((n, 3, 3))
@@ -89,7 +90,7 @@ class ToolKernel:
         rotations: FloatArray,
         limit: FloatArray,
     ) -> FloatArray:
-        """Return joint positions nearer to poses; see ``gym.tool.Tool.approach``."""
+        """Return joint positions closer to poses; see ``gym.tool.Tool.approach``."""
         given = [np.ascontiguousarray(a) for a in (q, positions, rotations, limit)]
         found = np.empty((len(q), _JOINTS))
         self._approach(self._at, len(q), *map(address, given), address(found))
@@ -98,7 +99,7 @@ class ToolKernel:
     def steered(
         self, q: FloatArray, moves: FloatArray, lowest: float, limit: FloatArray
     ) -> FloatArray:
-        """Return joint positions after moves; see ``gym.tool.Tool.steered``."""
+        """Return joint positions after tool moves; see ``gym.tool.Tool.steered``."""
         q, moves = np.ascontiguousarray(q), np.ascontiguousarray(moves)
         found = np.empty((len(q), _JOINTS))
         self._steer(
@@ -108,7 +109,10 @@ class ToolKernel:
         return found
 
     def quats(self, rotations: FloatArray) -> FloatArray:
-        """Return rotations, (n, 3, 3), as quaternions w, x, y, z, w >= 0, (n, 4)."""
+        """Return rotations, (n, 3, 3), as quaternions (w, x, y, z), (n, 4).
+
+        The components w are not negative.
+        """
         rotations = np.ascontiguousarray(rotations)
         found = np.empty((len(rotations), 4))
         self._quats(len(rotations), address(rotations), address(found))

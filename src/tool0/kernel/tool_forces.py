@@ -1,4 +1,4 @@
-"""Wrenches of tools on their flanges for many copies of a robot: ``wrench.c``."""
+"""Wrenches of tools on their flanges, for many copies of a robot (``wrench.c``)."""
 
 from __future__ import annotations
 
@@ -39,17 +39,17 @@ class _Tool(Structure):
 
 
 class ToolWrenches(NamedTuple):
-    """Wrenches of a tool without contacts in k physics steps."""
+    """Wrenches of a tool, without those of contacts, in k physics steps."""
 
     wrench: FloatArray
     """Force [N] and torque [N·m] at the flange and in its axes, shape (k, 6)."""
     in_root: FloatArray
-    """The same wrench in the axes of the root, shape (k, 6)."""
+    """The wrench in the axes of the root, shape (k, 6)."""
     flange: FloatArray
-    """The frames of the flange in the root, shape (k, 12)."""
+    """Frames of the flange in the root, shape (k, 12)."""
 
     def forces(self, number: int) -> ToolForces:
-        """Return the wrench in one step, to which contacts can be added."""
+        """Return the wrench in one step, without the wrenches of contacts."""
         fx, fy, fz, tx, ty, tz = self.in_root[number].tolist()
         flange = tuple(self.flange[number].tolist())
         return ToolForces((fx, fy, fz), (tx, ty, tz), flange)
@@ -57,7 +57,7 @@ class ToolWrenches(NamedTuple):
 
 @final
 class ToolForcesKernel:
-    """Computation of wrenches, bit-identical to ``ToolDynamics.forces``."""
+    """Computation of wrenches that are bit-identical to ``ToolDynamics.forces``."""
 
     def __init__(
         self,
@@ -66,12 +66,12 @@ class ToolForcesKernel:
         joints: Sequence[int],
         dt: float,
     ) -> None:
-        """Copy the constants.
+        """Copy the constants of the tool.
 
         Args:
             compiled: The kernel.
             table: Constants of ``ToolDynamics``.
-            joints: The engine's numbers of the joints of the table's bodies.
+            joints: Joint numbers, in the engine, of the bodies in ``table``.
             dt: Length of a physics step [s].
         """
         n = len(table.bodies)
@@ -92,9 +92,10 @@ class ToolForcesKernel:
     def of_steps(self, steps: Addresses) -> ToolWrenches:
         """Return the wrenches in k physics steps.
 
-        ``steps``, shape (k, 3), are the addresses of the positions and velocities
-        before each step and of the velocities after it, in the engine's order.  The
-        next call overwrites the result.
+        ``steps``, shape (k, 3), contains three addresses per step: those of the
+        positions and velocities before the step, and that of the velocities after the
+        step.  The values are in the engine's order.  The next call overwrites the
+        result.
         """
         k = len(steps)
         if k != len(self._found.wrench):

@@ -1,9 +1,11 @@
-/* Which sources this library was compiled from: build.py looks for it in the file. */
+/* Digest of the sources from which this library was compiled; build.py searches for it
+   in the file. */
 #include <float.h>
 
 #include "export.h"
 
-/* Results are those of Python's floats: no intermediate result has more bits. */
+/* Results are equal to those of Python's floats, since intermediate results do not have
+   more bits. */
 _Static_assert(FLT_EVAL_METHOD == 0, "need double arithmetic without excess precision");
 _Static_assert(sizeof(double) == 8, "need doubles of 64 bits");
 

@@ -1,8 +1,8 @@
 """The joint speed governor of ``hardware/speed_governor.py`` as a Warp kernel.
 
-It computes many robots at once, in single precision.  Arrays have one row per robot:
-shape (n, …).  The f free joints are those that no brake holds, with the governed ones
-first.
+The kernel processes many robots in parallel, in single precision.  Arrays have one row
+per robot: shape (n, …).  The f free joints are the joints that are not held by a brake,
+starting with the governed joints.
 """
 
 import warp as wp
@@ -17,7 +17,7 @@ LEAST_EXCESS = wp.constant(TOLERANCE)
 
 @wp.struct
 class Governed:
-    """``GovernedDrive``."""
+    """Drive with a governed speed, corresponding to ``GovernedDrive``."""
 
     joint: int
     speed: float
@@ -31,10 +31,10 @@ class Scratch:
 
     rotations: wp.array2d[wp.mat33]
     positions: wp.array2d[wp.vec3]
-    """Frames of the bodies."""
+    """Rotations and origins of the bodies' frames."""
     linear: wp.array2d[wp.vec3]
     angular: wp.array2d[wp.vec3]
-    """Velocities of a body per velocity of each free joint."""
+    """Linear and angular velocities of a body per velocity of each free joint."""
     coming: wp.array2d[float]
     wanted: wp.array2d[float]
     used: wp.array2d[float]
@@ -43,11 +43,11 @@ class Scratch:
 
 @wp.struct
 class Remembered:
-    """Data that ``govern`` keeps from step to step."""
+    """Data that ``govern`` stores between steps."""
 
     has_before: wp.array[int]
     before: wp.array2d[float]
-    """Velocities in the last step."""
+    """Velocities of the joints in the last step."""
     has_mobility: wp.array[int]
     mobility: wp.array3d[float]
     posture: wp.array2d[float]
@@ -72,11 +72,11 @@ def govern(
     remembered: Remembered,
     requested: wp.array2d[float],
 ) -> None:
-    """Request each joint's command and load, minus effort that would exceed speeds.
+    """Request each joint's command and load, limited by the speeds of the joints.
 
-    ``free_of`` is each joint's number among the free ones, or -1; ``rotors`` are the
-    rotor inertias of the free joints; ``compensates`` is 1 for joints whose drive
-    carries their load.
+    ``free_of`` contains each joint's number among the free joints, or -1.  ``rotors``
+    contains the rotor inertias of the free joints.  ``compensates`` is 1 for joints
+    with a drive that compensates for the load.
     """
     robot = wp.tid()
     for i in range(requested.shape[1]):
@@ -125,7 +125,7 @@ def find_mobility(
     scratch: Scratch,
     mobility: wp.array3d[float],
 ) -> None:
-    """Set the mobility of a robot with placed bodies, like ``DriveDynamics``."""
+    """Set the mobility of a robot with placed bodies, as ``DriveDynamics`` does."""
     n = rotors.shape[0]
     for i in range(n):
         for j in range(n):
@@ -156,7 +156,7 @@ def find_mobility(
             for j in range(n):
                 mobility[robot, i, j] += wp.dot(momentum, scratch.linear[robot, j])
                 mobility[robot, i, j] += wp.dot(spin, scratch.angular[robot, j])
-    for k in range(n):  # Gauss-Jordan; masses are positive definite
+    for k in range(n):  # Gauss-Jordan elimination; the mass matrix is positive definite
         pivot = 1.0 / mobility[robot, k, k]
         mobility[robot, k, k] = 1.0
         for j in range(n):
@@ -180,7 +180,7 @@ def change(
     by: float,
     coming: wp.array2d[float],
 ) -> None:
-    """Add the effect of changing one effort to the coming velocities."""
+    """Add the effect of a change of one effort to the velocities after the step."""
     for j in range(coming.shape[1]):
         coming[robot, j] += mobility[robot, row, j] * by
 
@@ -197,7 +197,7 @@ def limit(
     scratch: Scratch,
     requested: wp.array2d[float],
 ) -> None:
-    """Limit the requested efforts of a robot, like ``SpeedGovernor.limit``."""
+    """Limit the requested efforts of a robot, as ``SpeedGovernor.limit`` does."""
     m = drives.shape[0]
     for k in range(free.shape[0]):
         i = free[k]
@@ -245,7 +245,7 @@ def share_excess(
     mobility: wp.array3d[float],
     scratch: Scratch,
 ) -> None:
-    """Distribute braking that exceeds a joint's own drive among all drives."""
+    """Distribute braking effort that exceeds a drive's limit among all drives."""
     m = drives.shape[0]
     is_within = int(0)
     sweep = int(0)

@@ -1,8 +1,9 @@
-"""The control laws as Warp kernels: ``laws.c`` and ``drives.c`` for many robots.
+"""Control laws and drives as Warp kernels, for many robots.
 
-Operations have the same order as in the C code, but single precision.  Time is in
-double precision, so that motions begin and end in the same tick as there.  Units and
-names are those of the C structs.  Arrays have one row per robot: shape (n, …).
+The kernels implement ``laws.c`` and ``drives.c``.  Operations have the same order as in
+the C code, but they have single precision.  Time has double precision, so that motions
+start and end in the same tick as in the C code.  Units and names are those of the C
+structs.  Arrays have one row per robot: shape (n, …).
 """
 
 import math
@@ -11,12 +12,12 @@ import warp as wp
 
 TURN = wp.constant(math.tau)
 JUST_AFTER = wp.constant(wp.float64(2.3e-16))
-"""Relative distance from a number to the next larger one."""
+"""Relative distance from a number to the next larger number."""
 
 
 @wp.struct
 class Body:
-    """``DriveBody``; ``master`` is a joint's number."""
+    """Body, corresponding to ``DriveBody``; ``master`` is a joint number."""
 
     parent: int
     is_prismatic: int
@@ -28,29 +29,29 @@ class Body:
     position: wp.vec3
     center: wp.vec3
     tensor: wp.mat33
-    """Inertia tensor about the centre of mass."""
+    """Inertia tensor about the center of mass [kg·m²]."""
 
 
 @wp.struct
 class Spring:
-    """``DriveSpring``, with the numbers of joints."""
+    """Spring, corresponding to ``DriveSpring``, with joint numbers."""
 
     joint: int
     master: int
     factor: float
-    """Multiplier of the joint times the spring's stiffness."""
+    """Product of the joint's multiplier and the spring's stiffness."""
     reference: float
 
 
 @wp.struct
 class Drive:
-    """``DriveBounds``, with the pads that ``DriveGoal`` knows."""
+    """Limits of a drive (``DriveBounds``), and the pad geometry of ``DriveGoal``."""
 
     joint: int
     is_soft: int
     is_linear: int
     is_governed: int
-    """Whether the governor limits the joint's speed."""
+    """Whether the speed governor limits the joint's speed."""
     effort: float
     velocity: float
     lower: float
@@ -68,7 +69,7 @@ class Drive:
 
 @wp.struct
 class Goal:
-    """A joint that a command moves."""
+    """A joint that is moved by a command."""
 
     source: int
     """Column of the joint in the command array."""
@@ -81,7 +82,7 @@ class Goal:
 
 @wp.struct
 class Gripper:
-    """``ParallelGripper``, and how its pads move."""
+    """Parallel gripper, corresponding to ``ParallelGripper``, and its pad motion."""
 
     column: int
     """Number of the gripper's joint among the controlled joints."""
@@ -115,11 +116,11 @@ def run_laws(
     integrals: wp.array2d[float],
     command: wp.array2d[float],
 ) -> None:
-    """Write the command of a tick for each robot and each controlled joint."""
+    """Write the command in a tick of each controlled joint of each robot."""
     robot, k = wp.tid()
     time = wp.float64(steps[robot]) * dt
     j = int(0)
-    while time >= until[robot, k, j]:  # infinite for the last piece
+    while time >= until[robot, k, j]:  # ``until`` of the last piece is infinite
         j += 1
     t = wp.float32(time - origin[robot, k, j])
     c = coefficients[robot, k, j]
@@ -177,9 +178,10 @@ def start_motion(
     polynomial: wp.vec4,
     end: float,
 ) -> None:
-    """Make a joint follow a polynomial and then rest at ``end``."""
+    """Start a motion of a joint along a polynomial, followed by rest at ``end``."""
     last = now + duration
-    until[robot, joint, 0] = last + last * JUST_AFTER  # it still moves at its end
+    # The motion is still active at its end.
+    until[robot, joint, 0] = last + last * JUST_AFTER
     until[robot, joint, 1] = wp.float64(wp.inf)
     origin[robot, joint, 0] = now
     coefficients[robot, joint, 0] = polynomial
@@ -202,10 +204,11 @@ def start_motions(
     grips: wp.array2d[wp.vec3],
     has_diverged: wp.array[int],
 ) -> None:
-    """Move joints from setpoints to ``positions``, and rest, like ``Motions.start``.
+    """Start motions from the setpoints to ``positions``, as ``Motions.start`` does.
 
-    The motion is a line, or a cubic if ``velocities`` is not empty.  Positions beyond a
-    limit are clamped.  A robot with a number that is not finite diverges.
+    A motion is a line, or a cubic if ``velocities`` is not empty, followed by rest.
+    Positions beyond a limit are clamped.  A robot with a number that is not finite is
+    marked as diverged.
     """
     robot, k = wp.tid()
     if is_chosen[robot] == 0:
@@ -248,9 +251,10 @@ def start_grips(
     grips: wp.array2d[wp.vec3],
     has_diverged: wp.array[int],
 ) -> None:
-    """Move pads to openings with speeds and forces; see ``motion.gripper.direct_path``.
+    """Start pad motions with speeds and forces; see ``motion.gripper.direct_path``.
 
-    Openings out of range are clamped.  A robot whose opening is not finite diverges.
+    Openings out of range are clamped.  A robot with an opening that is not finite is
+    marked as diverged.
     """
     robot = wp.tid()
     if is_chosen[robot] == 0:
@@ -302,7 +306,7 @@ def place_bodies(
     rotations: wp.array2d[wp.mat33],
     positions: wp.array2d[wp.vec3],
 ) -> None:
-    """Compute the frames of all bodies of a robot."""
+    """Compute the frames of all bodies of a robot in the root."""
     for i in range(bodies.shape[0]):
         body = bodies[i]
         R = body.rotation
@@ -334,10 +338,10 @@ def balance(
     moments: wp.array2d[wp.vec3],
     loads: wp.array2d[float],
 ) -> None:
-    """Set loads to the efforts that balance gravity and springs, if they are due.
+    """Set the loads to the efforts that balance gravity and springs, if they are due.
 
-    ``rotations``, ``positions`` and ``moments`` (mass last) are scratch memory, one
-    element per body.
+    ``rotations``, ``positions`` and ``moments`` (with the mass as last component) are
+    working memory with one element per body.
     """
     robot = wp.tid()
     if steps[robot] % pose_period != 0:
@@ -370,7 +374,7 @@ def balance(
 
 @wp.func
 def soft_speed(drive: Drive, position: float, limit: float) -> wp.float32:
-    """Return the speed towards a soft limit that is allowed at the position."""
+    """Return the allowed speed towards a soft limit at ``position``."""
     speed = -drive.k_position * (position - limit)
     return wp.clamp(speed, -drive.velocity, drive.velocity)
 
@@ -389,11 +393,11 @@ def run_drives(
     motors: wp.array2d[float],
     motor_of: wp.array[int],
 ) -> None:
-    """Write the effort of the next step for each robot and each drive.
+    """Write the effort in the next step of each drive of each robot.
 
-    ``compensates`` is 1 for drives that carry their load; ``motor_of`` is the number of
-    a drive's motor.  ``grips`` contains a goal's force and speed of the pads, and 1 if
-    there is a goal.
+    ``compensates`` is 1 for drives that compensate for their load.  ``motor_of``
+    contains the motor number of each drive.  ``grips`` contains the pad force and the
+    pad speed of a goal, and 1 if there is a goal.
     """
     robot, k = wp.tid()
     drive = drives[k]

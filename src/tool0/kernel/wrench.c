@@ -6,12 +6,12 @@
 #include "export.h"
 
 typedef struct {
-    int32_t body, unused; /* n_bodies for the world */
+    int32_t body, unused; /* body: n_bodies for the world */
     double mass, center[3], tensor[9];
 } ToolPart;
 
 typedef struct {
-    int32_t n_bodies, n_parts, carrier, unused; /* carrier: a body, or n_bodies */
+    int32_t n_bodies, n_parts, carrier, unused; /* carrier: number of a body, or n_bodies */
     double dt;
     double rise[3], flange[12];
     const DriveBody *bodies;
@@ -23,7 +23,8 @@ typedef struct {
     const double *position, *velocity, *after;
 } Step;
 
-/* How a body moves, in the axes of the root; its acceleration is that of its origin. */
+/* Motion of a body in the axes of the root; the acceleration is that of the body's
+   origin. */
 typedef struct {
     double angular_velocity[3], angular_acceleration[3], acceleration[3];
 } Motion;
@@ -59,7 +60,7 @@ static void acceleration_at(const Motion *body, const double *r, double *out)
     out[2] = a[2] + e[0] * y - e[1] * x + w[0] * uy - w[1] * ux;
 }
 
-/* The motion of a body on its carrier; f and before are their frames. */
+/* Compute the motion of a body on its carrier; f and before are the frames of both. */
 static void moved(const DriveBody *body, const Motion *carrier, const double *f,
                   const double *before, double qd, double qdd, Motion *motion)
 {
@@ -80,7 +81,7 @@ static void moved(const DriveBody *body, const Motion *carrier, const double *f,
     }
 }
 
-/* The torque that accelerates a rotating body (Euler), all in its axes. */
+/* Compute the torque that accelerates a rotating body (Euler), in the body's axes. */
 static void inertial_torque(const double *t, const double *w, const double *e, double *out)
 {
     double h[3];
@@ -140,9 +141,9 @@ static void forces(const Tool *tool, const Step *step, double *sums, double *fla
     }
 }
 
-/* Compute force and torque on the flange without contacts, in n steps of a robot's
-   copies: (n, 6) in the root's axes, the flanges, (n, 12), and the same in the flange's
-   axes, (n, 6). */
+/* Compute force and torque on the flange without contacts, in n steps of copies of a
+   robot.  The results are the wrenches in the root's axes, (n, 6), the frames of the
+   flange, (n, 12), and the wrenches in the flange's axes, (n, 6). */
 TOOL0_EXPORT void tool0_tool_forces(const Tool *tool, const Step *steps, int n,
                                     double *sums, double *flanges, double *wrenches)
 {

@@ -1,1 +1,1 @@
-"""Gazebo 11 as an engine: a real gzserver in lockstep with the control loop."""
+"""Gazebo 11 as an engine: a gzserver process in lockstep with the control loop."""

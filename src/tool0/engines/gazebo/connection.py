@@ -1,4 +1,4 @@
-"""The client of the bridge's socket: one request, one answer (see bridge.cc)."""
+"""Client of the bridge, which sends one answer per request (see bridge.cc)."""
 
 from __future__ import annotations
 
@@ -18,19 +18,24 @@ from tool0.description.bodies import Matrix
 from tool0.errors import EngineError, EngineUnavailableError
 
 VERSION = 8
-"""Version of the packets; equals ``kVersion`` in bridge.cc."""
+"""Version of the packet format; it must equal ``kVersion`` in bridge.cc."""
 ANSWER_TIMEOUT = 1.5
-"""Timeout for an answer [s], so that a hang is reported within two seconds."""
+"""Timeout for an answer [s].  With this value, a blocked server is reported within two
+seconds."""
 SPAWN_TIMEOUT = 12.0
-"""Timeout for requests during which the bridge itself waits, up to 10 s [s]."""
-_MAX_PACKET = 1 << 16  # [bytes]
-_FULL_SPEED_GAP = 1e-4  # [s] between an answer and the next request, at full speed
-_SPIN_POLLS = 400  # for an answer, at full speed; about 0.5 µs each
-_MAX_SPIN_BACKOFF = 511  # answers without polling
+"""Timeout for requests during which the bridge can wait up to 10 s [s]."""
+_MAX_PACKET = 1 << 16
+"""Largest size of a packet [bytes]."""
+_FULL_SPEED_GAP = 1e-4
+"""Longest time between an answer and the next request at full speed [s]."""
+_SPIN_POLLS = 400
+"""Number of polls for an answer at full speed.  One poll takes about 0.5 µs."""
+_MAX_SPIN_BACKOFF = 511
+"""Largest number of answers for which polling is skipped."""
 
 
 class RequestKind(IntEnum):
-    """The requests, numbered as in bridge.cc."""
+    """Kinds of requests, with the same numbers as in bridge.cc."""
 
     STEP = 1
     RESET = 2
@@ -54,7 +59,8 @@ class BridgeListener:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        # By its folder's number, since a socket's path must be shorter than 108 bytes.
+        # The path contains the folder's file descriptor, since the path of a socket
+        # must be shorter than 108 bytes.
         folder = os.open(path.parent, os.O_PATH)
         try:
             self._socket.bind(f"/proc/self/fd/{folder}/{path.name}")
@@ -65,12 +71,14 @@ class BridgeListener:
     def accept(
         self, dt: float, check: Callable[[], None], timeout: float
     ) -> socket.socket:
-        """Return the socket of a bridge of our version, for steps of ``dt`` [s].
+        """Return the socket of a bridge with this ``VERSION``, for steps of ``dt`` [s].
 
-        ``check`` is called while waiting; it raises if the bridge will never connect.
+        ``check`` is called while waiting, and must raise an error if the bridge cannot
+        connect any more.
 
         Raises:
-            EngineUnavailableError: If no bridge connects, or if its version differs.
+            EngineUnavailableError: If no bridge connects, or if the bridge has another
+                version.
         """
         deadline = perf_counter() + timeout
         self._socket.settimeout(0.1)
@@ -115,22 +123,25 @@ def _handshake(peer: socket.socket, dt: float) -> None:
 
 @final
 class BridgeConnection:
-    """Sends requests to the bridge.  Only the thread that owns the tick may use it."""
+    """Connection that sends requests to the bridge.
+
+    Only the thread that executes the tick may use the connection.
+    """
 
     def __init__(
         self, peer: socket.socket, on_lost: Callable[[str], EngineError]
     ) -> None:
         """Use the socket ``peer``, connected to the bridge.
 
-        When the connection is lost, ``on_lost`` ends the server and returns the error
-        that this request and all later ones raise.
+        ``on_lost`` is called when the connection is lost.  The function ends the server
+        and returns the error that the current request and all later requests raise.
         """
         self._peer = peer
         self._on_lost = on_lost
         self._loss: EngineError | None = None
         self._answer = bytearray(_MAX_PACKET)
         self._view = memoryview(self._answer)
-        # In blocking mode, so that waiting takes one system call instead of two.
+        # In blocking mode, waiting takes one system call instead of two.
         self._peer.settimeout(None)
         self._set_timeout(ANSWER_TIMEOUT)
         poll = select.poll()
@@ -149,10 +160,10 @@ class BridgeConnection:
             self._fail("gzserver is gone")
 
     def receive(self) -> memoryview:
-        """Return the answer, valid until the next one comes.
+        """Return the answer, which is valid until the next answer is received.
 
         Raises:
-            EngineError: If the bridge refuses the request, or does not answer.
+            EngineError: If the bridge rejects the request, or does not answer.
         """
         if self._is_at_full_speed:
             self._spin()
@@ -175,7 +186,8 @@ class BridgeConnection:
         """Send a request of ``parts`` and return its answer.
 
         Raises:
-            EngineError: If the bridge refuses the request, or does not answer in time.
+            EngineError: If the bridge rejects the request, or does not answer before
+                the timeout.
         """
         if timeout != self._timeout:
             self._set_timeout(timeout)
@@ -191,10 +203,10 @@ class BridgeConnection:
         self._peer.close()
 
     def _spin(self) -> None:
-        """Poll for the answer, because waking up from a blocking call takes long.
+        """Poll for the answer, because the return from a blocking call takes longer.
 
-        If polling finds no answer, as on busy processors, it is tried less and less
-        often.
+        If polling does not find an answer, for example on a busy processor, polling is
+        skipped for an increasing number of answers.
         """
         if self._skip_spins:
             self._skip_spins -= 1
@@ -235,15 +247,15 @@ def pack_floats(values: Sequence[float]) -> bytes:
 
 
 def pack_pose(pose: Matrix) -> bytes:
-    """Return the homogeneous matrix ``pose`` as position and quaternion w x y z."""
+    """Return the homogeneous matrix ``pose`` as position and quaternion (wxyz)."""
     return pack_floats([*pose[:3, 3], *quat_wxyz(pose)])
 
 
 def quat_wxyz(pose: Matrix) -> list[float]:
-    """Return the quaternion of ``pose``, computed from its largest component.
+    """Return the quaternion of ``pose``, computed from the largest component.
 
-    ``Transform.quat_wxyz`` cannot be used: it differs in the last bit, on which
-    gzserver's state after a reset, and so every recording, depends.
+    ``Transform.quat_wxyz`` cannot be used, because its results differ in the last bit.
+    gzserver's state after a reset, and therefore every recording, depends on this bit.
 
     Source: S. W. Shepperd, "Quaternion from rotation matrix" (1978).
     """

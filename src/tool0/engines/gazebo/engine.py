@@ -1,4 +1,4 @@
-"""The robot's joints in Gazebo."""
+"""Engine that simulates the robot's joints in Gazebo."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ from tool0.installation.gazebo.installation import find_installation
 from tool0.installation.gazebo.plugin import bridge_libraries
 
 _STRONGEST_BRAKE = 1e6
-"""Brake torque or force of a drive without an effort limit [N·m | N]."""
+"""Brake torque or force of a drive that has no effort limit [N·m | N]."""
 
 
 @final
 class GazeboEngine:
-    """An ``Engine`` with its own gzserver, in lockstep with the control loop."""
+    """An ``Engine`` with a separate gzserver in lockstep with the control loop."""
 
     name = "gazebo"
     stepper = None
@@ -61,11 +61,11 @@ class GazeboEngine:
     ) -> None:
         """Start gzserver, and spawn the robot and its scene.
 
-        For the arguments see ``EngineSettings`` and ``GazeboEngineOptions``.
+        ``EngineSettings`` and ``GazeboEngineOptions`` describe the arguments.
 
         Raises:
             EngineUnavailableError: If Gazebo is not installed, or does not start.
-            EngineError: If Gazebo refuses the robot or an object.
+            EngineError: If Gazebo rejects the robot or an object.
         """
         check_dt(dt)
         if world is not None:
@@ -159,7 +159,7 @@ class GazeboEngine:
             raise EngineError("Gazebo's joints have no rotors")
 
     def step(self) -> None:
-        """Start a step of ``dt``; ``read`` waits for its result."""
+        """Start a step of ``dt``; ``read`` waits for the result of the step."""
         if self._is_stepping:
             self._finish_step()
         self._connection.send(self._pack_step(RequestKind.STEP, *self._effort))
@@ -172,12 +172,13 @@ class GazeboEngine:
         self.server.close()
 
     def _finish_step(self) -> None:
-        """Receive the state after the step, if one is pending."""
+        """Receive the state after the step, if a step is pending."""
         if self._is_stepping:
             self._is_stepping = False
             self._take_state(self._connection.receive())
 
     def _take_state(self, answer: memoryview) -> None:
         self._state = self._unpack_state(answer)
-        if len(answer) > self._state_size:  # followed by what is not finite
+        # The answer also contains the name of an item with values that are not finite.
+        if len(answer) > self._state_size:
             self._diverged = answer[self._state_size :].tobytes().decode()

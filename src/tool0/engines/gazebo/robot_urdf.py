@@ -1,17 +1,19 @@
 """The robot's URDF for Gazebo, and the constraints for mimic joints.
 
-Gazebo's own libsdformat converts the URDF, as it does for any Gazebo user.  Before
-that, tool0 changes six things: mesh paths, the joint that fixes the robot to the world,
-the constraints and the stops of mimic joints, colours, and ROS 2 controller managers,
-which tool0 replaces.
+libsdformat converts the URDF, as it does for every user of Gazebo.  Before the
+conversion, tool0 changes mesh paths, the joint that fixes the robot to the world, the
+constraints and the stops of mimic joints, and colors. tool0 also removes ROS 2
+controller managers, since it replaces them.
 
-Where ODE's gearbox joint is exact, it constrains the mimic joint; otherwise the bridge
-simulates teeth.  The gearbox holds w_child + ratio · w_parent = 0 between the angular
-velocities of two bodies, but ignores their common carrier.  It is therefore exact only
-for ratio -1 and parallel axes, where the carrier's velocity cancels.  With any other
-ratio, it resists the carrier's rotation without a reaction on the carrier.
+A mimic joint is constrained by ODE's gearbox joint if this joint is exact.  Otherwise,
+the bridge simulates gear teeth.  The gearbox holds w_child + ratio · w_parent = 0
+between the angular velocities of two bodies, but ignores the common carrier of the
+bodies.  The gearbox is therefore exact only for ratio -1 and parallel axes, since the
+carrier's velocity then cancels.  With any other ratio, the gearbox resists the
+carrier's rotation without a reaction on the carrier.
 
-Two sliding joints on one carrier are like racks that mesh with a pinion in the bridge.
+The bridge simulates two prismatic joints on one carrier as two racks that mesh with a
+pinion.
 """
 
 from __future__ import annotations
@@ -29,36 +31,36 @@ from tool0.description.shapes import Mesh
 from tool0.errors import ModelError
 
 WORLD = "world"
-"""The link that libsdformat fixes to the world if it is the URDF's root."""
+"""Name of a root link that libsdformat fixes to the world."""
 _PARALLEL = 1e-6  # [rad]
 STOP_SLACK = 0.02
-"""Distance by which mimic joints' stops lie beyond those in the URDF [rad | m].
+"""Distance of the stops of mimic joints beyond the stops in the URDF [rad | m].
 
-The stop of the mimicked joint also stops its mimics.  With redundant stops, ODE's
+The stop of a master joint also stops its mimic joints.  With redundant stops, ODE's
 direct solver fails, and undamped fingers oscillate at 6 rad/s.
 """
 _ROS2_CONTROL = "ros2_control"
 """Text in the file names of Gazebo plugins that run a ROS 2 controller manager."""
 _COLORED = "tool0_paint"
-"""Prefix of the links of coloured shapes: libsdformat does not lump a link whose name
-begins with its parent's."""
+"""Prefix of the links of colored shapes. libsdformat does not lump a link into its
+parent if the link's name starts with the name of the parent."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class MimicConstraint:
-    """Couples a mimic joint to an adjacent joint of its mechanism."""
+    """Coupling of a mimic joint with an adjacent joint of the same mechanism."""
 
     joint: int
     """Index of the mimic joint among the movable joints."""
     other: int
-    """Index of the joint coupled to it: the parent body's joint, or one on the same
-    parent."""
+    """Index of the joint coupled with the mimic joint.  The coupled joint is the joint
+    of the parent body, or another joint on the same parent body."""
     multiplier: float
     """Ratio of the mimic joint's position to the other joint's position."""
     is_gearbox: bool
-    """Whether a gearbox joint couples the two joints exactly; otherwise the bridge does
-    it."""
+    """Whether a gearbox joint couples the two joints exactly.  Joints without a gearbox
+    joint are coupled by the bridge."""
 
 
 def mimic_constraints(
@@ -91,7 +93,7 @@ def gazebo_urdf(
     bodies: tuple[MovingBody, ...],
     constraints: tuple[MimicConstraint, ...],
 ) -> str:
-    """Return the URDF of ``model`` for libsdformat, with its gearboxes."""
+    """Return the URDF of ``model`` for libsdformat, including the gearbox joints."""
     robot = ET.fromstring(urdf)
     shapes = [
         shape.geometry
@@ -124,7 +126,7 @@ def gazebo_urdf(
             child = joint.findtext("child")
             if child in constrained and constrained[child].is_gearbox:
                 geared.add(child)
-            elif child in constrained:  # the bridge couples it instead
+            elif child in constrained:  # the bridge couples this joint instead
                 extension.remove(joint)
     for child, constraint in constrained.items():
         if constraint.is_gearbox and child not in geared:
@@ -134,11 +136,11 @@ def gazebo_urdf(
 
 
 def _add_colors(robot: ET.Element, model: RobotModel) -> None:
-    """Give the visuals of the URDF ``robot`` the colours of ``model``.
+    """Add the colors of ``model`` to the visuals of the URDF ``robot``.
 
-    libsdformat ignores ``<material>``, and its own extension colours a whole link.  A
-    fixed link keeps its extension when it is lumped into its parent link; therefore
-    each coloured shape gets its own link.
+    libsdformat ignores ``<material>``, and its extension for colors applies to a whole
+    link.  A fixed link keeps its extension when it is lumped into its parent link.
+    Therefore a separate link is created for each colored shape.
     """
     elements = {link.get("name"): link for link in robot.findall("link")}
     for link in model.links:
@@ -154,7 +156,7 @@ def _add_colors(robot: ET.Element, model: RobotModel) -> None:
 
 
 def _is_collada(visual: Visual) -> bool:
-    """Return whether the shape is a COLLADA mesh, which has its own colours."""
+    """Return whether the shape is a COLLADA mesh, which contains colors."""
     shape = visual.geometry
     return isinstance(shape, Mesh) and shape.path.suffix.lower() == ".dae"
 
@@ -177,9 +179,9 @@ def _set_color(
 
 
 def body_poses(bodies: tuple[MovingBody, ...], position: list[float]) -> list[Matrix]:
-    """Return each movable joint's child link in the robot's root, shape (4, 4).
+    """Return the pose, shape (4, 4), of each movable joint's child link in the root.
 
-    ``link_poses`` cannot be used, as it differs in the last bit; see
+    ``link_poses`` cannot be used, because its results differ in the last bit; see
     ``connection.quat_wxyz``.
     """
     poses: list[Matrix] = []
@@ -205,7 +207,7 @@ def _motion(joint: Joint, q: float) -> Matrix:
 def _gearbox_sdf(
     model: RobotModel, bodies: tuple[MovingBody, ...], constraint: MimicConstraint
 ) -> ET.Element:
-    """Return the gearbox joint for ``constraint``, in SDF."""
+    """Return the SDF element of the gearbox joint for ``constraint``."""
     joint, parent = bodies[constraint.joint].joint, bodies[constraint.joint].parent
     is_carried = parent == constraint.other
     turned = bodies[constraint.other].parent if is_carried else constraint.other
@@ -226,7 +228,7 @@ def _gearbox_sdf(
 def _constraint(
     bodies: tuple[MovingBody, ...], axes: list[Matrix], i: int, mimic: Mimic
 ) -> MimicConstraint | str:
-    """Return the constraint of joint ``i``, or why there is none."""
+    """Return the constraint of joint ``i``, or the reason why there is none."""
     if mimic.offset:
         return f"its offset is {mimic.offset:g}"
     why, gear = "no joint of its mechanism is next to it", None
@@ -242,12 +244,13 @@ def _constraint(
             why = f"its axis is not parallel to that of '{other.name}'"
             continue
         if JointType.PRISMATIC in types:
-            if bodies[i].parent != j:  # on one carrier
+            if bodies[i].parent != j:  # both are on one carrier
                 return MimicConstraint(i, j, multiplier, is_gearbox=False)
             why = f"it slides on what '{other.name}' moves"
             continue
         if bodies[i].parent == j:
-            # Carried by the other, it keeps its orientation seen from the body below.
+            # The mimic joint's body keeps its orientation relative to the carrier of
+            # the other joint.
             if np.isclose(multiplier * along, -1.0):
                 return MimicConstraint(i, j, multiplier, is_gearbox=True)
             why = f"it moves with '{other.name}' without turning back by the same angle"
@@ -259,7 +262,7 @@ def _constraint(
 
 
 def _neighbours(bodies: tuple[MovingBody, ...], i: int, mimic: Mimic) -> Iterator[int]:
-    """Yield adjacent joints of the mechanism: the parent body's, then the siblings."""
+    """Yield the joints next to joint ``i`` in its mechanism, the parent joint first."""
     parent = bodies[i].parent
     for j in (parent, *range(i)):
         other = bodies[j].joint
@@ -274,7 +277,7 @@ def _mimic_multiplier(joint: Joint) -> float:
 
 
 def _body_name(model: RobotModel, bodies: tuple[MovingBody, ...], body: int) -> str:
-    """Return libsdformat's name of a body after it has merged the fixed links."""
+    """Return libsdformat's name of a body after fixed links have been merged."""
     if body >= 0:
         return bodies[body].joint.child
     if model.root != WORLD:

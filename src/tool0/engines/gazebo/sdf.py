@@ -1,4 +1,4 @@
-"""SDF: models of scene objects, inertia of solids, and checks of the user's files."""
+"""SDF models of scene objects, inertia of solids, and checks of the user's files."""
 
 from __future__ import annotations
 
@@ -29,23 +29,23 @@ from tool0.errors import DescriptionError, ModelError, SourceLocation
 Array = np.ndarray
 
 STIFFNESS, DAMPING = 1e5, 10.0
-"""Contact stiffness and damping [N/m, N·s/m], the same as the pads', so that objects at
-rest do not move."""
+"""Contact stiffness [N/m] and damping [N·s/m].  The values are the same as those of the
+pads, so that objects at rest do not move."""
 MIN_DEPTH, MAX_VEL = 1e-5, 0.1
-"""Overlap that is not corrected [m], and the largest speed of corrections [m/s].
+"""Largest overlap that is not corrected [m], and largest speed of corrections [m/s].
 
-The direct solver ignores the largest speed; preload.cc limits it instead.
+The direct solver ignores the largest speed, which is limited by preload.cc instead.
 """
 EMPTY_WORLD = Path(__file__).with_name("empty.world")
-"""A world with a sun and with the ground at z = 0."""
+"""World file with a sun and with the ground at z = 0."""
 
 
 def object_sdf(item: SceneObject) -> str:
-    """Return the object as an SDF document, placed at its model's origin.
+    """Return the object as an SDF document, placed at the origin of its model.
 
     Raises:
-        ModelError: If it has a mesh that cannot be read, or that has a mass but no
-            volume.
+        ModelError: If a mesh of the object cannot be read, or if the object has a mass
+            and a mesh without volume.
     """
     parts = placed_geometries(item.geometry)
     for geometry, _ in parts:
@@ -121,7 +121,7 @@ def unit_inertia(solid: Solid) -> BodyInertia:
     """Return the inertia of a homogeneous solid of 1 kg.
 
     Raises:
-        ModelError: If it has a mesh that cannot be read or encloses nothing.
+        ModelError: If a mesh of the solid cannot be read or encloses no volume.
     """
     match solid:
         case Box(size=(x, y, z)):
@@ -159,9 +159,10 @@ def volume(geometry: Geometry) -> float:
 
 
 def check_mesh(path: Path) -> None:
-    """Raise ModelError unless the file is a mesh; Gazebo would silently ignore it.
+    """Raise ModelError unless the file is a mesh.
 
-    In a COLLADA file, only the XML is checked, as malformed XML would crash gzserver.
+    Gazebo would ignore an invalid file without an error.  In a COLLADA file, only the
+    XML is checked, since malformed XML would crash gzserver.
     """
     if path.suffix.lower() != ".dae":
         _triangles(path)
@@ -231,12 +232,13 @@ def _placed(unit: BodyInertia, mass: float, pose: Pose) -> BodyInertia:
 
 
 def _enclosed(triangles: Array, path: Path) -> BodyInertia:
-    """Return the inertia of the solid that triangles, shape (n, 3, 3), enclose.
+    """Return the inertia of the solid enclosed by triangles, shape (n, 3, 3).
 
-    It is the signed sum over the tetrahedra between each triangle and the origin:
-    F. Tonon, "Explicit exact formulas for the 3-D tetrahedron inertia tensor" (2004).
+    The inertia is the signed sum over the tetrahedra between each triangle and the
+    origin.  See F.  Tonon, "Explicit exact formulas for the 3-D tetrahedron inertia
+    tensor" (2004).
     """
-    sixfold = np.linalg.det(triangles)  # volumes
+    sixfold = np.linalg.det(triangles)  # six times the volumes
     volume = sixfold.sum() / 6.0
     extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
     if not abs(volume) > 1e-9 * extent**3:
@@ -269,8 +271,12 @@ def _triangles(path: Path) -> Array:
 
 
 def _read_stl(data: bytes) -> Array:
-    """Read binary STL, recognised by its size, or ASCII STL."""
-    header, record = 84, 50  # [bytes]: name and count; normal, corners, two spare
+    """Return the triangles in a binary or ASCII STL file.
+
+    Binary files are recognized by their size.
+    """
+    # Sizes of name and count, and of normal, corners and two unused bytes [bytes].
+    header, record = 84, 50
     count = struct.unpack_from("<I", data, 80)[0] if len(data) >= header else -1
     if len(data) != header + record * count:
         words = data.decode(errors="replace").split()

@@ -1,4 +1,4 @@
-"""The processes gzserver and gzclient: start, logs, crashes and shutdown."""
+"""Start, logs, crashes and shutdown of the processes gzserver and gzclient."""
 
 from __future__ import annotations
 
@@ -27,24 +27,26 @@ from tool0.user_data import locked
 logger = logging.getLogger(__name__)
 
 START_TIMEOUT = 30.0
-"""Timeout for gzserver to load the bridge [s]; this takes 10 s with a cold disk
-cache."""
+"""Timeout for gzserver to load the bridge [s].  Loading takes 10 s if the disk cache is
+empty."""
 _EXIT_TIMEOUT: Final = 0.2
-"""Timeout for a disconnected server to end on its own [wall s]."""
+"""Timeout for a disconnected server to exit without a signal [wall s]."""
 _FOLDER: Final = "tool0-gazebo-"
 _LOCK: Final = "lock"
 _NEW_LOCK: Final = "lock.new"
 _MAX_STARTS: Final = 3
 _DELIBERATE: Final = (0, -signal.SIGTERM, -signal.SIGINT, -signal.SIGKILL)
-"""Exit statuses of a gzclient that the user closed."""
+"""Exit statuses of a gzclient process that the user has closed."""
 _LAST_LINES: Final = 12
 _COLOUR: Final = re.compile(r"\x1b\[[0-9;]*m")
 _NOISE: Final = re.compile(
     r"$|Gazebo multi-robot simulator|Copyright|Released under|http://gazebosim"
-    r"|\[Msg\]|\[\w+\] \[RenderEngine"  # which draws nothing without a display
-    r"|Error:\s+Could not find the 'robot'"  # before it tries SDF
+    # The render engine draws nothing without a display.
+    r"|\[Msg\]|\[\w+\] \[RenderEngine"
+    # libsdformat prints this line before it tries to parse SDF.
+    r"|Error:\s+Could not find the 'robot'"
 )
-"""Lines that every gzserver prints and that never explain a failure."""
+"""Pattern of lines that every gzserver prints and that never explain a failure."""
 _ERROR: Final = re.compile(r"\[Err\]|Error|\[Wrn\] \[Server")
 
 
@@ -63,14 +65,16 @@ def _window_program(installation: GazeboInstallation) -> Path:
 
 
 _PORTS = range(12000, 32000)
-"""Ports for gzserver, below those that Linux assigns to outgoing connections."""
+"""Ports for gzserver, which are below the ports that Linux assigns to outgoing
+connections."""
 
 
 @final
 class GazeboServer:
-    """One gzserver with its own folder, port and HOME.
+    """One gzserver process with a separate folder, port and HOME.
 
-    The server ends with ``close``, or when this process ends for any reason.
+    The server exits when ``close`` is called, or when this process exits for any
+    reason.
     """
 
     def __init__(
@@ -84,11 +88,12 @@ class GazeboServer:
     ) -> None:
         """Start gzserver with ``world`` and the bridge; ``open_window`` needs ``gui``.
 
-        ``renders`` lets gzserver render, which its sensors need.  Otherwise gzserver
-        gets no display, because an X error while it loads OGRE would make it hang.
+        If ``renders`` is set, gzserver can render, which its sensors need.  If
+        ``renders`` is not set, gzserver gets no display, because an X error while
+        loading OGRE would block gzserver.
 
         Raises:
-            EngineUnavailableError: If a window is requested but impossible.
+            EngineUnavailableError: If a window is requested and cannot be opened.
         """
         self._client = _window_program(installation) if gui else None
         self._installation = installation
@@ -101,8 +106,9 @@ class GazeboServer:
             self._log = self.folder / "gzserver.log"
             self._listener = BridgeListener(self.folder / "bridge")
             exits.callback(self._listener.close)
-            # Without a gzclient ``~/physics/contacts`` is not published: publishing at
-            # each step, without subscribers, takes a tenth of the time.
+            # Without gzclient, ``~/physics/contacts`` is not published.  Publishing
+            # this topic in each step, even without subscribers, takes a tenth of the
+            # time.
             quiet = () if gui else ("--minimal_comms",)
             bridge = str(libraries.bridge)
             self._process = self._run(
@@ -110,7 +116,8 @@ class GazeboServer:
                 ["--verbose", *quiet, "-s", bridge, str(world)],
                 self._log,
                 {
-                    "TOOL0_BRIDGE": "bridge",  # it runs in the folder
+                    # The path is relative to the folder in which gzserver runs.
+                    "TOOL0_BRIDGE": "bridge",
                     **({} if renders else {"DISPLAY": ""}),
                 },
             )
@@ -118,7 +125,7 @@ class GazeboServer:
 
     @property
     def master_uri(self) -> str:
-        """Value of ``GAZEBO_MASTER_URI`` for ``gz`` and for plugins."""
+        """Value of ``GAZEBO_MASTER_URI`` for the command ``gz`` and for plugins."""
         return f"http://127.0.0.1:{self._port}"
 
     @property
@@ -132,7 +139,7 @@ class GazeboServer:
         """Return the connection to the bridge, for steps of ``dt`` [s].
 
         Raises:
-            EngineUnavailableError: If gzserver does not start, or if its bridge has
+            EngineUnavailableError: If gzserver does not start, or if the bridge has
                 another version.
         """
         peer = self._listener.accept(dt, self._check, START_TIMEOUT)
@@ -140,10 +147,10 @@ class GazeboServer:
         return BridgeConnection(peer, self._lost)
 
     def open_window(self) -> None:
-        """Run gzclient on the server, if ``gui`` was given."""
+        """Start gzclient for this server, if ``gui`` was set."""
         client, log = self._client, self.folder / "gzclient.log"
         if client is not None:
-            # With the user's own HOME, so that the window has their settings.
+            # The user's HOME is used, so that the window has the user's settings.
             home = os.environ.get("HOME", str(self.folder))
             self._window = ClientWindow(
                 lambda: self._run(client, ["--verbose"], log, {"HOME": home}), log
@@ -156,10 +163,10 @@ class GazeboServer:
         return [line for line in new if _ERROR.match(line)]
 
     def close(self) -> None:
-        """End both processes and remove the folder; closing twice is allowed."""
+        """End the processes and remove the folder; closing twice is allowed."""
         if self._window is not None:
             self._window.close()
-        self._process.close()  # before its folder is removed
+        self._process.close()  # the process must exit before its folder is removed
         self._exits.close()
 
     def _check(self) -> None:
@@ -170,7 +177,7 @@ class GazeboServer:
             )
 
     def _lost(self, why: str) -> EngineUnavailableError:
-        """Clean up after a server that has ended, and return the error to report."""
+        """Release the resources of a server that has exited, and return an error."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(_EXIT_TIMEOUT)
         error = EngineUnavailableError(_exit_report(why, self._process, self._log))
@@ -188,7 +195,8 @@ class GazeboServer:
             "GAZEBO_MASTER_URI": self.master_uri,
             "GAZEBO_IP": "127.0.0.1",
             "IGN_IP": "127.0.0.1",
-            "GAZEBO_MODEL_DATABASE_URI": "",  # or it waits for the network
+            # With another value, gzserver would wait for the network.
+            "GAZEBO_MODEL_DATABASE_URI": "",
             "LD_PRELOAD": ":".join(filter(None, preload)),
             **extra,
         }
@@ -203,14 +211,14 @@ class GazeboServer:
 
 @final
 class ClientWindow:
-    """A gzclient process, restarted if it crashes.
+    """A gzclient process, which is restarted if it crashes.
 
-    On two busy cores with software GL, about one of 30 starts of gzclient 11 ends with
+    On two busy cores with software GL, about one in 30 starts of gzclient 11 fails with
     a segmentation fault.
     """
 
     def __init__(self, run: Callable[[], ChildProcess], log: Path) -> None:
-        """Start gzclient with ``run``; its output goes to ``log``."""
+        """Start gzclient with ``run``; the output is written to ``log``."""
         self._run = run
         self._log = log
         self._lock = threading.Lock()
@@ -241,10 +249,11 @@ class ClientWindow:
 
 @contextlib.contextmanager
 def _own_folder() -> Iterator[Path]:
-    """Create a temporary folder, and remove those that killed processes have left."""
+    """Create a temporary folder, and remove the folders of killed processes."""
     parent = Path(tempfile.gettempdir())
     for left in parent.glob(f"{_FOLDER}*/{_LOCK}"):
-        # The folder of a running server is locked; a starting one has no lock yet.
+        # The folder of a running server is locked.  The folder of a server that is
+        # starting does not contain a lock file yet.
         with contextlib.suppress(OSError), locked(left, wait=False):
             shutil.rmtree(left.parent, ignore_errors=True)
     folder = Path(tempfile.mkdtemp(prefix=_FOLDER))
@@ -257,19 +266,19 @@ def _own_folder() -> Iterator[Path]:
 
 
 def _free_port() -> int:
-    """Return a free port that no outgoing connection can take before gzserver does."""
+    """Return a free port that outgoing connections cannot use."""
     while True:
-        port = random.choice(_PORTS)  # several servers may start at once
+        port = random.choice(_PORTS)  # several servers may start at the same time
         with (
             socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe,
             contextlib.suppress(OSError),
         ):
-            probe.bind(("", port))  # gzserver binds it on all addresses
+            probe.bind(("", port))  # gzserver binds the port on all addresses
             return port
 
 
 def _exit_report(why: str, process: ChildProcess, log: Path) -> str:
-    """Return ``why`` with the exit status of ``process``, if any, and its log's end."""
+    """Return ``why`` with the exit status of ``process`` and the end of its log."""
     status = process.exit_status
     if status is None:
         how = ""
@@ -283,7 +292,7 @@ def _exit_report(why: str, process: ChildProcess, log: Path) -> str:
 
 
 def _log_lines(log: Path) -> list[str]:
-    """Return the lines of a log, without colour codes and ``_NOISE``."""
+    """Return the lines of a log, without color codes and ``_NOISE``."""
     try:
         text = log.read_text(errors="replace")
     except OSError:

@@ -1,7 +1,7 @@
-"""The models in Gazebo's world, and contacts with names from the URDF and scene.
+"""Models in Gazebo's world, and contacts with names from the URDF and scene.
 
-libsdformat lumps fixed links into the link that they are fixed to, and names each shape
-by its original link.
+libsdformat lumps each fixed link into the link to which it is fixed, and names each
+shape after its original link.
 """
 
 from __future__ import annotations
@@ -56,12 +56,12 @@ logger = logging.getLogger(__name__)
 _WORLD_REPLACED = "Falling back on"
 _INCOMPLETE_MODEL = "Loading model from factory message failed"
 _MESH_MISSING = "Unable to load mesh"
-"""Errors in gzserver's log that do not make gzserver stop."""
+"""Errors in gzserver's log after which gzserver continues."""
 
 
 @final
 class GazeboServerWorld:
-    """A ``World`` in one gzserver, accessed through the bridge."""
+    """A ``World`` in one gzserver; the bridge provides access to this world."""
 
     def __init__(
         self,
@@ -79,14 +79,15 @@ class GazeboServerWorld:
     ) -> None:
         """Spawn the robot and the scene, and bind the bridge to the robot.
 
-        ``urdf`` is the robot for libsdformat; the bridge simulates the ``gears``.
-        ``root`` is the pose of the robot's root in the world, shape (4, 4), a pure
-        translation.  ``world_file`` is None for tool0's own world.  ``finish_step`` is
-        called before each request, to receive the answer to a pending step.
+        ``urdf`` is the robot's URDF for libsdformat.  The bridge simulates the
+        ``gears``.  ``root`` is the pose of the robot's root in the world, shape (4, 4),
+        which must be a pure translation.  ``world_file`` is None for the empty world of
+        tool0.  ``finish_step`` is called before each request, in order to receive the
+        answer to a pending step.
 
         Raises:
             DescriptionError: If Gazebo cannot read the world.
-            EngineError: If Gazebo refuses the robot or an object.
+            EngineError: If Gazebo rejects the robot or an object.
         """
         self._connection = connection
         self._server = server
@@ -94,7 +95,7 @@ class GazeboServerWorld:
         self._root = root
         self._names = LinkNames(model, bodies, own_world=world_file is None)
         self._finish_step = finish_step
-        self._objects: dict[str, SceneObject] = {}  # in the order of the bridge
+        self._objects: dict[str, SceneObject] = {}  # in the same order as in the bridge
         self._states: tuple[ObjectState, ...] = ()
         self.ground = None if world_file else -float(root[2, 3])
         file = server.folder / "robot.urdf"
@@ -123,7 +124,7 @@ class GazeboServerWorld:
         self.gravity: Vector3 = (x, y, z)
 
     def start_poses(self) -> bytes:
-        """Return the objects' poses after a reset, in the bridge's format."""
+        """Return the poses of the objects after a reset, in the bridge's format."""
         return b"".join(
             pack_pose(self._root @ pose_matrix(item.pose))
             for item in self._objects.values()
@@ -132,8 +133,8 @@ class GazeboServerWorld:
     def object_states(self) -> tuple[ObjectState, ...]:
         """Return the current state of each object.
 
-        If Gazebo has ended, these are the last known states; the next step reports the
-        end.
+        If gzserver has exited, the last known states are returned, and the next step
+        raises an error.
         """
         if not self._objects:
             return ()
@@ -162,7 +163,7 @@ class GazeboServerWorld:
 
         Raises:
             DescriptionError: If the file is not XML with a model.
-            EngineError: If Gazebo rejects it, or can build only part of it.
+            EngineError: If Gazebo rejects the model, or can build only a part of it.
         """
         check_model(file)
         self._spawn(name, file.resolve(), self._root @ pose_matrix(pose))
@@ -193,10 +194,10 @@ class GazeboServerWorld:
         )
 
     def contacts(self) -> tuple[Contact, ...]:
-        """Return the contacts of the last step, one per pair of links or objects.
+        """Return the contacts of the last step, one contact per pair.
 
-        Gazebo starts to record contacts with the first call, which therefore returns
-        none.
+        A pair consists of links or objects.  Gazebo starts to record contacts at the
+        first call, and therefore the first call returns no contacts.
         """
         packed, n, left = b"", 0, 1
         while left:  # the size of an answer is limited
@@ -225,7 +226,7 @@ class GazeboServerWorld:
         )
 
     def _packed_body(self, name: str) -> bytes:
-        """Return the packed names of a link's or object's model and link in Gazebo."""
+        """Return the packed Gazebo names of the model and link of a link or object."""
         if name in self._names.body_of_link:
             body = self._names.body_of_link[name]
             if not body:
@@ -261,7 +262,7 @@ class GazeboServerWorld:
         is_object: bool = False,
         world_file: Path | None = None,
     ) -> None:
-        """Add the model of a file, and check gzserver's log for errors.
+        """Add the model in a file, and check gzserver's log for errors.
 
         Objects are listed, placed and reset in the order in which they were spawned.
         """
@@ -280,7 +281,8 @@ class GazeboServerWorld:
         except EngineError as error:
             raise EngineError(f"{prefix}{error}{self._new_errors()}") from None
         errors = self._new_errors()
-        if _WORLD_REPLACED in errors:  # found with the first model, the robot
+        # This error is logged when the first model, the robot, is added.
+        if _WORLD_REPLACED in errors:
             where = SourceLocation(world_file)
             raise DescriptionError(f"Gazebo cannot read this world:{errors}", where)
         if _INCOMPLETE_MODEL in errors or (is_object and _MESH_MISSING in errors):
@@ -305,12 +307,15 @@ class GazeboServerWorld:
 
 _NUMBERS = struct.Struct("=10d")
 _REVERSED = np.array([1.0] * 4 + [-1.0] * 6)
-"""Factors of the ten numbers of a contact when its two names are swapped."""
+"""Factors for the ten numbers of a contact if the two names of the contact are
+swapped."""
 _GROUND = ("ground_plane", "ground")
-"""The name of the model in our own world, and the name that tool0 uses."""
+"""Name of the ground's model in the empty world of tool0, and name of the ground in
+contacts."""
 _LUMP = "_fixed_joint_lump__"
-"""Text between a lump's name and its link's name, unless the latter starts with the
-former."""
+"""Text between the name of the merged link and the name of the original link of a
+shape.  The text is missing if the original name starts with the name of the merged
+link."""
 _NUMBERED = re.compile(r"_collision(_\d+)?$")
 
 
@@ -321,17 +326,18 @@ class LinkNames:
     def __init__(
         self, model: RobotModel, bodies: tuple[MovingBody, ...], *, own_world: bool
     ) -> None:
-        """Name the links of ``model``, and the ground in tool0's own world."""
+        """Collect the names of the links, and of the ground if ``own_world`` is set."""
         self._robot = model.name
         self._ground = dict([_GROUND]) if own_world else {}
         self.body_of_link = {link: "" for link, _ in fixed_to_world(model)}
-        """URDF link → the Gazebo link that it was lumped into; "" for the world."""
+        """Map from a URDF link to the Gazebo link into which it was lumped; "" denotes
+        the world."""
         for body in bodies:
             for link, _ in body.links:
                 self.body_of_link[link] = body.joint.child
 
     def owner(self, model: str, shape: str) -> str:
-        """Return the link or object that one of Gazebo's shapes belongs to."""
+        """Return the link or object of a shape in Gazebo."""
         if model == self._robot:
             link = _NUMBERED.sub("", shape.rpartition(_LUMP)[2])
             return link if link in self.body_of_link else shape
@@ -341,10 +347,11 @@ class LinkNames:
 def unpack_contacts(
     packed: bytes, names: LinkNames, root: Matrix
 ) -> tuple[Contact, ...]:
-    """Return one contact for each pair, in the axes of the robot's root.
+    """Return one contact per pair, in the axes of the robot's root.
 
-    ``packed`` contains all pairs of shapes, as the bridge sends them; ``root`` is the
-    pose of the robot's root in the world, shape (4, 4), a pure translation.
+    ``packed`` contains all pairs of shapes, in the bridge's format.  ``root`` is the
+    pose of the robot's root in the world, shape (4, 4), which must be a pure
+    translation.
     """
     sums: dict[tuple[str, str], Matrix] = {}
     for (first, second), numbers in _unpack(packed, names):
@@ -366,7 +373,7 @@ def unpack_contacts(
 def _unpack(
     packed: bytes, names: LinkNames
 ) -> Iterator[tuple[tuple[str, str], Matrix]]:
-    """Yield each pair of names with its numbers (see ``ContactSum`` in bridge.cc)."""
+    """Yield each pair of names with the numbers in ``ContactSum`` (see bridge.cc)."""
     rest = packed
     while rest:
         *words, rest = rest.split(b"\0", 4)

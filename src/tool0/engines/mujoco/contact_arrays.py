@@ -1,4 +1,4 @@
-"""The contacts of many worlds, as arrays."""
+"""Arrays with the contacts of many worlds."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from tool0.description.transform_arrays import Array
 from tool0.engines.mujoco.world import MujocoWorld
 
 Names = frozenset[str]
-"""Links, objects or the ground."""
+"""Names of links, objects or the ground."""
 AXES = np.arange(6)
 
 
 class ContactArrays(NamedTuple):
-    """m contacts, each the resultant of all contact points of a pair in one world.
+    """Array of m contacts, each of which is the resultant of a pair in one world.
 
-    The fields have the names and the order of ``Contact``.
+    A resultant combines all contact points of a pair.  The fields have the names and
+    the order of the fields of ``Contact``.
     """
 
     world: NDArray[np.intp]
@@ -35,19 +36,21 @@ class ContactArrays(NamedTuple):
     torque: Array
     """Torque of ``first`` on ``second`` about ``point`` [N·m], shape (m, 3)."""
     normal: Array
-    """Mean normal from ``first`` to ``second``, also weighted by normal force; of unit
-    length, or zero if the normals cancel, shape (m, 3)."""
+    """Mean normal from ``first`` to ``second``, weighted by normal force, shape (m, 3).
+    The normal has unit length; it is zero if the normals of the contact points
+    cancel."""
     distance: Array
-    """Smallest distance between the surfaces [m], negative if they overlap, shape
-    (m,)."""
+    """Smallest distance between the surfaces [m], shape (m,).  The distance is negative
+    if the shapes overlap."""
 
 
 def contact_arrays(
     worlds: Sequence[MujocoWorld], first: Names | None, second: Names | None
 ) -> ContactArrays:
-    """Return the contacts in the last step between ``first`` and ``second``.
+    """Return the contacts between ``first`` and ``second`` in the last step.
 
-    None stands for everything.  If ``first`` is given, it comes first in each pair.
+    None selects all links, objects and the ground.  If ``first`` is given, a member of
+    ``first`` is the first element of each pair.
     """
     points = [_points(world, first, second) for world in worlds]
     numbers = np.repeat(np.arange(len(worlds)), [len(each.geoms) for each in points])
@@ -96,24 +99,24 @@ def contact_arrays(
 def _groups(
     numbers: NDArray[np.intp], pairs: NDArray[np.intp], count: int
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the first point of each pair in a world, and the pair of each point.
+    """Return the first point of each pair in each world, and the pair of each point.
 
     Args:
         numbers: Numbers of the points' worlds, shape (p,).
-        pairs: Numbers, below ``count``, of the two things that touch, in either order,
+        pairs: Numbers, below ``count``, of the two touching items, in either order,
             shape (p, 2).
-        count: Number of the things that can touch.
+        count: Number of items that can touch.
     """
     key = (numbers * count + pairs.min(axis=1)) * count + pairs.max(axis=1)
     _, begins, group = np.unique(key, return_index=True, return_inverse=True)
-    order = np.argsort(begins)  # pairs in the order of their points
+    order = np.argsort(begins)  # pairs in the order of their first points
     return begins[order], np.argsort(order)[group.reshape(-1)]
 
 
 def are_touching(
     worlds: Sequence[MujocoWorld], first: Names, second: Names | None
 ) -> NDArray[np.bool_]:
-    """Return whether each world has such a contact, shape (n_worlds,)."""
+    """Return whether ``first`` touches ``second`` in each world, shape (n_worlds,)."""
     return np.array([len(_rows(world, first, second)[0]) > 0 for world in worlds])
 
 
@@ -121,14 +124,15 @@ class _Points(NamedTuple):
     """The p contact points of one world that have a normal force."""
 
     geoms: NDArray[np.intp]
-    """Shapes that touch, shape (p, 2)."""
+    """Numbers of the shapes that touch, shape (p, 2)."""
     is_reversed: NDArray[np.bool_]
-    """Whether the second shape, not the first one, belongs to ``first``, shape (p,)."""
+    """Whether the second shape, instead of the first shape, belongs to ``first``, shape
+    (p,)."""
     frame: Array
-    """Rows are the axes of the contact in the root, shape (p, 9); x points from the
-    first shape to the second."""
+    """Axes of the contact in the root, as the rows of a rotation matrix, shape (p, 9).
+    The x axis points from the first shape to the second shape."""
     wrench: Array
-    """Force and torque on the second shape in these axes, shape (p, 6)."""
+    """Force and torque on the second shape in the axes of the contact, shape (p, 6)."""
     point: Array
     distance: Array
 
@@ -136,7 +140,7 @@ class _Points(NamedTuple):
 def _rows(
     world: MujocoWorld, first: Names | None, second: Names | None
 ) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Return the numbers of the contacts, and whether each one is reversed."""
+    """Return the numbers of the contacts, and whether each contact is reversed."""
     contacts = world.data.contact
     addresses = contacts.efc_address
     if not len(addresses) or world.has_no_contact:
@@ -162,8 +166,9 @@ def _points(world: MujocoWorld, first: Names | None, second: Names | None) -> _P
     """Return the contact points between ``first`` and ``second``."""
     rows, is_reversed = _rows(world, first, second)
     contacts, forces = world.data.contact, world.data.efc_force
-    # The cone is elliptic: the first ``dim`` of these constraint rows exist, namely the
-    # normal force, the forces along the frame's other axes and the torques about them.
+    # The friction cone is elliptic.  A contact has up to six constraint rows: the
+    # normal force, the forces along the other axes of the frame, and the torques about
+    # the axes.  Only the first ``dim`` rows of a contact exist.
     is_there = contacts.dim[rows, None] > AXES
     places = np.where(is_there, contacts.efc_address[rows, None] + AXES, 0)
     return _Points(

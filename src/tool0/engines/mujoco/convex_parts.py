@@ -1,7 +1,7 @@
-"""Cuts a mesh into parts that are nearly convex.
+"""Decomposition of a mesh into parts that are nearly convex.
 
 MuJoCo uses a mesh's convex hull for collisions.  The hull of a forearm with a joint at
-each end also fills the space between the joints, where the wrist moves.
+each end also fills the space between the joints, in which the wrist moves.
 """
 
 from __future__ import annotations
@@ -21,18 +21,20 @@ Points = npt.NDArray[np.float64]
 MAX_PARTS: Final = 8
 """Largest number of parts of one mesh."""
 MIN_GAIN: Final = 0.06
-"""Fraction of the mesh's bounding box that a cut must free."""
+"""Smallest reduction of the boxes' volume by a cut, as a fraction of the volume of the
+mesh's bounding box."""
 _CUTS: Final = 11
-"""Number of planes across each axis at which a mesh may be cut."""
+"""Number of planes, perpendicular to each axis, at which a mesh can be cut."""
 _THIN: Final = 1e-4
-"""Smallest thickness of a part [m], as MuJoCo needs hulls with a volume."""
+"""Smallest thickness of a part [m], since MuJoCo requires hulls with a volume."""
 
 
 def convex_parts(mesh: Mesh) -> tuple[Points, ...]:
     """Return the points of each part of ``mesh``, shape (n, 3) [m].
 
-    A mesh that is nearly convex is one part.  Other meshes are cut across their axes
-    where this makes the bounding boxes of the parts smallest.
+    A mesh that is nearly convex remains one part.  Other meshes are cut perpendicularly
+    to their axes, at the positions that minimize the volume of the parts' bounding
+    boxes.
 
     Raises:
         ModelError: If MuJoCo cannot read the mesh.
@@ -60,7 +62,7 @@ def _parts(
 
 
 def _triangles(path: str, scale: tuple[float, float, float]) -> Points:
-    """Return the triangles of a mesh file in its frame, shape (n, 3, 3) [m]."""
+    """Return the triangles of a mesh file in the file's frame, shape (n, 3, 3) [m]."""
     spec = mujoco.MjSpec()
     spec.add_mesh(name="mesh", file=path, scale=scale)
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="mesh")
@@ -68,7 +70,8 @@ def _triangles(path: str, scale: tuple[float, float, float]) -> Points:
         model = spec.compile()
     except ValueError as error:
         raise ModelError(f"MuJoCo rejects the mesh {path}: {error}") from error
-    rotation = np.empty(9)  # MuJoCo moves meshes to their centres of mass
+    # MuJoCo moves the origins of meshes to their centers of mass.
+    rotation = np.empty(9)
     mujoco.mju_quat2Mat(rotation, model.mesh_quat[0])
     points = model.mesh_vert @ rotation.reshape(3, 3).T + model.mesh_pos[0]
     triangles: Points = points[model.mesh_face].astype(float)
@@ -76,19 +79,21 @@ def _triangles(path: str, scale: tuple[float, float, float]) -> Points:
 
 
 def _segments(triangles: Points, price: float) -> list[Points]:
-    """Return the segments along one axis whose boxes have the smallest volume.
+    """Return the segments along one axis that minimize the volume of their boxes.
 
-    Each segment costs a ``price`` [m³], so that unnecessary segments do not pay off.
+    A ``price`` [m³] is added for each segment, in order to avoid unnecessary segments.
     """
     least, best = _box_volume(triangles), [triangles]
     for axis in range(3):
         slabs = _slabs(triangles, axis)
         boxes = np.array([_box(slab) for slab in slabs])
-        costs, firsts = [0.0], [0]  # of the cheapest segments of the first n slabs
+        # Values for the cheapest segments of the first n slabs.
+        costs, firsts = [0.0], [0]
         for n in range(1, len(slabs) + 1):
             lower = np.minimum.accumulate(boxes[n - 1 :: -1, 0][:n])
             upper = np.maximum.accumulate(boxes[n - 1 :: -1, 1][:n])
-            volumes = np.prod(upper - lower, axis=1)[::-1]  # of slabs k to n
+            # Box volumes of the slabs k to n.
+            volumes = np.prod(upper - lower, axis=1)[::-1]
             totals = np.array(costs) + volumes + price
             firsts.append(int(np.argmin(totals)))
             costs.append(float(totals[firsts[-1]]))
@@ -101,7 +106,10 @@ def _segments(triangles: Points, price: float) -> list[Points]:
 
 
 def _slabs(triangles: Points, axis: int) -> list[Points]:
-    """Return the parts between planes across an axis; thin ones join the next."""
+    """Return the parts between planes perpendicular to an axis.
+
+    A part that is too thin is merged with the next part.
+    """
     lower, upper = _box(triangles)
     slabs, rest = [], triangles
     for place in np.linspace(lower[axis], upper[axis], _CUTS + 2)[1:-1]:
@@ -113,7 +121,7 @@ def _slabs(triangles: Points, axis: int) -> list[Points]:
 
 
 def _side(triangles: Points, axis: int, place: float, sign: int) -> Points:
-    """Return the triangles on one side of a plane: below it if ``sign`` is 1."""
+    """Return the triangles on one side of a plane, the lower side if ``sign`` is 1."""
     depths = sign * (place - triangles[:, :, axis])
     inside = depths >= 0.0
     counts = inside.sum(axis=1)
@@ -132,7 +140,10 @@ def _cut(
     *,
     apex_inside: bool,
 ) -> tuple[Points, Points, Points, Points, Points]:
-    """Return triangles' corners, the lone one first, and the two points of each cut."""
+    """Return the corners of triangles and the two points of each cut.
+
+    The first corner of each triangle is the single corner on its side of the plane.
+    """
     lone = np.argmax(inside[chosen] == apex_inside, axis=1)
     order = (lone[:, None] + np.arange(3)) % 3
     corners = np.take_along_axis(triangles[chosen], order[:, :, None], axis=1)
@@ -156,6 +167,6 @@ def _box_volume(triangles: Points) -> float:
 
 
 def _box(triangles: Points) -> tuple[Points, Points]:
-    """Return the smallest and the largest corner of triangles' bounding box [m]."""
+    """Return the smallest and the largest corner of the bounding box [m]."""
     points = triangles.reshape(-1, 3)
     return points.min(axis=0), points.max(axis=0)

@@ -1,4 +1,4 @@
-"""The states of many engines with one robot and scene, as arrays."""
+"""Arrays with the states of many engines that have the same robot and scene."""
 
 from __future__ import annotations
 
@@ -16,16 +16,18 @@ from tool0.hardware.engine import Engine
 
 
 class ObjectArrays(NamedTuple):
-    """Poses and velocities of the objects, in the scene's order."""
+    """Poses and velocities of the objects of a scene, in the scene's order."""
 
     position: Array
     """Positions of the objects [m], shape (n, n_objects, 3)."""
     quat: Array
-    """Orientations of the objects, w, x, y, z, shape (n, n_objects, 4)."""
+    """Orientations of the objects as quaternions (w, x, y, z), shape (n, n_objects,
+    4)."""
     linear: Array
     """Linear velocities of the objects [m/s], shape (n, n_objects, 3)."""
     turning: Array
-    """Angular velocities in the objects' own axes [rad/s], shape (n, n_objects, 3)."""
+    """Angular velocities in the axes of the objects [rad/s], shape (n, n_objects,
+    3)."""
 
     @property
     def angular(self) -> Array:
@@ -41,21 +43,21 @@ def mujoco_engine(engine: Engine) -> MujocoEngine:
 
 @final
 class ObjectReader:
-    """Reads the states of the objects in n copies of one scene."""
+    """Reader of the states of the objects in n copies of one scene."""
 
     def __init__(self, first: ObjectStates, n: int) -> None:
-        """Prepare to read the objects that the ``first`` copy has."""
+        """Prepare to read the objects that are in the ``first`` copy."""
         self._names = first.names
         movable = [k for k, name in enumerate(first.names) if name in first.starts]
         self._movable = np.array(movable, dtype=np.intp)  # takes less time than a list
         self._static: list[Mapping[str, ObjectState]] = []
         self._poses = np.zeros((n, len(first.names), 7))
-        """Poses of the static objects; rows of movable objects are zero."""
+        """Poses of the static objects.  The rows of movable objects are zero."""
 
     def read(
         self, q: Array, qd: Array, static: Sequence[Mapping[str, ObjectState]]
     ) -> ObjectArrays:
-        """Return the states.
+        """Return the states of all objects.
 
         ``q`` and ``qd`` are positions and velocities of the free joints, shape (n, 7
         n_movable) and (n, 6 n_movable); ``static`` contains the states of the static
@@ -74,7 +76,7 @@ class ObjectReader:
         )
 
     def _note(self, static: Sequence[Mapping[str, ObjectState]]) -> None:
-        """Keep the poses of the static objects, which change rarely."""
+        """Store the poses of the static objects, which change rarely."""
         self._static = list(static)
         for k, name in enumerate(self._names):
             if k not in self._movable:
@@ -87,7 +89,7 @@ def _are_same(some: Sequence[object], others: Sequence[object]) -> bool:
 
 
 def read_objects(reader: ObjectReader, engines: Sequence[MujocoEngine]) -> ObjectArrays:
-    """Return the objects' states in each engine, like ``World.object_states``."""
+    """Return the states of the objects in each engine."""
     states = [engine.world.states for engine in engines]
     return reader.read(
         np.array([each.position for each in states]),

@@ -1,9 +1,9 @@
-"""Coarser meshes for parts of the robot that are small in an image.
+"""Coarse meshes for parts of the robot that are small in an image.
 
-Without a graphics card, rendering time is about proportional to the number of
-triangles, each of which is drawn three times: once into the shadow map and once for
-each of the two lights.  Where a pixel is wider than the details of a mesh, a coarse
-mesh replaces it.
+Without a graphics card, the rendering time is approximately proportional to the number
+of triangles.  Each triangle is drawn three times: once into the shadow map and once for
+each of the two lights.  A mesh is replaced by a coarse mesh if a pixel is wider than
+the details of the mesh.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from tool0.description.transform import Transform
 from tool0.engines.mujoco.model import VISUAL_GROUP, compile_spec
 
 CELL: Final = 0.006
-"""Edge of the cubes in which a coarse mesh's corners are merged into one [m].  Coarse
-meshes are used where a pixel is at least this wide."""
+"""Edge of the cubes in which the corners of a mesh are merged into one corner [m].  A
+coarse mesh is used if a pixel is at least this wide at the mesh."""
 WORTH: Final = 0.85
-"""Largest fraction of triangles that a coarse mesh may keep to be worth using."""
+"""Largest ratio of the numbers of triangles at which a coarse mesh is used."""
 HIDDEN_GROUP: Final = 5
-"""Group of the geoms that images do not show."""
+"""Group of the geoms that are not visible in images."""
 _SUFFIX: Final = "/coarse"
 
 
@@ -33,16 +33,16 @@ class Shape(NamedTuple):
     """The surface of a mesh."""
 
     points: NDArray[np.float64]
-    """Corners [m], shape (n, 3)."""
+    """Corners of the triangles [m], shape (n, 3)."""
     faces: NDArray[np.int64]
-    """Triangles, as indices of their corners, shape (m, 3)."""
+    """Triangles, as the indices of their corners, shape (m, 3)."""
 
 
 def simplified(shape: Shape, cell: float) -> Shape:
-    """Return a shape with the corners in each cube of edge ``cell`` merged into one.
+    """Return a shape in which the corners in each cube of edge ``cell`` are merged.
 
-    J. Rossignac, P. Borrel, Multi-resolution 3D approximations for rendering complex
-    scenes (1993): no corner moves farther than the diagonal of a cell.
+    No corner moves farther than the diagonal of a cube.  See J.  Rossignac, P.  Borrel,
+    Multi-resolution 3D approximations for rendering complex scenes (1993).
     """
     cells = np.floor(shape.points / cell).astype(np.int64)
     _, merged = np.unique(cells, axis=0, return_inverse=True)
@@ -56,7 +56,7 @@ def simplified(shape: Shape, cell: float) -> Shape:
 
 
 def add_coarse(spec: Any) -> None:
-    """Add a hidden coarse geom for each visual mesh of a robot's ``spec``."""
+    """Add a hidden geom with a coarse mesh for each visual mesh in ``spec``."""
     model = compile_spec(spec.copy())
     names: dict[int, str | None] = {}
     for number in np.flatnonzero(model.geom_group == VISUAL_GROUP).tolist():
@@ -85,7 +85,10 @@ def add_coarse(spec: Any) -> None:
 
 
 def _add_mesh(spec: Any, model: Any, number: int) -> str | None:
-    """Add a mesh's coarse version; return its name, or None if it saves too little."""
+    """Add the coarse mesh of a mesh, and return the name of the coarse mesh.
+
+    If the coarse mesh has too many triangles, nothing is added and None is returned.
+    """
     first, n = int(model.mesh_vertadr[number]), int(model.mesh_vertnum[number])
     points = model.mesh_vert[first : first + n].astype(float)
     first, n = int(model.mesh_faceadr[number]), int(model.mesh_facenum[number])
@@ -105,10 +108,10 @@ def _add_mesh(spec: Any, model: Any, number: int) -> str | None:
 
 @final
 class Detail:
-    """Chooses between the meshes of a compiled model and their coarse versions."""
+    """Selection between the meshes of a compiled model and the coarse meshes."""
 
     def __init__(self, model: Any) -> None:
-        """Find fine and coarse meshes by their names."""
+        """Find the fine and the coarse meshes by their names."""
         names = {model.geom(k).name: k for k in range(model.ngeom)}
         pairs = [
             (names[name.removesuffix(_SUFFIX)], k)
@@ -120,7 +123,7 @@ class Detail:
         self._radii = model.geom_rbound[self._fine]
 
     def choose(self, data: Any, camera: Camera, frame: Transform) -> None:
-        """Show coarse meshes that are far enough from ``camera`` at ``frame``."""
+        """Show coarse meshes for meshes that are far from ``camera`` at ``frame``."""
         forward = [row[2] for row in frame.rotation]
         away = (data.geom_xpos[self._fine] - frame.position) @ forward - self._radii
         pixel = 2.0 * math.tan(camera.field_of_view / 2.0) / camera.height

@@ -1,7 +1,7 @@
-"""Distances between a robot, the objects around it and the objects that it holds.
+"""Distances between a robot, the objects around it and the objects in its gripper.
 
-Distances are measured in a separate model without dynamics, so that this works with
-every engine and in any thread.
+Distances are measured in a separate model without dynamics.  Therefore the measurement
+works with every engine and in any thread.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ from tool0.hardware.shape_memory import FloatArray, ShapeMemory
 
 @final
 class Shape(NamedTuple):
-    """One shape whose distance to others is measured."""
+    """One shape for which distances to other shapes are measured."""
 
     geom: int
     owner: str
-    """The link, object or plane that the shape belongs to, or ``ground``."""
+    """Name of the link, object or plane that contains the shape, or ``ground``."""
     body: int
-    """Body that the shape moves with."""
+    """Number of the body that moves the shape."""
 
 
 @final
 class DistanceModel:
-    """The compiled shapes.  One thread at a time may use it."""
+    """Model with the compiled shapes.  Only one thread at a time may use the model."""
 
     def __init__(
         self,
@@ -56,8 +56,9 @@ class DistanceModel:
 
         Args:
             robot: The robot with its links.
-            ground: Height of the ground in the robot's root [m]; None without ground.
-            objects: Objects around the robot; ``place`` sets their poses.
+            ground: Height of the ground in the robot's root [m]; None means no ground.
+            objects: Objects around the robot.  ``place`` sets the poses of these
+                objects.
             held: Objects that the robot carries.
             planes: Planes that bound the workspace.
 
@@ -99,13 +100,13 @@ class DistanceModel:
         )
 
     def place(self, states: Iterable[ObjectState]) -> None:
-        """Place objects as in these states."""
+        """Place the objects at the poses in ``states``."""
         for state in states:
             body = self.model.body(state.name)
             body.pos[:], body.quat[:] = state.position, state.quat_wxyz
 
     def put(self, positions: Mapping[str, float]) -> None:
-        """Move joints to positions [rad | m]."""
+        """Move the joints to ``positions`` [rad | m]."""
         for name, position in positions.items():
             self.data.qpos[self._addresses[name]] = position
         mujoco.mj_kinematics(self.model, self.data)
@@ -143,7 +144,7 @@ class DistanceModel:
         return np.array([self.model.joint(name).id for name in joints], dtype=np.int32)
 
     def body_of(self, link: str) -> int:
-        """Return the body that a link moves with."""
+        """Return the number of the body that contains a link."""
         return int(self.model.site(link).bodyid[0])
 
     def rotation_in_body(self, link: str) -> FloatArray:
@@ -153,10 +154,11 @@ class DistanceModel:
         return found.reshape(3, 3)
 
     def joints_above(self, body: int) -> Iterator[tuple[str, float]]:
-        """Yield the joints that move a body, nearest first, each with a distance [m].
+        """Yield the joints that move a body, the nearest first, each with a distance.
 
-        It is an upper bound of the distance of the body's origin from the joint's axis,
-        for any positions of the joints between them.
+        The distance [m] is an upper bound of the distance of the body's origin from the
+        joint's axis.  The bound is valid for all positions of the joints between the
+        joint and the body.
         """
         model, length = self.model, 0.0
         while body > 0:
@@ -182,22 +184,22 @@ class DistanceModel:
         return bool(self.model.geom_type[shape.geom] == mujoco.mjtGeom.mjGEOM_PLANE)
 
     def size(self, shape: Shape) -> float:
-        """Return the radius of a shape's bounding sphere [m]; infinite for planes."""
+        """Return the radius of a shape's bounding sphere [m]; infinite for a plane."""
         radius = float(self.model.geom_rbound[shape.geom])
         return math.inf if self.is_plane(shape) else radius
 
     def is_parallel(self, joint: str, plane: Shape) -> bool:
-        """Return whether a joint's present axis is parallel to a plane's normal."""
+        """Return whether a joint's axis is now parallel to a plane's normal."""
         axis = self.data.xaxis[self.model.joint(joint).id]
         normal = self.data.geom_xmat[plane.geom].reshape(3, 3)[:, 2]
         return bool(np.linalg.norm(np.cross(axis, normal)) < 1e-9)
 
     def parent(self, body: int) -> int:
-        """Return the parent of a body."""
+        """Return the number of a body's parent."""
         return int(self.model.body_parentid[body])
 
     def memory(self) -> ShapeMemory:
-        """Return the shapes' memory for compiled code.
+        """Return the memory of the shapes, for compiled code.
 
         Raises:
             ModelError: If MuJoCo's library is not found.

@@ -1,4 +1,4 @@
-"""The robot's joints in MuJoCo."""
+"""Engine that simulates the robot's joints in MuJoCo."""
 
 from __future__ import annotations
 
@@ -33,31 +33,36 @@ from tool0.hardware.engine import (
 logger = logging.getLogger(__name__)
 
 _BRAKE_SOLREF = (0.002, 1.0)
-"""Time constant [s] and damping ratio of a brake's friction, as stiff as steps of 1 ms
-permit."""
+"""Time constant [s] and damping ratio of a brake's friction.  The values are the
+stiffest setting for steps of 1 ms."""
 _BRAKE_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
-"""Impedance of a brake's friction: MuJoCo's maximum, as a brake does not yield."""
+"""Impedance of a brake's friction.  The impedance is MuJoCo's maximum, since a brake
+does not yield."""
 _BRAKE_MOBILITY = 1000.0
 """Upper bound of the product of a joint's mobility and its brake's torque [rad/s²].
-MuJoCo scales the yielding of friction by this mobility.  With the bound, a brake at its
-full torque creeps at no more than 1e-4 rad/s, however light the joint is without its
-load."""
+MuJoCo scales the yielding of friction by this mobility.  With this bound, a brake that
+exerts its full torque creeps by at most 1e-4 rad/s, regardless of the joint's inertia
+without load."""
 _MOST_FRICTION = 1e6
-"""Dry friction of a drive's brake if the drive has no effort limit [N·m | N]."""
+"""Dry friction of the brake of a drive without effort limit [N·m | N]."""
 
 
 def _log_warning(message: str) -> None:
-    """Log MuJoCo's warnings instead of writing a file to the working directory."""
+    """Log a warning of MuJoCo.
+
+    Without this function, MuJoCo would write warnings to a file in the working
+    directory.
+    """
     logger.debug("MuJoCo: %s", message)
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class SavedEngine:
-    """An engine's state at one instant, with the contacts of the last step."""
+    """State of an engine at one instant, including the contacts of the last step."""
 
     data: Any
-    """A ``MjData`` that nothing steps."""
+    """Copy of the engine's ``MjData`` that is never stepped."""
     steps: int
     effort: tuple[float, ...]
     world: SavedWorld
@@ -65,7 +70,7 @@ class SavedEngine:
 
 @final
 class MujocoEngine:
-    """An ``Engine``: MuJoCo with explicit Euler steps."""
+    """An ``Engine`` that runs MuJoCo with explicit Euler steps."""
 
     name = "mujoco"
     has_rotors = True
@@ -80,10 +85,12 @@ class MujocoEngine:
     ) -> None:
         """Compile the robot and its scene for steps of ``dt`` [s].
 
-        ``ground`` is the ground's height in the robot's root [m]; None without ground.
+        ``ground`` is the height of the ground in the robot's root [m]; None means no
+        ground.
         """
         check_dt(dt)
-        if mujoco.get_mju_user_warning() is None:  # it would write to a file
+        # Without a handler, MuJoCo would write warnings to a file.
+        if mujoco.get_mju_user_warning() is None:
             mujoco.set_mju_user_warning(_log_warning)
         if ground is not None and not math.isfinite(ground):
             raise ConfigError(f"the height of the ground must be finite, got {ground}")
@@ -101,7 +108,7 @@ class MujocoEngine:
         compiled = tuple(self.model.joint(i).name for i in range(self.model.njnt))
         if compiled[:n] != self.joint_names:
             raise ModelError("MuJoCo reordered the joints; this mujoco is unsupported")
-        # Packing plain floats takes a third of the time of assigning to the array.
+        # Packing plain floats takes a third of the time of an assignment to the array.
         self._pack = struct.Struct(f"{self.model.nu}d").pack_into
         self._motors = joint_selector(self.motor_joints())
 
@@ -111,23 +118,24 @@ class MujocoEngine:
         self._steps = round(time / self.dt)
 
     def saved(self) -> SavedEngine:
-        """Return the present state."""
+        """Return the current state."""
         data = copy.copy(self.data)
         return SavedEngine(data, self._steps, tuple(self._effort), self.world.saved())
 
     def check_saved(self, saved: SavedEngine) -> None:
-        """Raise EngineError if a state belongs to another robot or other objects."""
+        """Raise EngineError if a state is that of another robot or of other objects."""
         self.world.check_saved(saved.world, saved.data)
 
     def resume(self, saved: SavedEngine) -> None:
-        """Continue bit for bit from a saved state of the same robot and objects."""
+        """Continue bit-identically from a saved state of the same robot and objects."""
         self.world.resume(saved.world, saved.data)
         self._steps, self._effort = saved.steps, list(saved.effort)
 
     def read(self) -> JointState:
         position, velocity = self._position.tolist(), self._velocity.tolist()
         time = self._steps * self.dt
-        if has_diverged(velocity):  # the position follows it
+        # If the velocity diverges, the position diverges too.
+        if has_diverged(velocity):
             raise self._divergence(time, fastest(velocity))
         if self._has_objects:
             del velocity[len(position) :]
@@ -135,7 +143,7 @@ class MujocoEngine:
 
     def write(self, effort: Sequence[float]) -> None:
         held = list(effort)
-        if not math.isfinite(sum(held)):  # MuJoCo would only log it
+        if not math.isfinite(sum(held)):  # MuJoCo would only log this error
             raise effort_divergence(self.joint_names, held, self._steps * self.dt)
         self._effort = held
         self._pack(self._ctrl, 0, *self._motors(held))
@@ -167,13 +175,14 @@ class MujocoEngine:
         """Do nothing: MuJoCo runs inside the process."""
 
     def _use(self, model: Any, data: Any) -> None:
-        """Use another compiled model from now on."""
+        """Replace the compiled model and its data."""
         self.model, self.data = model, data
-        # Views: the arrays of one MjData never move.  The robot's joints come first.
+        # These arrays are views, since the arrays of one MjData never move in memory.
+        # The robot's joints come first.
         n = len(self.joint_names)
         self._position = data.qpos[:n]
         self._velocity = data.qvel
-        self._has_objects = model.nv > n  # movable ones
+        self._has_objects = model.nv > n  # movable objects
         self._ctrl = memoryview(data.ctrl)
         of_model = (
             model.dof_frictionloss,
@@ -187,7 +196,7 @@ class MujocoEngine:
         self._engage_brakes()
 
     def _engage_brakes(self) -> None:
-        """Add the friction of the brakes to the joints' own friction."""
+        """Add the friction of the brakes to the friction of the joints."""
         model, n = self.model, len(self.joint_names)
         friction, solref, solimp, mobility = self._friction
         model.dof_frictionloss[:n], model.dof_invweight0[:n] = friction, mobility
@@ -203,19 +212,19 @@ class MujocoEngine:
         self.stepper = self._stepper()
 
     def _add_rotors(self) -> None:
-        """Add the inertias of the rotors that were set to those of the model."""
+        """Add the rotor inertias that were set to the armatures of the model."""
         armature = self.model.dof_armature
         armature[: len(self._armature)] = self._armature
         for joint, inertia in self._rotors.items():
             armature[joint] += inertia
 
     def motor_joints(self) -> tuple[int, ...]:
-        """Return the number of the joint that each motor drives."""
+        """Return the joint number of each motor."""
         names = (self.model.actuator(i).name for i in range(self.model.nu))
         return tuple(map(self.joint_names.index, names))
 
     def _stepper(self) -> NativeStepper | None:
-        """Return what compiled code needs to step the present model and data."""
+        """Return the data with which compiled code steps the current model."""
         library = mujoco_library()
         if library is None:
             return None

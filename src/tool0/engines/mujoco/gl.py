@@ -1,8 +1,8 @@
-"""OpenGL contexts for rendering without a screen.
+"""OpenGL contexts for rendering without a display.
 
-MuJoCo's own modules create the contexts.  They are imported separately here because
-``mujoco`` itself reads ``MUJOCO_GL`` only at its first import; on Linux, it needs a
-screen if that is not set.
+The contexts are created by modules of MuJoCo.  These modules are imported directly,
+because the package ``mujoco`` reads ``MUJOCO_GL`` only when it is first imported.  On
+Linux, ``mujoco`` needs a display if ``MUJOCO_GL`` is not set.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from typing import Any, Final
 from tool0.errors import EngineUnavailableError, RenderError
 
 PACKAGES: Final = "libegl1 libopengl0 libgl1-mesa-dri"
-"""Debian and Ubuntu packages; libosmesa6 is the alternative without EGL."""
+"""Debian and Ubuntu packages for rendering with EGL.  The alternative without EGL is
+libosmesa6."""
 
 _MODULES: Final = {
     "egl": "mujoco.egl",
@@ -26,19 +27,20 @@ _MODULES: Final = {
     "glew": "mujoco.glfw",
     "cgl": "mujoco.cgl",
 }
-"""Value of MUJOCO_GL → module that creates the context."""
+"""Map from a value of MUJOCO_GL to the module that creates the context."""
 
 
 def import_mujoco() -> None:
-    """Import ``mujoco``, which loads the OpenGL library that MUJOCO_GL names.
+    """Import ``mujoco``, which loads the OpenGL library selected by MUJOCO_GL.
 
     Raises:
-        EngineUnavailableError: If the import fails with MUJOCO_GL set.
-        ImportError: If the import fails without MUJOCO_GL.
+        EngineUnavailableError: If the import fails and MUJOCO_GL is set.
+        ImportError: If the import fails and MUJOCO_GL is not set.
     """
     try:
         importlib.import_module("mujoco")
-    except Exception as error:  # the exception depends on the OpenGL
+    # The type of the exception depends on the OpenGL library.
+    except Exception as error:
         wanted = os.environ.get("MUJOCO_GL")
         if not wanted:
             raise
@@ -48,16 +50,17 @@ def import_mujoco() -> None:
         ) from error
 
 
-def make_context(width: int, height: int) -> Any:  # none of MuJoCo's is typed
-    """Return a GL context for images up to this size [pixels]; it is not yet current.
+def make_context(width: int, height: int) -> Any:  # without type annotations
+    """Return a GL context, not yet current, for images up to this size [pixels].
 
     Raises:
-        RenderError: If there is no OpenGL; the message names the packages to install.
+        RenderError: If there is no OpenGL library.  The message lists the packages to
+            install.
     """
     kind = kind_of_context()
     try:
         return importlib.import_module(_MODULES[kind]).GLContext(width, height)
-    except Exception as error:  # the exception depends on the library
+    except Exception as error:  # the type of the exception depends on the library
         raise RenderError(
             f"cannot render images: OpenGL by {kind} does not work here "
             f"({error or type(error).__name__}); on Debian and Ubuntu "
@@ -66,7 +69,11 @@ def make_context(width: int, height: int) -> Any:  # none of MuJoCo's is typed
 
 
 def kind_of_context() -> str:
-    """Return MUJOCO_GL or, if it is not set, the best value; or raise RenderError."""
+    """Return the value of MUJOCO_GL, or the best value if MUJOCO_GL is not set.
+
+    Raises:
+        RenderError: If MUJOCO_GL has an unknown value, or no OpenGL library is usable.
+    """
     wanted = os.environ.get("MUJOCO_GL", "").lower().strip()
     if wanted in _MODULES:
         return wanted
@@ -77,7 +84,8 @@ def kind_of_context() -> str:
         )
     if sys.platform != "linux":
         return "cgl" if sys.platform == "darwin" else "glfw"
-    # PyOpenGL keeps the library that it tries first, so only one can be tried.
+    # PyOpenGL keeps the first library that it tries, and therefore only one library can
+    # be tried.
     platform = os.environ.get("PYOPENGL_PLATFORM", "")
     if platform in ("", "egl") and _egl_has_device():
         return "egl"
@@ -101,7 +109,7 @@ def _has(*libraries: str) -> bool:
 
 
 def _egl_has_device() -> bool:
-    """Return whether EGL finds a device, as the library alone is not enough."""
+    """Return whether EGL finds a device, since the library alone is not sufficient."""
     try:
         egl = ctypes.CDLL("libEGL.so.1")
         egl.eglGetProcAddress.restype = ctypes.c_void_p

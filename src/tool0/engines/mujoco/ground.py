@@ -1,8 +1,9 @@
 """The ground in images.
 
-MuJoCo draws a plane as thousands of triangles, because light is computed at their
-corners; without a graphics card, this takes longer than drawing a robot.  This ground
-has a few hundred triangles, which are small below the camera.
+MuJoCo draws a plane as thousands of triangles, because light is computed at the corners
+of triangles.  Without a graphics card, drawing such a plane takes longer than drawing a
+robot.  The ground in this module has only a few hundred triangles, which are small
+below the camera.
 """
 
 from __future__ import annotations
@@ -16,15 +17,15 @@ import numpy as np
 from tool0.description.scene import GROUND
 
 RADII: Final = (0.2, 0.45, 0.75, 1.1, 1.5, 2.0, 2.6, 3.4, 4.5, 6.0, 9.0, 1000.0)
-"""Radii of the rings of triangles [m].  Beyond the last but one, colour images show
-only sky (``rendering.HAZE``); depth is exact in a triangle of any size."""
+"""Radii of the rings of triangles [m].  Beyond the second-to-last radius, color images
+show only sky (``rendering.HAZE``).  Depth is exact in triangles of any size."""
 SECTORS: Final = 20
-"""Number of triangles around the centre."""
+"""Number of triangles around the center."""
 RGBA: Final = (0.85, 0.86, 0.88, 1.0)
 
 
 def add_ground(spec: Any, height: float) -> None:
-    """Add the ground to ``spec``, at a ``height`` in the robot's root [m]."""
+    """Add the ground to ``spec`` at ``height`` [m] in the robot's root."""
     angles = np.linspace(0.0, 2.0 * np.pi, SECTORS, endpoint=False)
     ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(SECTORS)], axis=1)
     vertices = np.vstack([np.zeros((1, 3)), *(radius * ring for radius in RADII)])
@@ -47,9 +48,9 @@ def add_ground(spec: Any, height: float) -> None:
 
 
 def put_ground_below(model: Any, data: Any, camera: Sequence[float]) -> None:
-    """Move the ground's centre below the position of a ``camera`` in the root [m].
+    """Move the ground's center below the position of a ``camera`` in the root [m].
 
-    ``mj_kinematics`` moves it back.
+    ``mj_kinematics`` moves the ground back.
     """
     number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, GROUND)
     if number >= 0:
@@ -57,7 +58,7 @@ def put_ground_below(model: Any, data: Any, camera: Sequence[float]) -> None:
 
 
 def _faces() -> list[tuple[int, int, int]]:
-    """Return triangles as indices of their corners, anticlockwise seen from above."""
+    """Return the triangles as corner indices, counterclockwise seen from above."""
 
     def corner(ring: int, sector: int) -> int:
         return 1 + ring * SECTORS + sector % SECTORS

@@ -1,4 +1,4 @@
-"""Addresses of functions in MuJoCo's own library, for compiled code."""
+"""Addresses of functions in MuJoCo's library, for compiled code."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import mujoco
 
 @cache
 def mujoco_library() -> ctypes.CDLL | None:
-    """Return MuJoCo's library, which is already loaded; None if it is not found."""
+    """Return MuJoCo's library, which is already loaded, or None if it is not found."""
     folder = Path(mujoco.__file__).parent
     for path in sorted(folder.glob("libmujoco.*")):
         with contextlib.suppress(OSError):
@@ -27,5 +27,5 @@ def address_of(function: Any) -> int:
 
 
 def variable_of(library: ctypes.CDLL, name: str) -> int:
-    """Return the address of a library's variable."""
+    """Return the address of a variable of a library."""
     return ctypes.addressof(ctypes.c_void_p.in_dll(library, name))

@@ -1,7 +1,8 @@
-"""Finds pairs of links that a motion planner need not check for collisions.
+"""Search for pairs of links that a motion planner need not check for collisions.
 
 MuJoCo's collision detection checks the description's collision shapes in random poses.
-There are no dynamics: every link is a separate body, placed by forward kinematics.
+The check has no dynamics: every link is a separate body that is placed by forward
+kinematics.
 """
 
 from __future__ import annotations
@@ -25,15 +26,15 @@ N_SAMPLES: Final = 10_000
 """Number of random poses."""
 SEED: Final = 0
 CLEARANCE: Final = 0.002
-"""Distance below which a pair does not count as never colliding [m], because a rare
-collision may lie between two samples."""
+"""Distance below which a pair is not classified as never colliding [m].  A rare
+collision may occur between two samples."""
 ALWAYS: Final = 0.95
-"""Fraction of colliding samples above which links count as always colliding, as in
-MoveIt's setup assistant."""
+"""Fraction of colliding samples above which two links are classified as always
+colliding.  MoveIt's setup assistant uses the same fraction."""
 _CHUNK: Final = 1000
-"""Samples per batch of forward kinematics."""
+"""Number of samples per batch of forward kinematics."""
 _ARENA: Final = 2**26
-"""Memory for contacts [bytes]."""
+"""Size of the memory for contacts [bytes]."""
 
 LinkPair = tuple[str, str]
 """The names of two links, in alphabetical order."""
@@ -42,7 +43,7 @@ LinkPair = tuple[str, str]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SampledCollisions:
-    """Numbers of random poses in which links collided."""
+    """Numbers of random poses in which pairs of links collided."""
 
     n_samples: int
     collided: Mapping[LinkPair, int]
@@ -58,19 +59,20 @@ def disabled_collisions(
     n_samples: int = N_SAMPLES,
     seed: int = SEED,
 ) -> dict[LinkPair, str]:
-    """Return the pairs of links not to check for collisions, with MoveIt's reasons.
+    """Return the pairs of links to exclude from collision checks, and the reasons.
 
-    ``Adjacent``: a joint connects them, perhaps via links without a shape.
-    ``Default``: they collide in the default pose.  ``Always``: they collide in nearly
-    all samples.  ``User``: links of one mechanism, such as a gripper's pads, which
-    touch by design.  ``Never``: they collide in no sample.
+    The reasons have MoveIt's names.  ``Adjacent``: a joint connects the links, possibly
+    through links without shapes.  ``Default``: the links collide in the default pose.
+    ``Always``: the links collide in nearly all samples.  ``User``: the links are parts
+    of one mechanism, such as the pads of a gripper, which touch by design.  ``Never``:
+    the links do not collide in any sample.
 
-    Links of different robots count as never colliding only if their swept volumes are
-    apart, since there are too many combinations of poses to sample.
+    Links of different robots are classified as never colliding only if their swept
+    volumes do not overlap, since there are too many combinations of poses to sample.
 
     Args:
         model: The robot, or several robots below one root.
-        default: The default pose: joint → position [rad | m].
+        default: Joint positions of the default pose, by joint name [rad | m].
         n_samples: Number of random poses within the limits of the joints.
         seed: Seed of the random poses.
     """
@@ -101,7 +103,7 @@ def disabled_collisions(
 
 @final
 class LinkShapes:
-    """The links with collision shapes, each as a free body in MuJoCo."""
+    """Links with collision shapes, each of which is a free body in MuJoCo."""
 
     def __init__(self, model: RobotModel) -> None:
         self._model = model
@@ -152,13 +154,13 @@ class LinkShapes:
         )
 
     def colliding_at(self, pose: Mapping[str, float]) -> frozenset[LinkPair]:
-        """Return the pairs of links that collide in a pose: joint → position."""
+        """Return the pairs of links that collide at positions by joint [rad | m]."""
         given = {name: np.array([position]) for name, position in pose.items()}
         ((codes, depths),) = self._contacts(given, 1)
         return frozenset(self._pair(code) for code in codes[depths < 0.0])
 
     def are_apart(self, pair: LinkPair) -> bool:
-        """Return whether two links' bounding boxes of all poses so far are apart."""
+        """Return whether the swept bounding boxes of two links do not overlap."""
         lower, upper = self._swept
         boxes = []
         for name in pair:
@@ -168,7 +170,7 @@ class LinkShapes:
         return bool(np.any(lower_1 > upper_2) or np.any(lower_2 > upper_1))
 
     def _contacts(self, given: Mapping[str, Any], n: int) -> Iterator[tuple[Any, Any]]:
-        """Yield codes of link pairs and their distances [m], for each pose."""
+        """Yield the codes of link pairs and the pairs' distances [m] in each pose."""
         frames = self._frames.poses(given, n)
         data, n_links = self._data, len(self.links)
         placed = np.empty((n, n_links, 7))
@@ -194,8 +196,12 @@ class LinkShapes:
 
 
 def adjacent_links(model: RobotModel) -> Iterator[LinkPair]:
-    """Yield pairs of links with shapes connected by joints and shapeless links."""
-    # A shapeless link stands for itself and the shapeless links below it.
+    """Yield the pairs of adjacent links that have shapes.
+
+    Two links with shapes are adjacent if they are connected by joints and links without
+    shapes.
+    """
+    # A link without shapes represents itself and the links without shapes below it.
     node: dict[str, str] = {}
     neighbours: dict[str, set[str]] = defaultdict(set)
     edges = [(joint.parent, joint.child) for joint in model.joints]
@@ -222,14 +228,14 @@ def _ordered(first: str, second: str) -> LinkPair:
 
 
 def robot_of(model: RobotModel, link: str) -> str:
-    """Return the root's child link above a link, which identifies the link's robot."""
+    """Return the child of the root above a link, which identifies the link's robot."""
     while link in model.parent_joint and model.parent_joint[link].parent != model.root:
         link = model.parent_joint[link].parent
     return link
 
 
 def mechanism_of(model: RobotModel, link: str) -> str | None:
-    """Return the joint that drives a link's mechanism of mimic joints."""
+    """Return the joint that drives the mechanism of a link; None if there is none."""
     masters = {j.mimic.joint for j in model.joints if j.mimic is not None}
     while link in model.parent_joint:
         joint = model.parent_joint[link]
@@ -242,7 +248,7 @@ def mechanism_of(model: RobotModel, link: str) -> str | None:
 
 
 def _range(joint: Joint) -> tuple[float, float]:
-    """Return the range of a joint to sample [rad | m]: one turn if unlimited."""
+    """Return the sampled range of a joint [rad | m]: one turn if it is unlimited."""
     lower, upper = joint.limits.lower, joint.limits.upper
     is_limited = math.isfinite(lower) and math.isfinite(upper)
     return (lower, upper) if is_limited else (-math.pi, math.pi)

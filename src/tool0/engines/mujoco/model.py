@@ -1,9 +1,9 @@
-"""Converts the robot model to MuJoCo, through ``MjSpec``.
+"""Conversion of the robot model to MuJoCo's ``MjSpec``.
 
-Fixed links are merged into their moving parent body; their names remain as geom and
-site names.  ``<mimic>`` becomes a joint equality, a loop becomes a connection of two
-points, and ``<transmission>`` becomes a motor.  A link with a ``<gazebo>`` surface gets
-the contact parameters of a pad.
+Fixed links are merged into their moving parent body, and the names of these links
+remain as geom and site names.  ``<mimic>`` is converted to a joint equality, a loop to
+a connection of two points, and ``<transmission>`` to a motor.  A link with a
+``<gazebo>`` surface gets the contact parameters of a pad.
 """
 
 from __future__ import annotations
@@ -42,31 +42,36 @@ from tool0.engines.mujoco.self_collisions import (
 from tool0.errors import ModelError
 
 GRIP_SOLREF = (0.002, 1.0)
-"""Time constant [s] and damping ratio of pad contact: two steps, critically damped."""
+"""Time constant [s] and damping ratio of contacts with pads.  The time constant is two
+steps, and the damping is critical."""
 GRIP_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
-"""Impedance of pad contact.  With an elliptic cone and impratio 100, pads hold a shaken
-45 mm, 0.1 kg cube that they drop with MuJoCo's defaults (description/README.md)."""
+"""Impedance of contacts with pads.  With this impedance, an elliptic cone and impratio
+100, pads hold a cube of 45 mm and 0.1 kg while it is shaken.  With MuJoCo's defaults,
+the pads drop this cube (description/README.md)."""
 SPINNING, ROLLING = 0.005, 0.0001
-"""Friction of spinning about the normal and of rolling [m]: MuJoCo's defaults."""
+"""Coefficients of spinning friction about the normal and of rolling friction [m], which
+are MuJoCo's defaults."""
 GRIP_CONDIM = 4
-"""Contact dimension with sliding and spinning friction, as a pad touches in a patch."""
+"""Contact dimension with sliding and spinning friction, since the contact of a pad is
+an area."""
 IMPRATIO = 100.0
 MIMIC_SOLREF = (0.002, 1.0)
-"""Time constant [s] and damping ratio of mimic joints, as stiff as a step of 1 ms
-allows: they follow within the step, loops stay closed, and passive joints do not pass
-their stops."""
+"""Time constant [s] and damping ratio of mimic joints.  The values are the stiffest
+setting for a step of 1 ms.  With these values, mimic joints follow within the step,
+loops stay closed, and passive joints do not move beyond their stops."""
 MIMIC_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 STIFF_SOLIMP = (0.995, 0.999, 0.001, 0.5, 2.0)
-"""Impedance of loops, of passive joints' stops and of prismatic mimic joints.  Hundreds
-of newtons act there on links of a few grams.  With the impedance of revolute mimic
-joints, loops would open by 1 mm at 235 N (with this one: 0.15 mm), and a sliding finger
-of 38 g would lag by 0.5 mm at 130 N (with this one: 0.07 mm).  With a stiffer
-impedance, the closed pads of a linkage vibrate."""
+"""Impedance of loops, of passive joints' stops and of prismatic mimic joints.  In these
+constraints, forces of several hundred newtons act on links of a few grams.  With the
+impedance of revolute mimic joints, loops would open by 1 mm at 235 N, and a sliding
+finger of 38 g would lag by 0.5 mm at 130 N.  With ``STIFF_SOLIMP``, the corresponding
+distances are 0.15 mm and 0.07 mm.  With a stiffer impedance, the closed pads of a
+linkage vibrate."""
 
 MESH_SUFFIXES = (".stl", ".obj", ".msh")
-"""Suffixes of mesh files that MuJoCo reads."""
+"""Suffixes of the mesh files that MuJoCo can read."""
 
-VISUAL_GROUP, _COLLISION_GROUP = 2, 3  # as mujoco_menagerie has them
+VISUAL_GROUP, _COLLISION_GROUP = 2, 3  # the same groups as in mujoco_menagerie
 
 
 def build_spec(
@@ -77,8 +82,8 @@ def build_spec(
     Args:
         model: The robot.
         dt: Length of a step [s].
-        visuals: Whether to add the visual meshes, which physics does not need.
-        ground: The ground's height in the robot's root [m]; None without ground.
+        visuals: Whether to add the visual meshes, which the physics does not use.
+        ground: Height of the ground in the robot's root [m]; None means no ground.
 
     Raises:
         ModelError: If MuJoCo does not support the robot.
@@ -91,7 +96,7 @@ def build_spec(
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = IMPRATIO
-    # A diverged state must be reported, not silently reset.
+    # A diverged state must be reported instead of being reset without a message.
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     if ground is not None:
         spec.worldbody.add_geom(
@@ -143,7 +148,7 @@ def build_spec(
 
 
 def to_mjcf(model: RobotModel) -> str:
-    """Return the robot as MJCF, with absolute paths of its visual meshes."""
+    """Return the robot as MJCF, with absolute paths of the visual meshes."""
     spec = build_spec(model, dt=0.001, visuals=True)
     compile_spec(spec)
     return str(spec.to_xml())
@@ -163,7 +168,7 @@ def collision_name(link: Link, number: int) -> str:
 
 
 def add_geom(spec: Any, handle: Any, shape: Collision | Visual, frame: Matrix) -> Any:
-    """Add ``shape`` of a link at ``frame`` in the body ``handle``; return its geom.
+    """Add ``shape`` of a link at ``frame`` in the body ``handle``; return the geom.
 
     Raises:
         ModelError: If MuJoCo does not support the shape.
@@ -188,7 +193,7 @@ def add_geom(spec: Any, handle: Any, shape: Collision | Visual, frame: Matrix) -
 
 
 def quat_wxyz(frame: Matrix) -> Any:
-    """Return the rotation of ``frame``, shape (4,)."""
+    """Return the rotation of ``frame`` as a quaternion (w, x, y, z), shape (4,)."""
     quat = np.empty(4)
     mujoco.mju_mat2Quat(quat, np.ascontiguousarray(frame[:3, :3]).ravel())
     return quat
@@ -220,8 +225,9 @@ def _add_body(spec: Any, parent: Any, model: RobotModel, body: MovingBody) -> An
         frictionloss=joint.friction,
         armature=transmission.armature if transmission else 0.0,
     )
-    hinge.damping = [joint.damping, 0.0, 0.0]  # a polynomial in the speed
-    if joint.passive:  # a stiff stop
+    # Coefficients of a polynomial in the speed.
+    hinge.damping = [joint.damping, 0.0, 0.0]
+    if joint.passive:  # the stops are stiff
         hinge.solref_limit, hinge.solimp_limit = MIMIC_SOLREF, STIFF_SOLIMP
     if joint.spring is not None:
         hinge.stiffness = [joint.spring.stiffness, 0.0, 0.0]
@@ -285,11 +291,12 @@ def _add_shapes(
     visuals: bool,
     is_colliding: bool,
 ) -> None:
-    """Add a link to a body.
+    """Add the shapes of a link to a body.
 
-    If the link collides with other links, its collision meshes become convex parts,
-    since the hulls of close links may overlap where the meshes do not; otherwise they
-    become hulls.
+    If the link collides with other links, its collision meshes are split into convex
+    parts, since the hulls of links that are close together can overlap even if the
+    meshes do not overlap.  If the link does not collide, its meshes are replaced by
+    hulls.
     """
     in_parts = is_colliding and link.surface is None
     handle.add_site(name=link.name, pos=frame[:3, 3], quat=quat_wxyz(frame), group=4)

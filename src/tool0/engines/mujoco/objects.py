@@ -1,7 +1,8 @@
-"""Scene objects in MuJoCo: their bodies and states.
+"""Bodies and states of scene objects in MuJoCo.
 
 Each object is a separate body, with a free joint if it has a mass.  Free joints come
-after the robot's joints, so the robot's values are the first of every array.
+after the robot's joints, so that the robot's values are at the beginning of every
+array.
 """
 
 from __future__ import annotations
@@ -47,26 +48,29 @@ from tool0.errors import ModelError
 from tool0.hardware.engine import RecordedObjects
 
 OBJECT_SOLREF = (0.004, 1.0)
-"""Time constant of contacts between objects, ground and links [s]: a fifth of MuJoCo's
-default, so that a cube at rest penetrates by only micrometres."""
+"""Time constant [s] and damping ratio of contacts between objects, ground and links.
+The time constant is a fifth of MuJoCo's default, so that the penetration of a cube at
+rest is only micrometers."""
 OBJECT_ROLLING = 0.0005
-"""Rolling friction [m], a guess for stiff objects: a can on its side does not roll on a
-table tilted by up to one degree."""
+"""Coefficient of rolling friction [m].  The value is an estimate for stiff objects.
+With this value, a can on its side does not roll on a table that is tilted by up to one
+degree."""
 
-_PATCH, _ROUND = 4, 6  # condim: with spinning friction; with rolling friction, too
+# Values of condim: with spinning friction, and with additional rolling friction.
+_PATCH, _ROUND = 4, 6
 
 
 def compile_with_scene(
     spec: Any, model: RobotModel, scene: Scene, known_files: Mapping[str, bytes]
 ) -> tuple[Any, Mapping[str, bytes]]:  # MjSpec and MjModel have no type annotations
-    """Return the ``mujoco.MjModel`` of robot and scene, and the mesh files' contents.
+    """Return the ``mujoco.MjModel`` of robot and scene, and the contents of mesh files.
 
     The scene is added to the robot's ``spec``.  ``known_files`` are the contents from
-    the previous compilation, as a file may change or disappear while its object
+    the previous compilation, since a file can be changed or deleted while its object
     remains.
 
     Raises:
-        ModelError: If MuJoCo rejects the robot or an object; the message names the
+        ModelError: If MuJoCo rejects the robot or an object.  The message states the
             object.
     """
     _add_objects(spec, model, scene, known_files)
@@ -98,9 +102,9 @@ def _compile_alone(
 def change_body(
     model: Any, item: SceneObject, scene: Scene, known_files: Mapping[str, bytes]
 ) -> None:
-    """Give an object in a compiled model the mass and size of ``item`` in ``scene``.
+    """Set the mass and size of an object in a compiled model to those of ``item``.
 
-    The shapes of ``item`` must be of the same kinds as the object's.
+    The shapes of ``item`` must be of the same kinds as the shapes of the object.
     """
     alone = _compile_alone(item, scene, known_files)
     source, target = alone.body(item.name), model.body(item.name)
@@ -118,8 +122,8 @@ def change_body(
     if (count := alone.body_bvhnum[source.id]) > 0:
         model.bvh_aabb[ours : ours + count] = alone.bvh_aabb[its : its + count]
     mujoco.mj_setConst(model, mujoco.MjData(model))
-    # MuJoCo computes this mean only in a compilation, adding up in this order; the
-    # tolerance of its solvers is relative to it.
+    # MuJoCo computes the mean inertia only in a compilation, with the same order of
+    # additions.  The tolerance of MuJoCo's solvers is relative to the mean.
     if model.nv:
         model.stat.meaninertia = np.cumsum(model.dof_M0)[-1] / model.nv
 
@@ -127,7 +131,7 @@ def change_body(
 def change_friction(
     model: Any, robot: RobotModel, item: SceneObject, scene: Scene
 ) -> None:
-    """Give an object in a compiled model the friction of ``item`` in ``scene``."""
+    """Set the friction of an object in a compiled model to that of ``item``."""
     friction = {
         geom: other.friction for other in scene.objects for geom, _ in _geoms(other)
     }
@@ -156,7 +160,7 @@ def _pads(robot: RobotModel) -> list[tuple[str, float]]:
 
 def free_joint_name(name: str) -> str:
     """Return the name of an object's free joint."""
-    return f"{name}/free"  # no object's name has a slash
+    return f"{name}/free"  # object names do not contain slashes
 
 
 def _add_objects(
@@ -164,11 +168,12 @@ def _add_objects(
 ) -> None:
     """Add the scene to the robot's spec.
 
-    Between two objects, or an object and a pad, the smaller friction applies; as MuJoCo
-    would use the larger one, these pairs are explicit.  Against the ground and the
-    other links, the object's friction applies because of its higher priority.
+    Between two objects, or an object and a pad, the smaller friction coefficient
+    applies.  These pairs are explicit, since MuJoCo would use the larger coefficient.
+    For contacts with the ground and with other links, the friction coefficient of the
+    object applies because of its higher priority.
     """
-    # Static objects come first: messages about overlaps rely on this order.
+    # Static objects come first, since messages about overlaps depend on this order.
     for item in sorted(scene.objects, key=lambda item: item.mass is not None):
         _add_object(spec, item, scene, known_files)
     named = [(item, _geoms(item)) for item in scene.objects]
@@ -188,7 +193,7 @@ def _add_objects(
 
 
 def _load_meshes(spec: Any, known: Mapping[str, bytes]) -> Mapping[str, bytes]:
-    """Give ``spec`` the contents of its mesh files, and return them."""
+    """Add the contents of the mesh files to ``spec``, and return these contents."""
     files = {}
     assets = {}
     for mesh in spec.meshes:
@@ -196,10 +201,11 @@ def _load_meshes(spec: Any, known: Mapping[str, bytes]) -> Mapping[str, bytes]:
         if name not in files:
             if name in known:
                 files[name] = known[name]
-            elif Path(name).is_file():  # otherwise MuJoCo reports what is wrong
+            elif Path(name).is_file():  # otherwise, MuJoCo reports the error
                 files[name] = Path(name).read_bytes()
         if name in files:
-            # mujoco 3.3.0 confuses files with the same name in two folders.
+            # mujoco 3.3.0 does not distinguish files with the same name in different
+            # folders.
             mesh.file = name.replace("/", "|").replace("\\", "|")
             assets[mesh.file] = files[name]
     spec.assets = assets
@@ -220,7 +226,8 @@ def _add_object(
     if not isinstance(item.geometry, Compound):
         geoms[0].mass = item.mass
         return
-    # MuJoCo has the volumes: that of a mesh is its convex hull's.
+    # The volumes are read from MuJoCo.  The volume of a mesh is that of its convex
+    # hull.
     fixed = _compile_alone(replace(item, mass=None), scene, known_files)
     for geom in geoms:
         geom.density *= item.mass / fixed.body(item.name).mass[0]
@@ -229,7 +236,7 @@ def _add_object(
 def add_shapes(spec: Any, body: Any, item: SceneObject, frame: Matrix) -> list[Any]:
     """Add the shapes of an object to a body in which it has the pose ``frame``.
 
-    Returns the geoms of the shapes.
+    The function returns the geoms of the shapes.
     """
     geoms = [
         _add_part(spec, body, item, Collision(geometry=shape, origin=pose), frame)
@@ -243,7 +250,7 @@ def add_shapes(spec: Any, body: Any, item: SceneObject, frame: Matrix) -> list[A
 def _add_part(
     spec: Any, body: Any, item: SceneObject, part: Collision, frame: Matrix
 ) -> Any:
-    """Add one shape of an object to its body; return the geom."""
+    """Add one shape of an object to the object's body, and return the geom."""
     try:
         geom = add_geom(spec, body, part, frame)
     except ModelError as error:
@@ -253,7 +260,8 @@ def _add_part(
     geom.friction = [item.friction, SPINNING, OBJECT_ROLLING]
     geom.solref = OBJECT_SOLREF
     geom.priority = 1
-    if isinstance(part.geometry, Mesh):  # as solid as the other geom; never rejected
+    # With this setting, the mesh is solid like other geoms and is never rejected.
+    if isinstance(part.geometry, Mesh):
         mesh = spec.mesh(geom.meshname)
         mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
     return geom
@@ -277,27 +285,30 @@ def _geoms(item: SceneObject) -> list[tuple[str, Geometry]]:
 
 @final
 class ObjectStates:
-    """Poses and velocities of the objects, read from and written to ``qpos``, ``qvel``.
+    """Access to poses and velocities of the objects in ``qpos`` and ``qvel``.
 
-    MuJoCo's ``xpos`` is not used, as it dates from the previous step.  A free joint has
-    its linear velocity in the axes of the world and its angular velocity in those of
-    the object; an ``ObjectState`` has both in the axes of the robot's root.
+    MuJoCo's ``xpos`` is not used, since its values are those of the previous step.  The
+    linear velocity of a free joint is in the axes of the world, and its angular
+    velocity is in the axes of the object.  In an ``ObjectState``, both velocities are
+    in the axes of the robot's root.
     """
 
     def __init__(self, model: Any, data: Any, scene: Scene) -> None:
-        """Access ``model`` and ``data``, which were compiled with ``scene``."""
+        """Access ``model`` and ``data``, which must contain ``scene``."""
         self._model = model
         self.names = tuple(item.name for item in scene.objects)
         movable = [item.name for item in scene.objects if item.mass is not None]
-        # Free joints are the last ones, in the scene's order: 7 positions, 6 speeds.
+        # The free joints are the last joints, in the order of the scene.  Each free
+        # joint has 7 positions and 6 velocities.
         self.starts: Mapping[str, tuple[int, int]] = {
             name: (7 * k, 6 * k) for k, name in enumerate(movable)
         }
-        """First indices of each movable object in ``position`` and ``velocity``."""
+        """Index of the first number of each movable object in ``position`` and in
+        ``velocity``."""
         self.position = data.qpos[model.nq - 7 * len(movable) :]  # views
-        """Positions of the free joints, 7 numbers each."""
+        """Positions of the free joints, with 7 numbers per joint."""
         self.velocity = data.qvel[model.nv - 6 * len(movable) :]
-        """Velocities of the free joints, 6 numbers each."""
+        """Velocities of the free joints, with 6 numbers per joint."""
         self._warm_start = data.qacc_warmstart[model.nv - 6 * len(movable) :]
         self._static_at_start = {
             item.name: ObjectState(
@@ -307,7 +318,7 @@ class ObjectStates:
             if item.mass is None
         }
         self.static: Mapping[str, ObjectState] = self._static_at_start
-        """The states of the static objects, by name."""
+        """States of the static objects by name."""
 
     def is_movable(self, name: str) -> bool:
         """Return whether an object has a mass."""
@@ -316,7 +327,8 @@ class ObjectStates:
     def record(self) -> Sequence[ObjectState]:
         """Return the state of each object, in the scene's order.
 
-        This only copies numbers; the states are computed in the thread that reads them.
+        This method only copies numbers.  The states are computed when they are read, in
+        the thread of the reader.
         """
         if not self.starts:
             return tuple(self.static.values()) if self.static else ()
@@ -338,12 +350,12 @@ class ObjectStates:
         self._warm_start[j : j + 6] = 0.0
 
     def reset(self) -> None:
-        """Put static objects at their start poses; MuJoCo resets the others."""
+        """Move static objects to their start poses; MuJoCo resets movable objects."""
         for state in self._static_at_start.values():
             self._put(state)
 
     def resume_static(self, states: Mapping[str, ObjectState]) -> None:
-        """Put static objects at the poses in ``states``, if they are in it."""
+        """Move the static objects that are in ``states`` to the poses in ``states``."""
         for name in self.static.keys() & states.keys():
             if self.static[name] != states[name]:
                 self._put(states[name])
@@ -351,7 +363,8 @@ class ObjectStates:
     def _put(self, state: ObjectState) -> None:
         body = self._model.body(state.name)
         body.pos[:], body.quat[:] = state.position, state.quat_wxyz
-        self.static = {**self.static, state.name: state}  # records have the old one
+        # The mapping is replaced, since records refer to the old mapping.
+        self.static = {**self.static, state.name: state}
 
 
 def _states(
@@ -361,7 +374,7 @@ def _states(
     packed_position: bytes,
     packed_velocity: bytes,
 ) -> tuple[ObjectState, ...]:
-    """Return the state of each object, computed from the free joints' numbers."""
+    """Return the state of each object, computed from the numbers of the free joints."""
     position = np.frombuffer(packed_position).tolist()
     velocity = np.frombuffer(packed_velocity).tolist()
     return tuple(

@@ -1,7 +1,7 @@
-"""Overlaps of a robot's links with each other, the ground and objects in any pose.
+"""Overlaps of links with each other, the ground and objects in any pose.
 
-MuJoCo's collision detection runs on a separate model without dynamics, so that this
-works with every engine and in any thread.
+MuJoCo's collision detection runs on a separate model without dynamics.  Therefore the
+detection works with every engine and in any thread.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from tool0.engines.mujoco.objects import compile_with_scene, free_joint_name
 from tool0.engines.mujoco.world import geom_owners
 
 NEAR = 0.001
-"""Distance below which shapes are reported even if they do not overlap [m]: shapes that
-touch in one physics step may be micrometres apart in the next."""
+"""Distance below which pairs of shapes are reported even if they do not overlap [m].
+Shapes that touch in one physics step can be micrometers apart in the next step."""
 
 Pair = tuple[str, str]
 """The names of links, objects or the ground, in alphabetical order."""
@@ -29,10 +29,10 @@ Pair = tuple[str, str]
 
 @final
 class OverlapFinder:
-    """The compiled robot and its objects.  One thread at a time may use it."""
+    """Model of the robot and objects.  Only one thread at a time may use the model."""
 
     def __init__(self, model: RobotModel, ground: float | None) -> None:
-        """Use a ground at height ``ground`` [m] in the robot's root, or none."""
+        """Use a ground at height ``ground`` [m] in the root; None means no ground."""
         self._robot = model
         self._spec = build_spec(model, dt=0.001, ground=ground)
         self._mesh_files: Mapping[str, bytes] = {}
@@ -59,7 +59,7 @@ class OverlapFinder:
         ]
 
     def put_object(self, item: SceneObject, state: ObjectState) -> None:
-        """Place one of the objects as in ``state``."""
+        """Place one of the objects at the pose in ``state``."""
         pose = (*state.position, *state.quat_wxyz)
         if item.mass is None:
             body = self._model.body(item.name)
@@ -80,7 +80,8 @@ class OverlapFinder:
     def depths(self) -> dict[Pair, float]:
         """Return the penetration depths [m] by pair.
 
-        Depths are negative for pairs that are apart, but closer than ``NEAR``.
+        The depth of a pair that does not overlap, but is closer than ``NEAR``, is
+        negative.
         """
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_collision(self._model, self._data)

@@ -1,6 +1,6 @@
-"""Images of a robot and its scene from MuJoCo's renderer, for any engine.
+"""Images of a robot and its scene from MuJoCo's renderer, for every engine.
 
-The renderer has its own model, with the visual meshes, and computes only kinematics.
+The renderer has a separate model with the visual meshes, and computes only kinematics.
 """
 
 from __future__ import annotations
@@ -35,38 +35,44 @@ from tool0.engines.mujoco.objects import (
 logger = logging.getLogger(__name__)
 
 MAX_GEOMS = 10000
-"""Largest number of shapes in an image; MuJoCo omits the rest."""
+"""Largest number of shapes in an image; MuJoCo omits further shapes."""
 SHADOW_DETAIL = 5
-"""Ratio of the shadow map's side to the image's side."""
+"""Ratio of the side of the shadow map to the longer side of the image."""
 SHADOW_SIZES = (512, 2048)
 """Smallest and largest side of the shadow map [pixels]."""
 SMALL, ROUND = 128, (20, 8)
-"""Image side [pixels] up to which cylinders and spheres are coarse, and their numbers
-of slices and stacks; in larger images, they have MuJoCo's 28 and 16."""
+"""Largest image side [pixels] with coarse cylinders and spheres, and the numbers of
+slices and stacks of these shapes.  In larger images, the numbers are MuJoCo's defaults,
+28 and 16."""
 HORIZON, ZENITH = np.array([237.0, 242.0, 247.0]), np.array([180.0, 203.0, 230.0])
-"""Colours of the sky."""
+"""Colors of the sky at the horizon and at the zenith (red, green, blue; 0 … 255)."""
 HAZE = (3.0, 9.0)
-"""Depths [m] at which objects begin to fade, and beyond which only sky is visible."""
+"""Depth at which objects begin to fade into the sky, and depth beyond which only sky is
+visible [m]."""
 DIFFUSE, HEAD_DIFFUSE, HEAD_AMBIENT = 0.5, 0.32, 0.38
-"""Intensities of the lamp, and of the light from the camera."""
+"""Intensities of the lamp, and of the diffuse and ambient light from the camera."""
 ROBOT, GROUND, NOTHING = -1, -2, -3
-"""Values of pixels that show the robot, the ground or nothing."""
+"""Values of the pixels that show the robot, the ground or nothing."""
 STAND_IN_RGBA = (0.6, 0.62, 0.65, 1.0)
-"""Colour of collision shapes that replace a mesh."""
+"""Color of the collision shapes that replace a mesh."""
 
 Picture = tuple[NDArray[np.uint8], NDArray[np.float32], Transform]
 
 
 @final
 class Renderer:
-    """Renderer of one robot; the thread that creates it must also use and close it."""
+    """Renderer of one robot.
+
+    The thread that creates the renderer must also use and close it.
+    """
 
     def __init__(
         self, model: RobotModel, ground: float | None, width: int, height: int
     ) -> None:
         """Prepare OpenGL for images up to ``width`` and ``height`` [pixels].
 
-        ``ground`` is the ground's height in the robot's root [m]; None without ground.
+        ``ground`` is the height of the ground in the robot's root [m]; None means no
+        ground.
 
         Raises:
             RenderError: If OpenGL is not available.
@@ -85,7 +91,7 @@ class Renderer:
         self._drawing: Any = None  # MuJoCo's MjrContext
 
     def holds(self, width: int, height: int) -> bool:
-        """Return whether an image of this size [pixels] fits."""
+        """Return whether an image of this size [pixels] can be rendered."""
         return width <= self.size[0] and height <= self.size[1]
 
     def render(
@@ -96,10 +102,11 @@ class Renderer:
         states: Sequence[ObjectState],
         look: Look = Look(),
     ) -> Picture:
-        """Return colours, depth, and the camera's optical frame in the robot's root.
+        """Return colors, depth, and the camera's optical frame in the robot's root.
 
-        See ``CameraImage`` for the first two.  ``position`` [rad | m] contains every
-        movable joint; ``states`` are the states of the ``objects``, in the same order.
+        ``CameraImage`` describes the colors and the depth.  ``position`` [rad | m]
+        contains every movable joint.  ``states`` contains the states of ``objects`` in
+        the same order.
 
         Raises:
             ModelError: If MuJoCo does not support an object.
@@ -119,10 +126,10 @@ class Renderer:
         objects: tuple[SceneObject, ...],
         states: Sequence[ObjectState],
     ) -> NDArray[np.int32]:
-        """Return what each pixel shows, shape (height, width).
+        """Return the item that each pixel shows, shape (height, width).
 
-        Values are ``ROBOT``, ``GROUND``, ``NOTHING``, or the number of an object from 0
-        on.
+        The value of a pixel is ``ROBOT``, ``GROUND``, ``NOTHING``, or the number of an
+        object, starting at 0.
         """
         self._prepare(position, objects, states)
         self._aim(camera, self._frame(camera))
@@ -137,12 +144,12 @@ class Renderer:
         for flag in segments:
             flags[flag.value] = 0
         number = rgb[::-1].astype(np.int32) @ np.array([1, 1 << 8, 1 << 16], np.int32)
-        # 0 is the background, k + 1 the visible shape k.
+        # The number 0 denotes the background, and k + 1 denotes the visible shape k.
         of_shape = [NOTHING, *(self._kind(g) for g in self._shapes())]
         return np.array(of_shape, np.int32)[np.minimum(number, len(of_shape) - 1)]
 
     def _shapes(self) -> list[Any]:
-        """Return the visible shapes by their number in a segmented image."""
+        """Return the visible shapes, indexed by their number in a segmented image."""
         shapes = self._visible.geoms[: self._visible.ngeom]
         found: dict[int, Any] = {shape.segid: shape for shape in shapes}
         return [found.get(number) for number in range(max(found, default=-1) + 1)]
@@ -168,7 +175,7 @@ class Renderer:
         objects: tuple[SceneObject, ...],
         states: Sequence[ObjectState],
     ) -> None:
-        """Use a scene in a state."""
+        """Set the objects, the joint positions and the states of the objects."""
         self._context.make_current()
         if objects is not self._objects:
             if self._objects is None or not _have_same_kinds(objects, self._objects):
@@ -178,7 +185,7 @@ class Renderer:
         self._pose(position, states)
 
     def _resize(self, objects: tuple[SceneObject, ...]) -> None:
-        """Update the sizes of objects, which is much faster than a compilation."""
+        """Update the sizes of objects, which is faster than a compilation."""
         for item, old in zip(objects, self._objects or (), strict=True):
             if item.geometry != old.geometry:
                 change_body(self._model, item, Scene(objects), self._mesh_files)
@@ -201,7 +208,7 @@ class Renderer:
         mujoco.mj_camlight(model, self._data)
 
     def _compile(self, objects: tuple[SceneObject, ...]) -> None:
-        """Compile and use a scene; change nothing if MuJoCo rejects it."""
+        """Compile and use a scene; nothing is changed if MuJoCo rejects the scene."""
         model, files = compile_with_scene(
             self._robot_spec.copy(), self._robot, Scene(objects), self._mesh_files
         )
@@ -211,13 +218,14 @@ class Renderer:
         self._drawing = mujoco.MjrContext(
             model, mujoco.mjtFontScale.mjFONTSCALE_100.value
         )
-        # From 1 at near to 0 at far: floats are densest at 0, so far depth is exact.
+        # The depth is 1 at the near plane and 0 at the far plane.  Since floats have
+        # the highest resolution near 0, large depths are exact.
         self._drawing.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR.value
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing)
         self._visible = mujoco.MjvScene(model, maxgeom=MAX_GEOMS)
         self._visible.flags[mujoco.mjtRndFlag.mjRND_SKYBOX.value] = 0
         self._options = mujoco.MjvOption()
-        self._options.geomgroup[:] = [1, 1, 1, 0, 0, 0]  # no collision shapes
+        self._options.geomgroup[:] = [1, 1, 1, 0, 0, 0]  # collision shapes are hidden
         self._options.sitegroup[:] = 0
         self._detail = Detail(model)
         self._numbers = {
@@ -253,10 +261,11 @@ class Renderer:
         return T_root_link @ camera.T_link_camera
 
     def _aim(self, camera: Camera, frame: Transform) -> None:
-        """Set the view with a computed frustum, so that the model needs no cameras."""
+        """Set the view by a computed frustum; the model does not need cameras."""
         _, down, forward = zip(*frame.rotation, strict=True)
         half = camera.near * math.tan(camera.field_of_view / 2.0)
-        for eye in self._visible.camera:  # two, for stereo; the mean is what counts
+        # There are two cameras for stereo images; MuJoCo uses their mean.
+        for eye in self._visible.camera:
             eye.pos, eye.forward = frame.position, forward
             eye.up = [-part for part in down]
             eye.frustum_center, eye.orthographic = 0.0, 0
@@ -266,7 +275,7 @@ class Renderer:
         put_ground_below(self._model, self._data, frame.position)
         self._detail.choose(self._data, camera, frame)
         view = mujoco.MjvCamera()
-        view.type = mujoco.mjtCamera.mjCAMERA_USER.value  # leave it as it is
+        view.type = mujoco.mjtCamera.mjCAMERA_USER.value  # MuJoCo keeps this view
         mujoco.mjv_updateScene(
             self._model,
             self._data,
@@ -284,11 +293,12 @@ class Renderer:
         mujoco.mjr_render(viewport, self._visible, self._drawing)
         mujoco.mjr_readPixels(rgb, depth, viewport, self._drawing)
         near, far = camera.near, camera.far
-        # 1 at near, 0 at far, and linear in 1 / z between.
+        # The value is 1 at the near plane, 0 at the far plane, and linear in 1 / z
+        # between the two planes.
         with np.errstate(divide="ignore"):
             z = near * far / (near + depth.astype(np.float64) * (far - near))
-        z[depth <= 0.0] = np.inf  # REP-117: nothing within reach
-        # OpenGL's rows go upwards.
+        z[depth <= 0.0] = np.inf  # REP-117: no surface within range.
+        # OpenGL's rows start at the bottom.
         return rgb[::-1].copy(), z[::-1].astype(np.float32)
 
 
@@ -298,14 +308,16 @@ def _paint_sky(
     camera: Camera,
     T_root_camera: Transform,
 ) -> None:
-    """Paint the sky, and let distant objects fade into it.
+    """Draw the sky, and blend distant objects with the color of the sky.
 
-    MuJoCo's own sky is a box at a finite distance, which would appear in the depth.
+    MuJoCo's sky is not used, since it is a box at a finite distance that would be
+    visible in the depth image.
     """
     rows, columns = np.nonzero(depth > HAZE[0])
     focal, (cx, cy) = camera.focal_length, camera.intrinsics[:2, 2]
     x, y = (columns - cx) / focal, (rows - cy) / focal
-    right, down, forward = T_root_camera.rotation[2]  # upwards, in the camera's axes
+    # The upward direction in the camera's axes.
+    right, down, forward = T_root_camera.rotation[2]
     height = (right * x + down * y + forward) / np.sqrt(x * x + y * y + 1.0)
     sky = HORIZON + (ZENITH - HORIZON) * np.maximum(height, 0.0)[:, np.newaxis]
     share = np.minimum((depth[rows, columns] - HAZE[0]) / (HAZE[1] - HAZE[0]), 1.0)
@@ -314,25 +326,29 @@ def _paint_sky(
 
 
 def _furnish(spec: Any, width: int, height: int) -> None:
-    """Add lights, and allocate images of this size."""
+    """Add lights, and set the sizes of images and of the shadow map."""
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
     spec.visual.quality.shadowsize = shadow_size(width, height)
     if max(width, height) <= SMALL:
         spec.visual.quality.numslices, spec.visual.quality.numstacks = ROUND
-    # With several samples per pixel, the depth would come from an off-centre sample and
-    # be wrong by millimetres on a steep face.  Rendering would also take twice as long.
+    # With several samples per pixel, the depth would be that of an off-center sample,
+    # with errors of millimeters on steep faces.  Rendering would also take twice as
+    # long.
     spec.visual.quality.offsamples = 0
-    spec.visual.map.shadowscale = 0.3  # of the lamp's cone: 1.8 m around on the ground
+    # This fraction of the lamp's cone has a radius of 1.8 m on the ground.
+    spec.visual.map.shadowscale = 0.3
     spec.visual.headlight.specular = [0.1, 0.1, 0.1]
-    spec.worldbody.add_light(cutoff=80.0, exponent=1.0)  # Renderer._light has the rest
+    # The other properties of the lamp are set by ``Renderer._light``.
+    spec.worldbody.add_light(cutoff=80.0, exponent=1.0)
 
 
 def _have_same_kinds(
     some: tuple[SceneObject, ...], others: tuple[SceneObject, ...]
 ) -> bool:
-    """Return whether two scenes differ only in sizes and colours, if at all.
+    """Return whether two scenes differ at most in sizes and colors.
 
-    This ignores mass and friction, which are not visible, and poses, which are states.
+    Masses and friction coefficients are ignored, since they are not visible.  Poses are
+    ignored, since they are part of the state.
     """
     return len(some) == len(others) and all(
         one.name == other.name
@@ -343,16 +359,20 @@ def _have_same_kinds(
 
 
 def shadow_size(width: int, height: int) -> int:
-    """Return the shadow map's side for an image of this size [pixels].
+    """Return the side of the shadow map for an image of this size [pixels].
 
-    Without a graphics card, the shadow map takes longer than a small image itself.
+    Without a graphics card, rendering a large shadow map would take longer than
+    rendering a small image.
     """
     wanted = int(SHADOW_DETAIL * max(width, height))
     return min(max(1 << (wanted - 1).bit_length(), SHADOW_SIZES[0]), SHADOW_SIZES[1])
 
 
 def with_readable_visuals(model: RobotModel) -> RobotModel:
-    """Return the robot with collision shapes for meshes that MuJoCo cannot read."""
+    """Return the robot with collision shapes in place of unreadable meshes.
+
+    Unreadable meshes are visual meshes in a format that MuJoCo does not support.
+    """
     unreadable = {
         visual.geometry.path.name
         for link in model.links

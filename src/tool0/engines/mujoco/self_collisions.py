@@ -1,4 +1,4 @@
-"""Pairs of a robot's links that collide with each other, as in Gazebo."""
+"""Pairs of links of one robot that collide with each other, as in Gazebo."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tool0.description.model import Joint, Link, RobotModel
 
 
 def body_at_rest(link: str) -> str:
-    """Return the name of the body of a link at rest, for exclusions of body pairs."""
+    """Return the body name of a link at rest, for exclusions of body pairs."""
     return f"{link}/base"
 
 
@@ -20,11 +20,12 @@ def excluded_pairs(
     at_rest: Sequence[Link],
     colliding: frozenset[str],
 ) -> Iterator[tuple[str, str]]:
-    """Yield the pairs of bodies that never collide, at least one of which moves.
+    """Yield the pairs of bodies, not both at rest, that never collide.
 
-    Bodies of one mechanism may overlap, as a linkage's links share pivots that a URDF
-    tree cannot express; only its pads collide with each other.  Other bodies collide if
-    both are ``colliding`` and no joint connects them.
+    Bodies of one mechanism can overlap, since the links of a linkage share pivots that
+    cannot be expressed in the tree of a URDF.  Within a mechanism, only the pads
+    collide with each other.  Other bodies collide if both bodies are ``colliding`` and
+    no joint connects the two bodies.
     """
     masters = {j.mimic.joint for j in model.movable_joints if j.mimic is not None}
     mechanism = {
@@ -41,16 +42,17 @@ def excluded_pairs(
     for link in at_rest:
         for body in bodies:
             child = body.joint.child
-            # MuJoCo itself excludes bodies that share a joint, except bodies at rest
+            # MuJoCo excludes bodies that share a joint, unless one of the bodies is at
+            # rest.
             is_adjacent = body.joint.parent == link.name
             if is_adjacent or not (link.name in colliding and child in colliding):
                 yield body_at_rest(link.name), child
 
 
 def self_colliding(model: RobotModel, bodies: tuple[MovingBody, ...]) -> frozenset[str]:
-    """Return the links that collide with other links, as in Gazebo.
+    """Return the links that collide with other links, following Gazebo's rules.
 
-    This includes links that are fixed to such a link.
+    The result includes links that are fixed to a colliding link.
     """
     if model.self_collide:
         return frozenset(model.link_by_name)
@@ -62,7 +64,7 @@ def self_colliding(model: RobotModel, bodies: tuple[MovingBody, ...]) -> frozens
 
 
 def _mechanism(model: RobotModel, joint: Joint, masters: Collection[str]) -> str | None:
-    """Return the joint that drives the mechanism of ``joint``, if any."""
+    """Return the joint that drives the mechanism of ``joint``, or None."""
     if joint.mimic is None and joint.name not in masters:
         return None
     while joint.mimic is not None:

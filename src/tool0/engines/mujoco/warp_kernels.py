@@ -1,6 +1,6 @@
-"""Warp kernels that change MuJoCo Warp's state in addition to its own steps.
+"""Warp kernels that read or change the state of MuJoCo Warp.
 
-Arrays have one row per world, a copy of the robot and its scene.
+Arrays have one row per world.  A world is a copy of the robot and its scene.
 """
 
 import warp as wp
@@ -22,18 +22,20 @@ def finish_step(
     has_diverged: wp.array[int],
     steps: wp.array[int],
 ) -> None:
-    """Count the step of each world; a world that diverges stands still where it was.
+    """Count the step of each world, and stop the worlds that diverge.
 
     A world diverges if the sum of its squared speeds is not below ``most_squares``, or
-    if its overflow has one of the bits of ``failures``.  ``measured`` keeps its last
-    positions.  Its physics continues at ``parked``, so that the contacts of a world
-    that stands still do not fill the memory that all worlds share.
+    if its overflow has one of the bits of ``failures``.  A world that diverges keeps
+    its last positions in ``measured``.  The physics of the world continues at
+    ``parked``, so that the contacts of stopped worlds do not fill the memory that all
+    worlds share.
     """
     world = wp.tid()
     squares = float(0.0)
     for i in range(velocity.shape[1]):
         squares += velocity[world, i] * velocity[world, i]
-    if not squares < most_squares or (overflow[world] & failures) != 0:  # NaN, too
+    # This condition is also true for NaN.
+    if not squares < most_squares or (overflow[world] & failures) != 0:
         has_diverged[world] = 1
     if has_diverged[world] == 0:
         for i in range(position.shape[1]):
@@ -61,7 +63,7 @@ def set_state(
     has_diverged: wp.array[int],
     steps: wp.array[int],
 ) -> None:
-    """Put the chosen worlds at rest at ``start``, and set their time to 0."""
+    """Set the chosen worlds to rest at ``start``, with time 0."""
     world = wp.tid()
     if is_chosen[world] == 0:
         return
@@ -89,7 +91,10 @@ def place_object(
     velocity: wp.array2d[float],
     warm_start: wp.array2d[float],
 ) -> None:
-    """Put an object at rest at ``pose``; ``first`` are its first indices."""
+    """Place an object at rest at ``pose``.
+
+    ``first`` contains the indices of the object's first position and first velocity.
+    """
     world = wp.tid()
     if is_chosen[world] == 0:
         return
@@ -113,10 +118,11 @@ def set_body_mass(
     body_weight: wp.array2d[wp.vec2],
     dof_weight: wp.array2d[float],
 ) -> None:
-    """Set a free body's masses and the values that follow from them (``mj_setConst``).
+    """Set the masses of a free body and the values that depend on them.
 
-    Its shape does not change, so its inertias scale with the mass; ``…_weight`` are
-    inverse inertias.
+    The dependent values are those of ``mj_setConst``.  The body's inertias are
+    proportional to the mass, since the shape does not change.  ``…_weight`` are inverse
+    inertias.
     """
     world = wp.tid()
     if is_chosen[world] == 0:
@@ -141,9 +147,9 @@ def set_geom_friction(
     friction: wp.array2d[wp.vec3],
     pair_friction: wp.array2d[vec5],
 ) -> None:
-    """Set the sliding friction of geoms; in their pairs, the smaller value applies.
+    """Set the sliding friction of geoms; the smaller value applies to each pair.
 
-    ``ends`` are the two geoms of each of the ``pairs``.
+    ``ends`` contains the two geoms of each pair in ``pairs``.
     """
     world = wp.tid()
     if is_chosen[world] == 0:
@@ -170,9 +176,10 @@ def sum_normal_forces(
     owner: wp.array2d[int],
     found: wp.array2d[float],
 ) -> None:
-    """Add the normal force of each contact to the links that it touches.
+    """Add the normal force of each contact to the forces of the touching links.
 
-    ``owner`` is 1 where the row's geom belongs to the column's link.
+    An element of ``owner`` is 1 if the geom of the row belongs to the link of the
+    column.
     """
     contact = wp.tid()
     if contact >= n_contacts[0] or rows[contact, 0] < 0:
@@ -196,10 +203,10 @@ def find_touching(
     side: wp.array2d[int],
     found: wp.array[int],
 ) -> None:
-    """Set 1 for each world in which a geom of one side presses on one of the other.
+    """Set 1 for each world in which geoms of the two sides press on each other.
 
-    ``side`` is 1 where the row's geom belongs to the column's side.  A world has no
-    contacts before its first step.
+    An element of ``side`` is 1 if the geom of the row belongs to the side of the
+    column.  A world has no contacts before its first step.
     """
     contact = wp.tid()
     if contact >= n_contacts[0] or rows[contact, 0] < 0:

@@ -1,4 +1,4 @@
-"""Many copies of one compiled model, stepped by MuJoCo Warp on a GPU."""
+"""Many copies of one compiled model, which MuJoCo Warp steps on a GPU."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 CONTACTS, CONTACTS_PER_OBJECT = 64, 16
-"""Number of contacts with room per copy: without objects, and for each movable
-object."""
+"""Number of contacts for which memory is allocated in each copy: for the robot, and for
+each movable object."""
 CONTACTS_PER_PAIR = 8
-"""Largest number of contacts between two geoms, reached by two boxes."""
+"""Largest number of contacts between two geoms, which occurs between two boxes."""
 ROWS, ROWS_PER_CONTACT = 64, 4
-"""Number of constraint rows with room per copy (mimic joints, stops, friction,
-contacts): without contacts, and for each contact."""
+"""Number of constraint rows for which memory is allocated in each copy: without
+contacts (mimic joints, stops and friction), and for each contact."""
 FIELDS_OF_OBJECTS = (
     "body_mass",
     "body_subtreemass",
@@ -48,19 +48,21 @@ FIELDS_OF_OBJECTS = (
     "geom_friction",
     "pair_friction",
 )
-"""Fields of the model with a row per world, for the masses and frictions of objects."""
+"""Fields of the model that have one row per world, for the masses and friction
+coefficients of objects."""
 FAILURES = int(
     OverflowType.ALL & ~(OverflowType.ITERATIONS | OverflowType.LS_ITERATIONS)
 )
-"""Overflows in which contacts or constraints are dropped.  A solver that reaches its
-iteration limit is not among them: its result is only less exact, as on the CPU."""
+"""Overflows that lead to dropped contacts or constraints.  The iteration limits of
+solvers are not included, since the results are then only less accurate, as on the
+CPU."""
 
 
 def check_device(device: str) -> str:
-    """Return Warp's name for ``device``: "cuda", "cuda:1", or "cpu" for "warp:cpu".
+    """Return Warp's name for ``device``, such as "cuda:1", or "cpu" for "warp:cpu".
 
     Raises:
-        EngineUnavailableError: If Warp does not find it.
+        EngineUnavailableError: If Warp does not find the device.
     """
     wp.config.log_level = max(wp.config.log_level, wp.LOG_WARNING)
     wp.init()
@@ -78,14 +80,14 @@ def check_device(device: str) -> str:
 
 @final
 class WarpWorlds:
-    """n copies of a robot and its objects on a Warp device, in single precision.
+    """The n copies of a robot and its objects on a Warp device, in single precision.
 
-    Unless stated otherwise, every array that a caller passes or gets is in double
-    precision and has n rows.
+    Unless stated otherwise, arguments and results that are arrays have double precision
+    and n rows.
     """
 
     def __init__(self, engine: MujocoEngine, n: int, device: str) -> None:
-        """Copy the state of ``engine`` n times to the device with this Warp name.
+        """Copy the state of ``engine`` n times to the Warp device called ``device``.
 
         Raises:
             EngineError: If MuJoCo Warp does not support the model.
@@ -95,7 +97,8 @@ class WarpWorlds:
         self._objects = ObjectReader(engine.world.states, n)
         self._n, self._n_joints = n, len(engine.joint_names)
         model = copy.copy(engine.model)
-        # MuJoCo Warp never resets a diverged world, and rejects the flag that says so.
+        # MuJoCo Warp never resets a diverged world, and rejects the flag that disables
+        # resets.
         model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
         n_contacts = CONTACTS + CONTACTS_PER_OBJECT * len(engine.world.states.starts)
         with wp.ScopedDevice(device):
@@ -105,15 +108,17 @@ class WarpWorlds:
                 raise EngineError(
                     f"MuJoCo Warp does not support the scene: {error}"
                 ) from error
-            self._model.opt.warn_overflow = 0  # ``diverged`` says so
+            # Overflows are reported by ``has_diverged`` instead.
+            self._model.opt.warn_overflow = 0
             for name in FIELDS_OF_OBJECTS:
                 field = getattr(self._model, name).numpy()
                 rows = np.repeat(field, n, axis=0)
                 kind = getattr(self._model, name).dtype
                 setattr(self._model, name, wp.array(rows, dtype=kind))
-            # All worlds share the memory of contacts.  It has room for all contacts
-            # that one world can have in addition to the usual number of the others.
-            # The constraint rows, which each world has separately, overflow earlier.
+            # All worlds share the memory of contacts.  Memory is allocated for all
+            # possible contacts of one world in addition to the usual number of contacts
+            # of the other worlds.  The constraint rows, which are separate for each
+            # world, overflow earlier.
             most = CONTACTS_PER_PAIR * len(self._model.nxn_geom_pair_filtered)
             self._data = data = mujoco_warp.make_data(
                 model,
@@ -122,15 +127,16 @@ class WarpWorlds:
                 njmax=ROWS + ROWS_PER_CONTACT * n_contacts,
             )
             self.steps = wp.zeros(n, dtype=int)
-            """Steps of each world since its reset, as Warp's array."""
+            """Number of steps of each world since its reset, as an array of Warp."""
             self.divergence = wp.zeros(n, dtype=int)
-            """1 for worlds that stand still, as Warp's array."""
+            """Value 1 for each world that was stopped because it diverged, as an array
+            of Warp."""
             self._start = engine.data.qpos.copy()
             self._parked = wp.array(self._start.astype(np.float32), dtype=float)
             self._measured = wp.zeros((n, model.nq), dtype=float)
         self.position = data.qpos
-        """Positions of the joints, then of the objects, as Warp's array, shape (n,
-        nq)."""
+        """Positions of the joints, followed by those of the objects, as an array of
+        Warp, shape (n, nq)."""
         self.velocity = data.qvel
         self.motors = data.ctrl
         self.reset(np.arange(n), np.tile(self._start[: self._n_joints], (n, 1)))
@@ -138,7 +144,7 @@ class WarpWorlds:
     # ---- time -----------------------------------------------------------------------
 
     def step(self) -> None:
-        """Launch one step of all worlds; worlds that have diverged stand still."""
+        """Launch one step of all worlds; worlds that have diverged do not move."""
         data = self._data
         with wp.ScopedDevice(self._device):
             mujoco_warp.step(self._model, data)
@@ -162,8 +168,8 @@ class WarpWorlds:
     def recorded(self, launch: Callable[[], None]) -> Callable[[], None]:
         """Return a CUDA graph that repeats all launches of ``launch`` in one launch.
 
-        The kernels must be compiled already.  Without CUDA, this returns ``launch``
-        itself.
+        The kernels must have been compiled.  Without CUDA, the method returns
+        ``launch``.
         """
         device = wp.get_device(self._device)
         if not device.is_cuda:
@@ -174,9 +180,10 @@ class WarpWorlds:
         return lambda: wp.capture_launch(graph)
 
     def reset(self, rows: Indices, joints: Array) -> None:
-        """Put worlds at joint positions [rad | m], shape (len(rows), n_joints).
+        """Reset worlds to joint positions [rad | m], shape (len(rows), n_joints).
 
-        Objects return to their start poses, and everything is at rest.
+        The objects of these worlds move to their start poses, and all bodies are at
+        rest.
         """
         data = self._data
         start = np.tile(self._start, (self._n, 1))
@@ -209,27 +216,30 @@ class WarpWorlds:
 
     @property
     def has_diverged(self) -> NDArray[np.bool_]:
-        """Whether each world stands still after its physics failed, shape (n,)."""
+        """Whether each world has stopped because its physics diverged, shape (n,)."""
         return np.asarray(self.divergence.numpy() != 0)
 
     def joints(self) -> tuple[Array, Array]:
-        """Return positions [rad | m] and velocities of the joints, (n, n_joints)."""
+        """Return joint positions and velocities, each of shape (n, n_joints).
+
+        The units are [rad | m] and [rad/s | m/s].
+        """
         k = self._n_joints
         return _doubles(self._measured)[:, :k], _doubles(self.velocity)[:, :k]
 
     @property
     def joint_arrays(self) -> tuple[Any, Any]:
-        """Joint positions and velocities as Warp's arrays, which change with time."""
+        """Joint positions and velocities as Warp arrays, which change in each step."""
         k = self._n_joints
         return self._measured[:, :k], self.velocity[:, :k]
 
     @property
     def object_arrays(self) -> tuple[Any, Any, Any, Any]:
-        """States of the m movable objects as Warp's arrays, which change with time.
+        """States of the m movable objects as arrays of Warp, which change in each step.
 
-        They are positions and orientations w, x, y, z in the root, shape (n, m, 3 | 4),
-        linear velocities in the root's axes, and angular velocities in the object's
-        axes, shape (n, m, 3).
+        The arrays are positions in the root, shape (n, m, 3), orientations (w, x, y, z)
+        in the root, shape (n, m, 4), linear velocities in the root's axes, shape (n, m,
+        3), and angular velocities in the object's axes, shape (n, m, 3).
         """
         q, qd, k = self._measured, self.velocity, self._n_joints
         m = len(self._engine.world.states.starts)
@@ -242,19 +252,22 @@ class WarpWorlds:
                 strides=(base.strides[0], base.strides[1] * stride, base.strides[1]),
                 device=base.device,
             )
-            found._ref = base  # keeps the memory, as Warp's own slices do
+            found._ref = base  # keeps the memory alive, as slices in Warp do
             return found
 
         return view(q, 0, 3, 7), view(q, 3, 4, 7), view(qd, 0, 3, 6), view(qd, 3, 3, 6)
 
     def objects(self) -> ObjectArrays:
-        """Return the objects' states in the root."""
+        """Return the states of the objects in the root."""
         states, k = self._engine.world.states, self._n_joints
         q, qd = _doubles(self._measured)[:, k:], _doubles(self.velocity)[:, k:]
         return self._objects.read(q, qd, [states.static])
 
     def place(self, name: str, rows: Indices, position: Array, quat: Array) -> None:
-        """Put a movable object at rest at positions (len(rows), 3), quat_wxyz (…, 4).
+        """Place a movable object at rest.
+
+        ``position`` [m] has the shape (len(rows), 3), and ``quat`` (w, x, y, z) has the
+        shape (len(rows), 4).
 
         Raises:
             ControlError: If the object is fixed.
@@ -284,7 +297,7 @@ class WarpWorlds:
             )
 
     def set_mass(self, name: str, rows: Indices, mass: Array) -> None:
-        """Set a movable object's masses [kg], shape (len(rows),), but not its shape."""
+        """Set masses [kg], shape (len(rows),), of a movable object in some worlds."""
         model, first = self._model, self._engine.world.states.starts[name]
         given = np.zeros(self._n, dtype=np.float32)
         given[rows] = mass
@@ -306,7 +319,7 @@ class WarpWorlds:
             )
 
     def set_friction(self, name: str, rows: Indices, friction: Array) -> None:
-        """Set an object's friction coefficients, shape (len(rows),)."""
+        """Set the friction coefficients, shape (len(rows),), of an object."""
         compiled, model = self._engine.model, self._model
         geoms = np.flatnonzero(compiled.geom_bodyid == compiled.body(name).id)
         ends = np.stack([compiled.pair_geom1, compiled.pair_geom2], axis=1)
@@ -353,7 +366,10 @@ class WarpWorlds:
     def are_touching(
         self, first: frozenset[str], second: frozenset[str] | None
     ) -> NDArray[np.bool_]:
-        """Return whether ``first`` presses on ``second`` (or anything), by world."""
+        """Return whether ``first`` presses on ``second``, shape (n,).
+
+        If ``second`` is None, contacts with all items are considered.
+        """
         contact = self._data.contact
         owners = geom_owners(self._engine.model)
         side = np.array(

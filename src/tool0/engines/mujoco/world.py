@@ -1,4 +1,4 @@
-"""The world around the robot in MuJoCo: objects, attachments and contact forces."""
+"""Objects, attachments and contact forces around the robot in MuJoCo."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from tool0.hardware.engine import (
 logger = logging.getLogger(__name__)
 
 OVERLAP_WARNING = 0.002
-"""Overlap of two shapes above which a warning is logged [m]."""
+"""Penetration depth of two shapes above which a warning is logged [m]."""
 
 
 @final
@@ -48,14 +48,14 @@ class SavedWorld:
     """The part of a world's state that is not in ``MjData``."""
 
     objects: Mapping[str, SceneObject]
-    """Objects with their sizes, masses and frictions, by name."""
+    """Objects by name, with their sizes, masses and friction coefficients."""
     static: Mapping[str, ObjectState]
     contacts: tuple[float, tuple[Contact, ...]]
 
 
 @final
 class MujocoWorld:
-    """A ``World`` that owns the compiled model of robot and scene, and its data.
+    """A ``World`` that contains the compiled model of robot and scene, and the data.
 
     Objects and attachments are part of the model.  When an object or attachment is
     added or removed, the model is compiled again (about 2 ms) and the state is
@@ -73,9 +73,9 @@ class MujocoWorld:
     ) -> None:
         """Compile robot and scene.
 
-        ``robot_spec`` is the robot's ``MjSpec``, with the ground at height ``ground``
-        [m]; None without ground.  ``on_compiled`` gets each new ``MjModel`` and
-        ``MjData``.
+        ``robot_spec`` is the ``MjSpec`` of the robot, including the ground at height
+        ``ground`` [m]; None means no ground.  ``on_compiled`` is called with each new
+        ``MjModel`` and ``MjData``.
         """
         self.ground = ground
         self._robot = robot
@@ -85,8 +85,8 @@ class MujocoWorld:
         self._scene = scene
         self._mesh_files: Mapping[str, bytes] = {}
         self._contacts: tuple[float, tuple[Contact, ...]] = (0.0, ())
-        """Simulated time at which contacts were last read [s], and the contacts read
-        then."""
+        """Simulated time at which contacts were last read [s], and the contacts at this
+        time."""
         self._compile(scene, {})
 
     @property
@@ -96,16 +96,16 @@ class MujocoWorld:
 
     @property
     def data(self) -> Any:
-        """The ``MjData`` of robot and scene, until the next compilation."""
+        """The ``MjData`` of robot and scene, valid until the next compilation."""
         return self._data
 
     @property
     def has_no_contact(self) -> bool:
-        """Whether nothing can be touching, as between a reset and the next step."""
+        """Whether there cannot be contacts, since there was no step after a reset."""
         return self._contacts == (self._data.time, ())
 
     def reset(self, position: Sequence[float], time: float) -> None:
-        """Put joints at ``position`` [rad | m] and objects at their start poses."""
+        """Move joints to ``position`` [rad | m] and objects to their start poses."""
         if self._attached:
             self._compile(self._scene, {})
         mujoco.mj_resetData(self._model, self._data)
@@ -123,7 +123,8 @@ class MujocoWorld:
         check_new_name(self._objects, item.name)
         scene = Scene((*self._scene.objects, item), self._scene.locations)
         self._recompile(scene, self._attached)
-        mujoco.mj_fwdPosition(self._model, self._data)  # changes no state
+        # This call does not change the state.
+        mujoco.mj_fwdPosition(self._model, self._data)
         self._warn_of_overlaps(of=item.name)
 
     def delete(self, name: str) -> None:
@@ -137,11 +138,12 @@ class MujocoWorld:
         self.states.place(state)
 
     def change(self, item: SceneObject) -> None:
-        """Give an object the size, mass and friction of ``item``.
+        """Set the size, mass and friction of an object to those of ``item``.
 
-        Otherwise ``item`` equals the object, with a shape of the same kind.
+        The other properties of ``item`` must be those of the object, and its shape must
+        be of the same kind.
 
-        The model is then bit for bit as if it had been compiled with ``item``.
+        The resulting model is bit-identical to a model that was compiled with ``item``.
         """
         old = find_object(self._objects, item.name)
         self._objects[item.name] = item
@@ -165,7 +167,7 @@ class MujocoWorld:
         return SavedWorld(dict(self._objects), self.states.static, self._contacts)
 
     def check_saved(self, saved: SavedWorld, data: Any) -> None:
-        """Raise EngineError if a state belongs to another robot or other objects."""
+        """Raise EngineError if a state is that of another robot or of other objects."""
         shapes = [
             {name: kind_of(item.geometry) for name, item in objects.items()}
             for objects in (saved.objects, self._objects)
@@ -178,7 +180,7 @@ class MujocoWorld:
             )
 
     def resume(self, saved: SavedWorld, data: Any) -> None:
-        """Continue with a saved state and its ``MjData``."""
+        """Continue from a saved state and the corresponding ``MjData``."""
         for name in self._attached:
             self.detach(name)
         for item in saved.objects.values():
@@ -198,10 +200,10 @@ class MujocoWorld:
         return [float(forces @ self._is_of(link)[geoms].any(axis=1)) for link in links]
 
     def wrench_on(self, links: frozenset[str], at: str) -> tuple[float, ...]:
-        """Return the force [N] and torque [N·m] of others' contacts on ``links``.
+        """Return the force [N] and torque [N·m] of external contacts on ``links``.
 
-        The wrench of the last step refers to the origin of the link ``at``, in its
-        axes.
+        The wrench is that of the last step, refers to the origin of the link ``at`` and
+        is in the axes of this link.
         """
         data, contacts = self._data, self._data.contact
         is_inside = self.are_of(links)[contacts.geom]
@@ -211,7 +213,7 @@ class MujocoWorld:
         found = np.empty((len(rows), 6))
         for number, wrench in zip(rows.tolist(), found, strict=True):
             mujoco.mj_contactForce(self._model, data, number, wrench)
-        # They act on the second shape, in the contact's axes.
+        # The wrenches act on the second shape and are in the axes of the contact.
         found[is_inside[rows, 0]] *= -1.0
         site = data.site(at)
         R_world_tool = site.xmat.reshape(3, 3)
@@ -255,7 +257,8 @@ class MujocoWorld:
 
     def center_of_mass(self, name: str) -> Vector3:
         body = self._body(name)
-        mujoco.mj_kinematics(self._model, self._data)  # the frames are a step old
+        # Before this call, the frames are those of the previous step.
+        mujoco.mj_kinematics(self._model, self._data)
         return _vector(self._data.xipos[body])
 
     def hold_wrenches(self, wrenches: Mapping[str, Wrench]) -> None:
@@ -295,7 +298,7 @@ class MujocoWorld:
         return {other: it for other, it in self._attached.items() if other != name}
 
     def _compile(self, scene: Scene, attached: Mapping[str, Attachment]) -> None:
-        """Compile and use robot and scene; change nothing if MuJoCo rejects them."""
+        """Compile and use robot and scene, or raise ModelError without changes."""
         spec = self._robot_spec.copy()
         add_attachments(spec, attached)
         model, files = compile_with_scene(spec, self._robot, scene, self._mesh_files)
@@ -307,26 +310,26 @@ class MujocoWorld:
         }
         self._attached = attached
         self.geom_owners = geom_owners(model)
-        """The link or object of each geom, by the geom's number."""
+        """Name of the link or object of each geom, by the geom's number."""
         self._masks: dict[frozenset[str], NDArray[np.bool_]] = {}
         self.states = ObjectStates(model, self._data, scene)
         self._on_compiled(model, self._data)
 
     def _recompile(self, scene: Scene, attached: Mapping[str, Attachment]) -> None:
-        """Use another scene; everything in both scenes keeps its exact state."""
+        """Use another scene; items that are in both scenes keep their exact state."""
         model, data, states = self._model, self._data, self.states
-        self.contacts()  # the new data has no contacts of the last step
+        self.contacts()  # the new data does not contain the contacts of the last step
         self._compile(scene, attached)
         _transfer_state(model, data, self._model, self._data)
         self.states.resume_static(states.static)
 
     def _warn_of_overlaps(self, of: str | None = None) -> None:
-        """Log a warning for each overlap, or for each one of the object ``of``."""
+        """Log a warning for each overlap, or for each overlap of the object ``of``."""
         deepest: dict[tuple[str, str], float] = {}
         contacts = self._data.contact
         for i in np.flatnonzero(contacts.dist < -OVERLAP_WARNING).tolist():
             contact = contacts[i]
-            # The moving body is named first, the static one second.
+            # The message states the moving body first and the static body second.
             geoms = [self._model.geom(int(geom)) for geom in contact.geom]
             geoms.sort(key=self._mobility, reverse=True)
             first, second = (self.geom_owners[geom.id] for geom in geoms)
@@ -342,7 +345,7 @@ class MujocoWorld:
                 )
 
     def _mobility(self, geom: Any) -> tuple[bool, int]:
-        """Return a key that sorts moving shapes after static ones."""
+        """Return a key that sorts moving shapes after static shapes."""
         body = int(geom.bodyid[0])
         return bool(self._model.body_weldid[body]), body
 
@@ -352,10 +355,11 @@ def _transfer_state(
 ) -> None:
     """Copy the state of joints and bodies that are in both models.
 
-    That includes the solver's warm start, so that later steps are identical.
+    The solver's warm start is also copied, so that later steps are identical.
     """
     new_data.time = old_data.time
-    new_data.ctrl[:], new_data.act[:] = old_data.ctrl, old_data.act  # the robot's only
+    # Only the robot has controls and activations.
+    new_data.ctrl[:], new_data.act[:] = old_data.ctrl, old_data.act
     for name in _joint_names(old_model) & _joint_names(new_model):
         before, after = old_data.joint(name), new_data.joint(name)
         after.qpos[:], after.qvel[:] = before.qpos, before.qvel
@@ -374,16 +378,17 @@ def _body_names(model: Any) -> set[str]:
 
 
 ContactPoint = tuple[Vector3, float, Vector3, Vector3]
-"""Position of a contact point, its weight in the mean, and the force and torque
-there."""
+"""Position of a contact point, weight of the point in the mean, and force and torque at
+the point."""
 MIN_WEIGHT = 1e-12
-"""Smallest weight of a contact point [N], so that the mean is defined at zero force."""
+"""Smallest weight of a contact point [N].  With this weight, the mean is also defined
+if all forces are zero."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Attachment:
-    """The pose of an object that is fixed to a link."""
+    """Pose of an object that is fixed to a link."""
 
     link: str
     body: str
@@ -394,8 +399,9 @@ class Attachment:
 
 
 def attachment_now(model: Any, data: Any, name: str, link: str) -> Attachment:
-    """Return the attachment of object ``name`` to ``link`` at its current pose."""
-    mujoco.mj_kinematics(model, data)  # the frames are those before the last step
+    """Return the attachment of the object ``name`` to ``link`` at the current pose."""
+    # Before this call, the frames are those before the last step.
+    mujoco.mj_kinematics(model, data)
     body = int(model.site(link).bodyid[0])
     item = data.body(name)
     inverse, inverse_quat = np.zeros(3), np.zeros(4)
@@ -408,7 +414,7 @@ def attachment_now(model: Any, data: Any, name: str, link: str) -> Attachment:
 
 
 def add_attachments(spec: Any, attachments: Mapping[str, Attachment]) -> None:
-    """Add a weld, as stiff as mimic joints, for each attached object by name."""
+    """Add a weld for each attached object, with the stiffness of mimic joints."""
     for name, attachment in attachments.items():
         weld = spec.add_equality(
             name=_weld_name(name),
@@ -419,7 +425,8 @@ def add_attachments(spec: Any, attachments: Mapping[str, Attachment]) -> None:
             solref=MIMIC_SOLREF,
             solimp=MIMIC_SOLIMP,
         )
-        # Anchor in the object; pose of the object in the body; weight of rotation [m].
+        # The data consists of the anchor in the object, the pose of the object in the
+        # body, and the weight of rotation [m].
         data = np.zeros_like(weld.data)
         data[3:11] = *attachment.position, *attachment.quat_wxyz, 1.0
         weld.data = data
@@ -428,10 +435,11 @@ def add_attachments(spec: Any, attachments: Mapping[str, Attachment]) -> None:
 def attachment_points(
     model: Any, data: Any, attachments: Mapping[str, Attachment]
 ) -> Iterator[tuple[tuple[str, str], ContactPoint]]:
-    """Yield each link's wrench on its object in the last step, at the object's origin.
+    """Yield the wrench of each link on its attached object, at the object's origin.
 
-    Only the object's free joint is read: its generalized forces are a force in the
-    world's axes and a torque in the object's axes.
+    The wrench is that of the last step.  The wrench is computed from the generalized
+    forces of the object's free joint, which are a force in the world's axes and a
+    torque in the object's axes.
     """
     for name, attachment in attachments.items():
         rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
@@ -450,23 +458,23 @@ def attachment_points(
 
 
 def _weld_name(name: str) -> str:
-    return f"{name}/attachment"  # no object's name has a slash
+    return f"{name}/attachment"  # object names do not contain slashes
 
 
 def geom_owners(model: Any) -> tuple[str, ...]:
-    """Return the link or object of each geom, by the geom's number."""
+    """Return the name of the link or object of each geom, by the geom's number."""
     return tuple(model.geom(i).name.partition("/")[0] for i in range(model.ngeom))
 
 
 def contact_points(
     model: Any, data: Any, owners: Sequence[str]
 ) -> Iterator[tuple[tuple[str, str], ContactPoint]]:
-    """Yield pairs in contact, and the wrench of the first on the second at a point.
+    """Yield pairs in contact, and the wrench of the first item on the second item.
 
-    After ``mj_step``, ``data`` still has the contacts and forces of that step; only
-    position and velocity are newer.  Plain floats are fastest here, as a force-torque
-    sensor reads up to 1000 times a second.  ``owners`` contains the link or object of
-    each geom.
+    After ``mj_step``, ``data`` still contains the contacts and forces of that step;
+    only position and velocity are newer.  Plain floats are used, because they are
+    faster and a force-torque sensor reads the contacts up to 1000 times per second.
+    ``owners`` contains the link or object of each geom.
     """
     contacts = data.contact
     wrench = np.zeros(6)
@@ -479,8 +487,9 @@ def contact_points(
         )
     ):
         mujoco.mj_contactForce(model, data, i, wrench)
-        # In the contact's frame, whose x points from the first shape to the second:
-        # a positive force pushes the second away.
+        # The wrench is in the frame of the contact.  The frame's x axis points from the
+        # first shape to the second shape, and a positive force pushes the second shape
+        # away.
         fx, fy, fz, tx, ty, tz = wrench.tolist()
         if fx:
             force, torque = rotate(frame, (fx, fy, fz)), rotate(frame, (tx, ty, tz))
@@ -490,7 +499,7 @@ def contact_points(
 def merge_by_pair(
     points: Iterable[tuple[tuple[str, str], ContactPoint]],
 ) -> tuple[Contact, ...]:
-    """Return one contact per pair, merging points in either order of the pair."""
+    """Return one contact per pair; points of (a, b) and (b, a) are merged."""
     found: dict[tuple[str, str], list[ContactPoint]] = {}
     for pair, point in points:
         if pair[::-1] in found:

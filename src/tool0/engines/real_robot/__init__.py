@@ -1,1 +1,1 @@
-"""A real UR and its gripper behind the ``Engine`` protocol."""
+"""Implementation of the ``Engine`` protocol for a real UR and its gripper."""

@@ -1,4 +1,4 @@
-"""Connections to a robot: RTDE, dashboard server, gripper and tool0's program."""
+"""Connections to a robot: RTDE, dashboard server, gripper, and tool0's program."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ RETRY: Final = 0.5
 
 @final
 class RobotConnection:
-    """Opens the connections to one robot, and reopens RTDE after a loss."""
+    """Connections to one robot; the RTDE connection is reopened after a loss."""
 
     def __init__(self, options: RealRobotOptions, *, has_gripper: bool) -> None:
-        """Connect for reading only.
+        """Connect to the robot for reading only.
 
         Raises:
-            TransportError: If the robot is not there.
-            ConfigError: If an option cannot be.
+            TransportError: If the robot cannot be reached.
+            ConfigError: If an option is invalid.
         """
         self.options = options
         base = options.port_base
@@ -97,13 +97,13 @@ class RobotConnection:
         """Execute statements on the controller in parallel with the running program.
 
         Raises:
-            TransportError: If the robot is not there.
+            TransportError: If the robot cannot be reached.
         """
         body = "\n".join(f"  {line}" for line in lines)
         self.send(f"sec tool0_{name}():\n{body}\nend\n")
 
     def send(self, script: str) -> None:
-        """Send a program to the controller."""
+        """Send a program to the controller of the robot."""
         send_script(self.host, script, self.options.port_base + SCRIPT_PORT)
 
     def note_loss(self) -> None:
@@ -111,7 +111,7 @@ class RobotConnection:
         self._lost.set()
 
     def reconnected(self) -> RtdeClient | None:
-        """Return the new connection once; afterwards, and without one, return None."""
+        """Return a new connection once; otherwise, return None."""
         client, self._again = self._again, None
         if client is not None:
             self.rtde = client
@@ -132,7 +132,7 @@ class RobotConnection:
                 self._lost.clear()
 
     def close(self) -> None:
-        """Close all connections; the arm comes to rest."""
+        """Stop the arm, and close all connections."""
         self._closing.set()
         self._lost.set()
         self.link.end()

@@ -1,20 +1,23 @@
-"""tool0's program on the robot's controller, in URScript.
+"""URScript program of tool0 that runs on the robot's controller.
 
-It follows a curve of knots that tool0 sends ahead of time, and interpolates them in the
-controller's own periods.  A knot consists of the period in which it is due, positions
-and velocities; between two knots, the joints follow cubics.  Numbers are 32-bit
-integers, since these arrive unchanged on every version of PolyScope.
+The program follows a curve of knots, which tool0 sends in advance, and interpolates the
+knots in the periods of the controller.  A knot consists of the period in which the knot
+is due, the joint positions and the joint velocities.  Between two knots, the joints
+follow cubics.  Numbers are sent as 32-bit integers, since every version of PolyScope
+receives integers without changes.
 
-* New knots may replace the rest of the curve.  If they arrive late, they differ from
-  the present motion; this difference fades along a cubic with bounded acceleration.
-* Without a message for ``SILENCE``, or at ``BRAKE``, the curve's clock slows down to a
-  stop: the arm stays on its path.  It then rests until a ``RESTART``.
-* When a connection ends, the arm comes to rest, and the program ends.
+* New knots may replace the remaining curve.  If new knots are received late, they
+  differ from the current motion.  This difference is reduced to zero along a cubic with
+  bounded acceleration.
+* If no message is received for ``SILENCE``, or if ``BRAKE`` is received, the clock of
+  the curve slows down to a stop, so that the arm stays on its path.  The arm then rests
+  until a ``RESTART`` is received.
+* When a connection is closed, the arm comes to rest, and the program ends.
 
-According to the URScript manual's description of its parameters, ``servoj`` follows its
-target q* with qdd = gain (q* - (q + lookahead qd)).  The target is therefore the
-curve's q + lookahead qd + qdd / gain, so that the joints are on the curve rather than
-behind it.
+According to the description of its parameters in the URScript manual, ``servoj``
+follows a target q* with qdd = gain (q* - (q + lookahead qd)).  The program therefore
+computes the target q + lookahead qd + qdd / gain from the curve, so that the joints do
+not lag behind the curve.
 """
 
 from __future__ import annotations
@@ -26,79 +29,83 @@ from pathlib import Path
 from typing import Final
 
 SCALE: Final = 1e7
-"""Integer steps per rad or rad/s: 32 bits cover ±214 rad in steps of 1e-7 rad."""
+"""Integer steps per rad or rad/s.  With this scale, 32 bits cover ±214 rad in steps of
+1e-7 rad."""
 COMMAND_SCALE: Final = 1e6
-"""Integer steps per unit of a command's arguments."""
+"""Integer steps per unit of the arguments of a command."""
 N_KNOT: Final = 14
-"""Number of integers in a message: its kind, a period, six positions, six
+"""Number of integers in a message: the kind, a period, six positions and six
 velocities."""
 N_COMMAND: Final = 30
-"""Number of integers in a command: its kind, its number, arguments."""
+"""Number of integers in a command: the kind, the number of the command, and
+arguments."""
 N_ARGUMENTS: Final = N_COMMAND - 2
 N_RING: Final = 64
-"""Number of knots that the program keeps."""
+"""Number of knots that the program stores."""
 EMPTY: Final = 0.05
-"""Time for which the program continues a motion beyond its last knot if the motion does
-not end there [s]."""
+"""Time for which the program continues a motion after the last knot, if the motion does
+not end at this knot [s]."""
 SILENCE: Final = 0.1
-"""Time without messages after which the arm slows down to rest [s]."""
+"""Time without messages after which the arm decelerates to rest [s]."""
 BRAKE_TIME: Final = 0.024
-"""Time in which the curve's clock stops [s], unless a joint would decelerate more than
-``BRAKE_DECELERATION``; the joints' servos need slightly longer."""
+"""Time in which the clock of the curve stops [s].  The time is longer if a joint would
+exceed ``BRAKE_DECELERATION``.  The servos of the joints need slightly more time."""
 BRAKE_DECELERATION: Final = 40.0
-"""Largest deceleration of a joint when the clock stops [rad/s²]: as large as in UR's
-own streams."""
+"""Largest deceleration of a joint when the clock of the curve stops [rad/s²].  Streams
+of UR's software use the same value."""
 FADE_TIME: Final = 0.02
-"""Shortest time in which a difference from the present motion fades [s]."""
+"""Shortest time in which a difference from the current motion is reduced to zero
+[s]."""
 FADE_ACCELERATION: Final = 12.0
-"""Largest acceleration that a fading difference adds to a joint [rad/s²]."""
+"""Largest acceleration that the reduction of a difference adds to a joint [rad/s²]."""
 FADE_SPEED: Final = 0.05
-"""Largest speed that a fading difference adds to a joint [rad/s], so that an arm that
-catches up is hardly faster than the speed slider allows."""
+"""Largest speed that the reduction of a difference adds to a joint [rad/s].  With this
+limit, the arm is only slightly faster than the speed slider allows."""
 FAR: Final = 0.1
-"""Time that tells curves from streams [s]: only a curve's last knot is ever further
-ahead than this."""
+"""Time that distinguishes curves from streams [s].  Only the last knot of a curve can
+be further ahead than this time."""
 MOST_JUMP: Final = (0.1, 1.5)
-"""Largest difference between new knots and the present motion [rad, rad/s]; if it is
-larger, the arm slows down to rest instead of following the knots."""
+"""Largest difference between new knots and the current motion [rad, rad/s].  If the
+difference is larger, the arm decelerates to rest instead of following the knots."""
 GAIN: Final = 2000.0
 """``gain`` of servoj [1/s²]."""
 LOOKAHEAD: Final = 2.0 / math.sqrt(GAIN)
-"""``lookahead_time`` of servoj [s]: an error then decays without oscillation."""
+"""``lookahead_time`` of servoj [s].  With this value, an error decays without
+oscillation."""
 
 LONGEST_VECTOR_PERIOD: Final = 0.004
 """Period that separates e-Series controllers (shorter) from CB3 controllers (longer)
 [s]."""
 FIRST_REGISTER: Final = 24
-"""First of the integer output registers that the program writes; UR reserves the lower
-ones for fieldbuses."""
+"""First of the integer output registers to which the program writes.  UR reserves the
+registers with lower numbers for fieldbuses."""
 REGISTERS: Final = tuple(f"output_int_register_{FIRST_REGISTER + k}" for k in range(3))
-"""Registers for the periods since the program began (0 if it is not running), its
-``ProgramMode``, and the ``StopCause`` if the arm came to rest."""
+"""Registers for the number of periods since the start of the program (0 if the program
+is not running), the ``ProgramMode``, and the ``StopCause`` if the arm came to rest."""
 
 
 class MessageKind(IntEnum):
-    """The meaning of a message."""
+    """Kind of a message."""
 
     NOTHING = 0
-    """No content; shows that tool0 is alive."""
+    """Message without content, which shows that tool0 is running."""
     KNOT = 1
-    """A knot that follows the previous ones."""
+    """A knot that follows the previous knots."""
     REPLACE = 2
     """A knot that replaces all knots due in its period or later."""
     RESTART = 3
-    """A knot that acts like ``REPLACE``, but also after the arm came to rest on its
-    own."""
+    """A knot that has the effect of ``REPLACE``, and is also accepted after the program
+    brought the arm to rest."""
     BRAKE = 4
-    """Come to rest on the curve; the message's period is the duration of the
-    deceleration."""
+    """Request to bring the arm to rest on the curve.  The period in the message is the
+    duration of the deceleration."""
     END = 5
-    """Come to rest and end the program."""
+    """Request to bring the arm to rest and to end the program."""
 
 
 KINDS: Final = 8
-"""Multiplier in a message's first integer, which is its kind plus this times the number
-of messages that follow it."""
+"""Multiplier in the first integer of a message.  This integer is the kind of the
+message plus the product of ``KINDS`` and the number of messages that follow."""
 
 
 class ProgramMode(IntEnum):
@@ -108,18 +115,18 @@ class ProgramMode(IntEnum):
     FOLLOWING = 1
     BRAKING = 2
     RESTING = 3
-    """The arm has braked and rests until a ``RESTART``."""
+    """The arm has braked and rests until a ``RESTART`` is received."""
     GUIDED = 4
     """Freedrive is active."""
 
 
 class StopCause(IntEnum):
-    """Why the program brought the arm to rest."""
+    """Reason why the program brought the arm to rest."""
 
     TOLD = 1
     """The program received ``BRAKE``."""
     SILENT = 2
-    """No message for ``SILENCE``."""
+    """No message was received for ``SILENCE``."""
     RAN_OUT = 3
     """The knots ran out before the end of the motion."""
     TOO_FAR = 4
@@ -127,7 +134,7 @@ class StopCause(IntEnum):
 
 
 class CommandKind(IntEnum):
-    """Kind of a command, which calls a URScript function."""
+    """Kind of a command.  Each command calls a URScript function."""
 
     FORCE_MODE = 1
     END_FORCE_MODE = 2
@@ -137,18 +144,20 @@ class CommandKind(IntEnum):
 
 
 _EACH: Final = re.compile(r"each\((.*?)\)(?=$|, t=)", re.MULTILINE)
-"""A list of six elements, up to the end of the line or servoj's next argument."""
+"""Pattern of a list of six elements, up to the end of the line or the next argument of
+servoj."""
 
 
 def control_program(host: str, port: int, token: int, period: float) -> str:
     """Return the program, which connects to ``host`` at ``port``.
 
     Args:
-        host: Host name or address of tool0, as the robot reaches it.
+        host: Host name or address at which the robot reaches tool0.
         port: Port at which tool0 listens.
-        token: Number that tool0 expects first on each connection.
-        period: Period of the controller [s]; programs for an e-Series compute with
-            lists, and programs for a CB3, whose period is longer, with single elements.
+        token: Secret number that tool0 expects first on each connection.
+        period: Period of the controller [s].  The program for an e-Series computes with
+            lists.  The program for a CB3, which has a longer period, computes with
+            single elements.
     """
     names = {
         "HOST": host,

@@ -1,4 +1,4 @@
-"""Sends the wanted motion to the program ahead of time, as knots of a curve."""
+"""Sender of the wanted motion, which is sent to the program in advance as knots."""
 
 from __future__ import annotations
 
@@ -14,43 +14,46 @@ from tool0.hardware.own_drives import WantedMotion
 from tool0.protocol.state import ArmSetpoint
 
 HORIZON: Final = 0.2
-"""Time by which knots are sent ahead [s], so that the arm stays on its path if tool0 is
-late."""
+"""Time by which knots are sent in advance [s].  The arm stays on its path if tool0 is
+delayed by less than this time."""
 SPACING: Final = 0.012
-"""Time between two knots [s].  A cubic's error is h⁴/384 times the fourth derivative,
-and h²/32 times a step in the acceleration between two knots: 45 µrad for 10 rad/s²."""
+"""Time between two knots [s].  For a time h between knots, the error of a cubic is
+h⁴/384 times the fourth derivative of the motion.  A step in the acceleration between
+two knots adds an error of h²/32 times the step, which is 45 µrad for 10 rad/s²."""
 RENEWAL: Final = 0.04
-"""Shortest time between two replacements of a curve [s], if the new one is
-``CLOSE``."""
+"""Shortest time between two replacements of a curve [s], if the difference of the new
+curve is less than ``CLOSE``."""
 CLOSE: Final = 1e-3
-"""Largest difference between motions that may wait for the next replacement [rad]."""
+"""Difference between motions below which the replacement of a curve can be delayed
+[rad]."""
 MOST_LAG: Final = 0.04
-"""Difference between the program's period and tool0's that makes tool0 send new knots
-[s]: a real controller misses no periods, but a simulated one may."""
+"""Difference between the program's time and tool0's time above which tool0 sends a new
+curve [s].  A real controller does not miss periods, but a simulated controller can miss
+periods."""
 STREAM_AHEAD: Final = 0.05
-"""Time for which a stream's velocities are extrapolated [s]; together with the
-program's ``EMPTY``, the arm slows down 0.1 s after the last setpoint."""
+"""Time for which the velocities of a stream are extrapolated [s].  Because of this time
+and the program's ``EMPTY``, the arm decelerates 0.1 s after the last setpoint."""
 _CHANGED: Final = 1e-7
-"""Difference from the curve sent before that counts as a new motion [rad]."""
+"""Smallest difference from the sent curve at which a motion is treated as new [rad]."""
 _AT_REST: Final = 1e-9
-"""Speed below which a joint counts as at rest [rad/s]."""
+"""Speed below which a joint is at rest [rad/s]."""
 
 
 @final
 class CurveSender:
-    """Keeps the program's curve equal to the wanted motion."""
+    """Sender that keeps the program's curve equal to the wanted motion."""
 
     def __init__(
         self, link: MotionLink, joints: Sequence[Joint], period: float
     ) -> None:
-        """Start without a curve; ``period`` is the controller's [s]."""
+        """Start without a curve; ``period`` is that of the controller [s]."""
         self._link, self._period = link, period
         self._limits = [(j.limits.lower, j.limits.upper) for j in joints]
         self._spacing = max(round(SPACING / period), 1)
         self._ahead = round(HORIZON / period)
         self._every = max(round(0.004 / period), 1)
         self._sent: deque[Knot] = deque()
-        """Knots that are not yet due, and the last one that was."""
+        """Knots that are not due yet, and the last knot that was due."""
         self._is_streaming = False
         self._quiet = 0
         """Number of periods since the last message."""
@@ -58,29 +61,29 @@ class CurveSender:
         self._renewed = 0
         """Period of the program in which the whole curve was last sent."""
         self._step = 0
-        """Present period of the program according to the knots sent so far."""
+        """Current period of the program, counted from the knots that were sent."""
         self._most_lag = round(MOST_LAG / period)
         self._must_restart = True
         self._lag = LagMeter(period)
         self._lead = 0.0
-        """Time by which the curve is ahead of the commanded motion [s], to make up for
-        the robot's lag behind the curve."""
+        """Time by which the curve is ahead of the commanded motion [s].  This lead
+        compensates for the robot's lag behind the curve."""
 
     def restart(self) -> None:
-        """Begin a new curve with the next motion, also after a stop."""
+        """Send a new curve for the next motion, also after a stop."""
         self._must_restart = True
         self._sent.clear()
 
     def follow(
         self, wanted: WantedMotion, now: float, step: int, measured: Sequence[float]
     ) -> None:
-        """Send the knots that the program does not have yet.
+        """Send the knots of the wanted motion that have not been sent yet.
 
         Args:
-            wanted: The motion.
+            wanted: The wanted motion.
             now: The time of the tick [s].
-            step: The program's period at the time ``now``.
-            measured: Positions of the joints at the time ``now`` [rad].
+            step: Period of the program at the time ``now``.
+            measured: Measured positions of the joints at the time ``now`` [rad].
         """
         self._quiet += 1
         if not wanted.is_streamed:
@@ -94,7 +97,7 @@ class CurveSender:
             self._follow_curve(wanted, now, step)
 
     def _continued(self, step: int) -> int:
-        """Return the program's period for knots that continue the previous ones."""
+        """Return the program's period for knots that continue the previous knots."""
         self._step += 1
         sent = self._sent
         rests = not sent or (sent[-1].step < self._step and _rests(sent[-1]))
@@ -113,7 +116,8 @@ class CurveSender:
             self._send_anew(wanted, now, step)
             return
         if self._has_changed(wanted, now, step):
-            # Continual changes, such as from the slider, are not sent continually.
+            # For continual changes, such as those of the speed slider, the number of
+            # replacements is limited.
             is_due = step - self._renewed >= self._renewal
             if is_due or not self._is_close(wanted, now, step):
                 self._send_anew(wanted, now, step)
@@ -125,7 +129,8 @@ class CurveSender:
         while last.step + self._spacing <= end:
             following = self._knot(wanted, now, step, last.step + self._spacing)
             if _rests_after(last, following):
-                # The program rests at its last knot; the next one begins a new curve.
+                # The program rests at its last knot, and the next knot begins a new
+                # curve.
                 break
             knots.append(following)
             last = following
@@ -147,13 +152,13 @@ class CurveSender:
             if not _is_near(at.positions, knot.positions):
                 return True
         last = sent[-1]
-        if last.step < step and _rests(last):  # it rests: does it still?
+        if last.step < step and _rests(last):  # check whether the arm remains at rest
             ahead = wanted.at(now + self._ahead * self._period)
             return not _is_near(ahead.positions, last.positions)
         return False
 
     def _is_close(self, wanted: WantedMotion, now: float, step: int) -> bool:
-        """Return whether the curve that was sent can wait for the next replacement."""
+        """Return whether the replacement of the curve that was sent can be delayed."""
         at = step + 2 * self._renewal
         knot = min(self._sent, key=lambda one: abs(one.step - at))
         if knot.step < step:
@@ -163,7 +168,8 @@ class CurveSender:
 
     def _send_anew(self, wanted: WantedMotion, now: float, step: int) -> None:
         self._is_streaming, self._renewed = False, step
-        if _is_at_rest(wanted.at(now)):  # so that no motion jumps by that
+        # The lead changes only at rest, since a change in motion would cause a jump.
+        if _is_at_rest(wanted.at(now)):
             self._lead = min(max(self._lead + self._lag.take(), -MOST), MOST)
         knots = [self._knot(wanted, now, step, step + 1)]
         for k in range(step + self._spacing, step + self._ahead + 1, self._spacing):
@@ -196,7 +202,7 @@ class CurveSender:
     def _extrapolated(
         self, start: ArmSetpoint, periods: int
     ) -> tuple[list[float], list[float]]:
-        """Return the motion extrapolated by some periods, within the joints' ranges."""
+        """Return the motion, extrapolated by ``periods`` within the joints' ranges."""
         positions, velocities = [], []
         for q, v, (lower, upper) in zip(
             start.positions, start.velocities, self._limits, strict=True

@@ -1,4 +1,4 @@
-"""The declared surroundings of a real robot, which are not measured."""
+"""Declared surroundings of a real robot, which are not measured."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ UNKNOWN: Final = "the objects around a real robot are not measured: "
 
 @final
 class DeclaredWorld:
-    """Objects at their declared poses, for checks and for display."""
+    """A ``World`` with objects at their declared poses, for checks and for display."""
 
     def __init__(self, scene: Scene, ground: float | None) -> None:
         self.gravity: Final = _STANDARD_GRAVITY
@@ -65,7 +65,7 @@ class DeclaredWorld:
         raise EngineError(f"{UNKNOWN}'{name}' cannot be fixed to '{link}'")
 
     def detach(self, name: str) -> None:
-        """Nothing is ever attached."""
+        """Do nothing, since objects cannot be attached."""
 
     def _read(self) -> tuple[ObjectState, ...]:
         return tuple(
@@ -75,7 +75,10 @@ class DeclaredWorld:
 
 
 def _still(item: SceneObject) -> SceneObject:
-    """Return an object, or raise EngineError if it has a mass and could move unseen."""
+    """Return an object, or raise EngineError if it has a mass.
+
+    An object with a mass could move, and this motion would not be measured.
+    """
     if item.mass is not None:
         raise EngineError(
             f"{UNKNOWN}'{item.name}' has a mass and could move; declare it without"

@@ -1,7 +1,8 @@
-"""The engine ``hardware``: a real UR and its gripper in place of physics.
+"""Engine ``hardware``, which uses a real UR and its gripper instead of a simulator.
 
-Its state is the robot's report, one for each period of the robot's controller.  Efforts
-are not written, because the robot's own drives follow motions.
+The state of the engine is the robot's report.  The robot sends one report in each
+period of its controller.  The engine does not write efforts, because the robot's drives
+follow motions.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ logger = logging.getLogger(__name__)
 _HOLDING: Final = frozenset({ObjectStatus.MET_CLOSING, ObjectStatus.MET_OPENING})
 LOST: Final = "the connection to the robot was lost"
 STREAM_LOOK: Final = 0.1
-"""Time between two checks of where a stream leads [s]."""
+"""Time between two checks of the extrapolated motion of a stream [s]."""
 CAUSES: Final = {
     StopCause.SILENT: "the robot did not hear of tool0 for 0.1 s",
     StopCause.RAN_OUT: "the robot ran out of knots: tool0 or the network was late",
@@ -57,27 +58,29 @@ CAUSES: Final = {
 }
 AT_REST: Final = "the arm stopped on its own"
 RESTART_TIME: Final = 0.1
-"""Longest time until the program reports that it follows again [s]."""
+"""Longest time until the program reports that it follows motions again [s]."""
 ENDED: Final = "tool0's program on the robot has ended"
 GRIPPER_DELAY: Final = 0.3
-"""Longest time until a command to the gripper shows in its readings [s]: an estimate
-for several exchanges with the URCap and the start of the motor."""
+"""Longest time until the readings of the gripper show the effect of a command [s].
+The value is an estimate for several exchanges with the URCap and the start of the
+motor."""
 
 
 class _Fingers(NamedTuple):
-    """A gripper with its driven joint."""
+    """A gripper and its driven joint."""
 
     geometry: ParallelGripper
     counts: Counts
     place: int
-    """Index of the driven joint in the engine's order."""
+    """Index of the driven joint in the order of the engine's joints."""
 
 
 @final
 class RealRobotEngine(OwnDrives):
     """Engine that reads a real robot's state and sends motions to the robot.
 
-    Only the tick's thread may use it, except for ``brake`` and ``connection``.
+    Only the thread of the tick may use the engine.  ``brake`` and ``connection`` are
+    exceptions, which any thread may use.
     """
 
     name: Final = "hardware"
@@ -130,21 +133,21 @@ class RealRobotEngine(OwnDrives):
         self._is_enabled = False
         self._has_followed = False
         self._rests_since = 0
-        """The last tick at which the program had not come to rest on its own."""
+        """Last tick at which the program had not brought the arm to rest."""
         self._patience = round(RESTART_TIME / self._period)
         self._is_guided = False
-        """Whether the arm follows no motion, because freedrive is active, or because
-        freedrive or force mode is ending."""
+        """Whether the arm does not follow motions, because freedrive is active, or
+        because freedrive or force mode is ending."""
         self._resumes_at: int | None = None
-        """The tick from which the arm follows motions again, after freedrive or force
+        """Earliest tick at which the arm follows motions again after freedrive or force
         mode."""
         self.guard: Callable[[WantedMotion, float], str] = lambda motion, now: ""
-        """Function that returns why a motion may not be sent; empty if it may be
-        sent."""
+        """Function that returns the reason why a motion must not be sent, or an empty
+        text if the motion may be sent."""
         self._key: tuple[object, ...] = ()
-        """Key of the motion that the guard checked last."""
+        """Key of the last motion that the guard checked."""
         self._looked = -math.inf
-        """Time of the guard's last check [s]."""
+        """Time of the last check by the guard [s]."""
         self._failure = ""
         self._report = self._first_report(options)
 
@@ -152,7 +155,7 @@ class RealRobotEngine(OwnDrives):
 
     @property
     def dt(self) -> float:
-        """The period of the robot's controller [s]."""
+        """Period of the robot's controller [s]."""
         return self._period
 
     @property
@@ -160,7 +163,7 @@ class RealRobotEngine(OwnDrives):
         return self._declared
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
-        """Do nothing: a real robot stays where it is."""
+        """Do nothing, since a real robot cannot be reset."""
 
     def read(self) -> JointState:
         state = self._arm_state
@@ -194,17 +197,17 @@ class RealRobotEngine(OwnDrives):
             effort[i] = push if closes else -push
 
     def write(self, effort: Sequence[float]) -> None:
-        """Do nothing: the robot controls its efforts itself."""
+        """Do nothing, since the robot controls its efforts."""
 
     def set_brakes(self, torques: Mapping[int, float]) -> None:
-        """Do nothing: the robot controls its brakes itself."""
+        """Do nothing, since the robot controls its brakes."""
 
     @property
     def has_rotors(self) -> bool:
         return False
 
     def set_rotors(self, inertias: Mapping[int, float]) -> None:
-        """Do nothing: a real robot's rotors cannot be set."""
+        """Do nothing, since the rotors of a real robot cannot be set."""
 
     @property
     def stepper(self) -> NativeStepper | None:
@@ -224,7 +227,7 @@ class RealRobotEngine(OwnDrives):
     def close(self) -> None:
         self.connection.close()
 
-    # ---- its own drives -------------------------------------------------------------
+    # ---- drives of the robot --------------------------------------------------------
 
     def follow(self, wanted: Wanted) -> None:
         if not self._is_enabled:
@@ -247,7 +250,7 @@ class RealRobotEngine(OwnDrives):
             self._grip(wanted.grips)
 
     def _look_for_end(self, tick: int) -> None:
-        """Follow again once the program has ended freedrive or force mode."""
+        """Follow motions again when the program has ended freedrive or force mode."""
         if self._resumes_at is None or tick < self._resumes_at:
             return
         mode = self.reader.fields.number(self.reader.newest, REGISTERS[1])
@@ -256,7 +259,11 @@ class RealRobotEngine(OwnDrives):
             self._curve.restart()
 
     def _objection(self, arm: WantedMotion, now: float) -> str:
-        """Return why a motion may not be sent; the guard checks each motion once."""
+        """Return the reason why a motion must not be sent, or an empty text.
+
+        The guard checks each curve once, and checks streams at intervals of
+        ``STREAM_LOOK``.
+        """
         if arm.is_streamed:
             is_due = now - self._looked >= STREAM_LOOK
         else:
@@ -267,7 +274,7 @@ class RealRobotEngine(OwnDrives):
         return self.guard(arm, now)
 
     def _grip(self, grips: Mapping[str, WantedGrip]) -> None:
-        """Send changed commands once, without repeating a command that is lost."""
+        """Send each changed command once; a lost command is not repeated."""
         before, self._wanted_grips = self._wanted_grips, grips
         gripper = self.connection.gripper
         for name, fingers in self._grippers.items():
@@ -275,7 +282,7 @@ class RealRobotEngine(OwnDrives):
             if gripper is None or wanted is None or wanted == before.get(name):
                 continue
             if name not in before and self._is_there(fingers, wanted):
-                continue  # a controller that has just started holds still
+                continue  # a new controller holds the current position
             geometry, counts, _ = fingers
             speed, force = geometry.speed[1], geometry.force[1]
             if wanted.limits is not None:
@@ -307,7 +314,7 @@ class RealRobotEngine(OwnDrives):
 
     @property
     def missing(self) -> int:
-        """Number of periods without a state while the robot was connected."""
+        """Number of periods without a package while the robot was connected."""
         return self.reader.missing
 
     @property
@@ -332,7 +339,7 @@ class RealRobotEngine(OwnDrives):
 
     @property
     def gripper_problem(self) -> str:
-        """Reason why the gripper cannot move; empty if it can, or without a gripper."""
+        """Reason why the gripper cannot move; empty if there is no problem."""
         gripper = self.connection.gripper
         return "" if gripper is None else gripper.problem
 
@@ -384,7 +391,7 @@ class RealRobotEngine(OwnDrives):
         self._end_mode()
 
     def _end_mode(self) -> None:
-        """Plan to follow again later, once the program has ended the mode."""
+        """Note that the program is ending freedrive or force mode."""
         self._has_followed, self._is_guided = False, True
         self._resumes_at = self._arm_state.tick + self._patience
 
@@ -393,14 +400,14 @@ class RealRobotEngine(OwnDrives):
 
     @property
     def is_program_running(self) -> bool:
-        """Whether any program runs on the controller; any thread may ask."""
+        """Whether a program runs on the controller; all threads may read this."""
         reader = self.reader
         state = reader.fields.number(reader.newest, "runtime_state")
         return program_state(state) is not ProgramState.STOPPED
 
     @property
     def is_program_ready(self) -> bool:
-        """Whether tool0's program counts its periods; any thread may ask."""
+        """Whether tool0's program counts its periods; all threads may read this."""
         reader = self.reader
         return bool(
             self.is_program_running
@@ -409,10 +416,10 @@ class RealRobotEngine(OwnDrives):
             and reader.state.step
         )
 
-    # ---- who may move it ------------------------------------------------------------
+    # ---- permission to move ---------------------------------------------------------
 
     def set_enabled(self, enabled: bool) -> None:
-        """Start or stop moving the arm; call it in the tick's thread."""
+        """Enable or disable motions; call this method in the tick's thread."""
         self._is_enabled, self._failure = enabled, ""
         self._has_followed = self._is_guided = False
         self._resumes_at = None
@@ -421,12 +428,12 @@ class RealRobotEngine(OwnDrives):
         self._show(is_enabled=enabled)
 
     def forgive(self) -> None:
-        """Resume after the arm stopped on its own and the user was informed."""
+        """Clear the failure for which the arm stopped, after the user was informed."""
         self._failure = ""
         self._curve.restart()
 
     def show(self, **changes: Any) -> None:
-        """Change properties of the reported link; call it in the tick's thread."""
+        """Change properties of the reported link, in the tick's thread."""
         self._show(**changes)
 
     # ---- the report -----------------------------------------------------------------
@@ -468,7 +475,7 @@ class RealRobotEngine(OwnDrives):
         self._report = RobotReport(link=link, motion_failure=self._failure, **boxes)
 
     def _watch_program(self, mode: int) -> None:
-        """Report a failure if the program brought the arm to rest on its own."""
+        """Report a failure if the program brought the arm to rest without a command."""
         if mode != ProgramMode.RESTING or not self._has_followed or self._failure:
             self._rests_since = self._arm_state.tick
         elif self._arm_state.tick - self._rests_since > self._patience:
@@ -477,7 +484,7 @@ class RealRobotEngine(OwnDrives):
             self._fail(CAUSES.get(StopCause(cause), AT_REST) if cause else AT_REST)
 
     def _note_loss(self) -> None:
-        """Disconnect; no motion resumes by itself if the connection is restored."""
+        """Disconnect; no motion resumes automatically after a reconnection."""
         logger.warning("%s", LOST)
         self.connection.link.disconnect()
         self.connection.note_loss()

@@ -1,4 +1,4 @@
-"""Conversions between the frames in which a UR reports and the description's frames."""
+"""Conversions between the frames of a UR's reports and those of the description."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
 
 @final
 class FlangeFrames:
-    """Converts poses and forces of one arm, which a UR reports in its ``base``."""
+    """Converter of an arm's poses and wrenches, which are reported in ``base``."""
 
     def __init__(self, model: RobotModel, arm: ArmParts) -> None:
         self._model, self._arm = model, arm
 
     @cached_property
     def _base(self) -> str:
-        """The frame in which a UR reports: REP-199's ``base``, or else the root."""
+        """Frame of the reports: REP-199's ``base``, or the root if it is missing."""
         prefix = self._arm.flange.removesuffix(FLANGE)
         name = f"{prefix}base"
         return name if name in self._model.link_by_name else self._model.root
 
     def flange(self, positions: Sequence[float]) -> Array:
-        """Return the flange's pose in the base for joints [rad], shape (4, 4)."""
+        """Return the flange's pose in the base at joint positions [rad], (4, 4)."""
         from tool0.description.forward_kinematics import link_poses
 
         names = [joint.name for joint in self._arm.joints]
@@ -40,9 +40,9 @@ class FlangeFrames:
         return (poses[self._base].inverse() @ poses[self._arm.flange]).matrix
 
     def reported_flange(self, tcp_pose: Sequence[float], tcp: Sequence[float]) -> Array:
-        """Return the flange's pose in the base from a reported TCP pose and TCP offset.
+        """Return the flange's pose in the base for a reported TCP pose and TCP offset.
 
-        Both arguments are positions and rotation vectors [m, rad].
+        Each argument consists of a position and a rotation vector [m, rad].
         """
         import numpy as np
 
@@ -54,9 +54,9 @@ class FlangeFrames:
     def at_flange(
         self, wrench: Sequence[float], tcp: Sequence[float], positions: Sequence[float]
     ) -> Wrench:
-        """Return a wrench, given at the TCP in the base's axes, at the flange.
+        """Return a wrench at the flange, given at the TCP in the base's axes.
 
-        The result is in the flange's axes [N, N·m].
+        The resulting wrench is in the flange's axes [N, N·m].
         """
         import numpy as np
 

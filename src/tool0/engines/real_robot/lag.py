@@ -1,4 +1,4 @@
-"""Measures a robot's lag behind its setpoints while it moves."""
+"""Measurement of a moving robot's lag behind its setpoints."""
 
 from __future__ import annotations
 
@@ -6,25 +6,27 @@ from collections.abc import Sequence
 from typing import Final, final
 
 MEMORY: Final = 2.0
-"""Time constant, in time of motion, with which measurements lose weight [s]."""
+"""Time constant with which the weight of measurements decreases [s].  Only the time in
+motion is counted."""
 SLOW: Final = 0.05
-"""Speed below which an arm's lag cannot be measured [rad/s]."""
+"""Speed below which the lag of an arm cannot be measured [rad/s]."""
 MOST: Final = 0.08
 """Largest lag or lead that is compensated [s]."""
 ENOUGH: Final = 0.2
-"""Duration of motion that a measurement needs [s]."""
+"""Shortest duration of motion for a measurement [s]."""
 
 
 @final
 class LagMeter:
-    """Finds the delay that explains the joints' distances from their setpoints.
+    """Estimator of the joints' delay behind their setpoints.
 
-    It is the least-squares solution sum(v e) / sum(v²), with the setpoints' velocities
-    v and the distances e.
+    The delay is the least-squares solution sum(v e) / sum(v²), where v are the
+    velocities of the setpoints and e are the distances of the joints from their
+    setpoints.
     """
 
     def __init__(self, period: float) -> None:
-        """Start without data; ``period`` is the time between measurements [s]."""
+        """Start without data; ``period`` is the time between two measurements [s]."""
         self._keep = 1.0 - period / MEMORY
         self._period = period
         self._products = self._squares = self._seen = 0.0
@@ -35,7 +37,7 @@ class LagMeter:
         velocities: Sequence[float],
         measured: Sequence[float],
     ) -> None:
-        """Take a setpoint and the state measured at its time into account."""
+        """Add a setpoint and the state that was measured at the setpoint's time."""
         squares = sum(v * v for v in velocities)
         if squares < SLOW * SLOW:
             return

@@ -1,4 +1,4 @@
-"""Measures the lateness of the network and both computers from arrivals of packages."""
+"""Measurement of the lateness of packages, caused by the network and both computers."""
 
 from __future__ import annotations
 
@@ -6,34 +6,39 @@ import math
 from typing import Final, final
 
 MEMORY: Final = 10.0
-"""Time after which late packages are forgotten, at the latest after twice this time
-[s]."""
+"""Time for which late packages are considered [s].  A late package is discarded after
+at most twice this time."""
 DRIFT: Final = 1e-4
 """Largest relative difference between the two clocks' rates."""
 MARGIN: Final = 0.025
-"""Margin that is added to the lateness in a start delay [s]: three periods of a CB3."""
+"""Margin that is added to the lateness in a start delay [s].  The value is three
+periods of a CB3."""
 MOST: Final = 0.2
-"""Longest start delay [s], which limits how early knots are sent."""
+"""Longest start delay [s].  This delay limits how far in advance knots are sent."""
 _RESTART: Final = 1.0
-"""Lateness of a package above which a clock must have been set [s]."""
+"""Change of the difference between the clocks above which a clock is assumed to have
+been set [s]."""
 
 
 @final
 class Lateness:
-    """Compares a robot's clock with ours; the earliest package counts as on time."""
+    """Comparison of a robot's clock with this computer's clock.
+
+    The package that was received earliest is considered to be on time.
+    """
 
     def __init__(self) -> None:
         self._least = math.inf
-        """Smallest difference between the clocks [s]."""
+        """Smallest measured difference between the clocks [s]."""
         self._late = self._late_before = 0.0
-        """Largest lateness of a package in the present span of ``MEMORY``, and in the
-        previous span [s]."""
+        """Largest lateness of a package in the current interval of length ``MEMORY``,
+        and in the previous interval [s]."""
         self._since = self._last = 0.0
-        """Times at which the present span began, and at which the last package arrived
-        [wall s]."""
+        """Time at which the current interval began, and time at which the last package
+        was received [wall s]."""
 
     def observe(self, time: float, arrived: float) -> None:
-        """Take a package into account: the robot's time and our time of arrival [s]."""
+        """Add a package with the robot's time and the local time of arrival [s]."""
         difference = arrived - time
         if abs(difference - self._least) > _RESTART:
             self._least, self._late, self._late_before = difference, 0.0, 0.0
@@ -49,7 +54,8 @@ class Lateness:
     def start_delay(self) -> float:
         """Time by which a motion should be sent before it starts [s].
 
-        Commands of a tick are late by the delay of the state that it reads and by the
-        delay of their own way to the robot.
+        The lateness of a tick's commands is the sum of two delays: the delay of the
+        state that the tick reads, and the delay of the commands on their way to the
+        robot.
         """
         return min(MARGIN + 2.0 * max(self._late, self._late_before), MOST)

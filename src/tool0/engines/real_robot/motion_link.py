@@ -1,7 +1,8 @@
-"""Connections with tool0's program on the controller: knots, stops and commands.
+"""Connections to tool0's program on the controller, for knots, stops and commands.
 
-The program connects back on two sockets, and first sends a secret number so that no
-other process can take its place.  Messages are sent immediately, from any thread.
+The program connects to tool0 on two sockets.  On each socket, the program first sends a
+secret number, so that no other process can impersonate the program.  Messages are sent
+immediately, from any thread.
 """
 
 from __future__ import annotations
@@ -28,20 +29,20 @@ from tool0.errors import TransportError
 logger = logging.getLogger(__name__)
 
 BEAT: Final = 0.005
-"""Period of messages that only show that tool0 is alive [s]; it is short so that TCP
-soon notices a lost message."""
+"""Period of the messages that only show that tool0 is running [s].  The period is
+short, so that TCP detects a lost message soon."""
 _KNOT: Final = struct.Struct(">14i")
 _COMMAND: Final = struct.Struct(">30i")
 _HELLO: Final = struct.Struct(">2i")
 _KNOTS, _COMMANDS = 1, 2
 _SEND_TIMEOUT: Final = 0.05
-"""Longest wait for room in the socket's buffer [s]; after that, the link counts as
-lost."""
+"""Longest wait for space in the buffer of a socket [s].  After this time, the link is
+considered lost."""
 _HELLO_TIMEOUT: Final = 2.0
 
 
 class Knot(NamedTuple):
-    """The joints' positions and velocities in one period of the program."""
+    """Positions and velocities of the joints in one period of the program."""
 
     step: int
     positions: Sequence[float]
@@ -52,13 +53,13 @@ class Knot(NamedTuple):
 
 @final
 class MotionLink:
-    """Waits for the program and sends messages to it; any thread may use it."""
+    """Link that waits for the program and sends messages from any thread."""
 
     def __init__(self, host: str, port: int = 0) -> None:
         """Listen at an address that the robot can reach.
 
         Raises:
-            TransportError: If listening is not possible.
+            TransportError: If the link cannot listen at the address.
         """
         self.token = secrets.randbelow(1 << 31)
         """Secret number that the program must send first."""
@@ -81,14 +82,16 @@ class MotionLink:
 
     @property
     def is_connected(self) -> bool:
-        """Whether the program is connected, as far as is known."""
+        """Whether the program is connected; a loss may not have been detected yet."""
         return len(self._sockets) == len((_KNOTS, _COMMANDS))
 
     def accept(self, timeout: float) -> None:
-        """Wait up to ``timeout`` [s] for the program's connections; drop earlier ones.
+        """Wait for the program's connections, up to ``timeout`` [s].
+
+        Earlier connections are closed.
 
         Raises:
-            TransportError: If the program does not connect in time.
+            TransportError: If the program does not connect before the timeout.
         """
         self.disconnect()
         found: dict[int, socket.socket] = {}
@@ -115,7 +118,7 @@ class MotionLink:
             self._sockets = found
 
     def _greeted(self, connection: socket.socket) -> int | None:
-        """Return which program connection this is; None for another client."""
+        """Return the kind of a program connection, or None for another client."""
         connection.settimeout(_HELLO_TIMEOUT)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         data = b""
@@ -132,7 +135,7 @@ class MotionLink:
         return kind if token == self.token and kind in {_KNOTS, _COMMANDS} else None
 
     def send_knots(self, knots: Sequence[Knot], first: MessageKind) -> None:
-        """Send knots; ``first`` says how the first knot continues the curve."""
+        """Send knots; ``first`` is the message kind of the first knot."""
         kind, data = first + KINDS * (len(knots) - 1), bytearray()
         for step, positions, velocities in knots:
             numbers = (round(SCALE * x) for x in (*positions, *velocities))
@@ -142,13 +145,13 @@ class MotionLink:
             self._send(_KNOTS, data)
 
     def _beat(self) -> None:
-        """Keep telling the program that tool0 and the network are alive."""
+        """Send messages periodically, which show that tool0 and the network work."""
         message = _message(MessageKind.NOTHING)
         while not self._ends.wait(BEAT):
             self._send(_KNOTS, message)
 
     def brake(self, periods: int = 0) -> None:
-        """Stop the arm on its path in ``periods``; 0 for the program's default."""
+        """Stop the arm on its path within ``periods``; 0 means the default duration."""
         self._send(_KNOTS, _message(MessageKind.BRAKE, periods))
 
     def end(self) -> None:
@@ -156,7 +159,7 @@ class MotionLink:
         self._send(_KNOTS, _message(MessageKind.END))
 
     def command(self, kind: CommandKind, arguments: Sequence[float] = ()) -> int:
-        """Send a command to the program; return its number.
+        """Send a command to the program, and return the command's number.
 
         Raises:
             TransportError: If the program is not connected.
@@ -172,7 +175,7 @@ class MotionLink:
         return number
 
     def _send(self, kind: int, data: bytes | bytearray) -> bool:
-        """Send a message; return whether the program was connected."""
+        """Send a message, and return whether the program was connected."""
         with self._lock:
             connection = self._sockets.get(kind)
             if connection is None:
@@ -196,7 +199,7 @@ class MotionLink:
         self._sockets = {}
 
     def close(self) -> None:
-        """End the link; the arm comes to rest."""
+        """Close the link, so that the arm comes to rest."""
         self._ends.set()
         self._heart.join()
         self.disconnect()

@@ -1,4 +1,4 @@
-"""The state of a real arm in each control period, even if packages are late or lost."""
+"""State of a real arm in each control period, even if packages are late or lost."""
 
 from __future__ import annotations
 
@@ -13,64 +13,67 @@ from tool0.engines.real_robot.rtde_fields import EFFORTS, Fields
 from tool0.errors import TransportError
 
 LOST_AFTER: Final = 0.3
-"""Time without a package after which the connection counts as lost [s], as TCP repeats
-a lost segment within 0.2 s.  The arm does not wait for this: without knots, tool0's
-program has brought it to rest by then."""
+"""Time without a package after which the connection is considered lost [s].  TCP
+repeats a lost segment within 0.2 s.  The arm stops earlier, because tool0's program
+brings the arm to rest if it does not receive knots."""
 OFFSETS: Final = 25
-"""Number of periods over which the program's period is compared with the robot's."""
+"""Number of periods over which the program's period is compared with the period of the
+robot."""
 _FIRST_PACKAGE: Final = 2.0
 """Longest wait for the first state [s]."""
 MOST_GAP: Final = 1.0
-"""Longest gap that is filled with interpolated states [s]; a longer gap is skipped."""
+"""Longest gap between packages that is filled with interpolated states [s].  A longer
+gap is skipped."""
 
 
 class ArmState(NamedTuple):
     """State of the arm's joints in one control period."""
 
     tick: int
-    """Control periods since the start."""
+    """Number of control periods since the start."""
     positions: tuple[float, ...]
     """Measured joint positions [rad]."""
     velocities: tuple[float, ...]
     """Measured joint velocities [rad/s]."""
     efforts: tuple[float, ...]
-    """Joint efforts [N·m]."""
+    """Torques of the joints [N·m]."""
     step: int
-    """Period of tool0's program at this time; 0 if it is not running."""
+    """Period of tool0's program at this time; 0 if the program is not running."""
 
 
 @final
 class StateReader:
-    """Converts packages to one state for each control period.
+    """Reader that converts packages to one state for each control period.
 
-    Periods follow the robot's clock.  Missing packages are counted, and their states
-    are interpolated.  While no packages arrive, the last state is repeated at the pace
-    of the wall clock, so that requests are answered.  Only the tick's thread may use
-    the reader.
+    Periods follow the robot's clock.  Missing packages are counted, and the states of
+    these packages are interpolated.  While no packages are received, the last state is
+    repeated at the rate of the wall clock, so that requests are answered.  Only the
+    thread of the tick may use the reader.
     """
 
     def __init__(self, client: RtdeClient, package: Package) -> None:
-        """Begin with the first package."""
+        """Start with the first package."""
         self.period = 1.0 / client.rate
         """Period of the robot's packages [s]."""
         self.is_connected = True
-        """Whether packages are arriving."""
+        """Whether packages are being received."""
         self.missing = 0
         """Number of periods without a package while the robot was connected."""
         self.newest = package
-        """The newest package."""
+        """Newest package."""
         self.lateness = Lateness()
-        """Lateness of the packages."""
+        """Measurement of the packages' lateness."""
         self._waiting: deque[ArmState] = deque()
         self._heard = time.monotonic()
         self._due = self._heard
-        """Time at which the next repeated state is due while no packages arrive [wall
-        s]."""
+        """Time at which the next repeated state is due while no packages are received
+        [wall s]."""
         self._offset = 0
-        """Difference between the robot's period number and ours."""
+        """Difference between the robot's period number and the tick."""
         self._program_offsets: deque[int] = deque(maxlen=OFFSETS)
         """Recent differences between the period numbers of the robot and of tool0's
-        program, which may write its period some periods late, but never early."""
+        program.  The program may write its period number some periods late, but never
+        early."""
         self._last_step = 0
         self._use(client)
         self._offset = self._robot_period(package)
@@ -88,7 +91,7 @@ class StateReader:
         self._heard = time.monotonic()
 
     def next(self) -> ArmState:
-        """Wait for the next period and return its state."""
+        """Wait for the next period, and return the state in this period."""
         while not self._waiting:
             if self.is_connected:
                 self._receive(LOST_AFTER)
@@ -124,10 +127,11 @@ class StateReader:
         tick = self._robot_period(package) - self._offset
         gap = tick - last.tick
         if gap * self.period > MOST_GAP or gap < -MOST_GAP / self.period:
-            self._offset += gap - 1  # the robot was restarted, or away for long
+            # The robot was restarted, or was disconnected for a long time.
+            self._offset += gap - 1
             tick, gap = last.tick + 1, 1
         if gap <= 0:
-            return  # of a period that was repeated meanwhile
+            return  # the state of this period has already been repeated
         state = self._state_of(package, tick)
         self.newest = package
         self.missing += gap - 1
@@ -147,7 +151,7 @@ class StateReader:
         fields = self.fields
         step = int(fields.number(package, REGISTERS[0]))
         if step:
-            if step < self._last_step:  # another run of the program
+            if step < self._last_step:  # the program was started again
                 self._program_offsets.clear()
             self._last_step = step
             self._program_offsets.append(tick - step)

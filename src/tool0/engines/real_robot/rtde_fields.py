@@ -1,4 +1,4 @@
-"""The RTDE fields from which a real robot's state is built, and their meaning."""
+"""RTDE fields that contain the state of a real robot, and their meaning."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ STATUS: Final = (
     *("payload", "payload_cog", "tcp_offset"),
 )
 EFFORTS: Final = ("actual_current_as_torque", "target_moment")
-"""Fields for the joint torques, best first: measured torques (PolyScope 5.23 or newer),
-then the model's torques for the commanded motion."""
+"""Fields for the joint torques, in order of preference: measured torques (PolyScope
+5.23 or newer), and torques computed by the model for the commanded motion."""
 
 INPUTS: Final = {
     "slider": ("speed_slider_mask", "speed_slider_fraction"),
@@ -42,17 +42,17 @@ INPUTS: Final = {
         *("standard_analog_output_0", "standard_analog_output_1"),
     ),
 }
-"""Fields that tool0 writes, with a recipe for each kind so that they do not disturb
-each other."""
+"""Fields that tool0 writes, by kind.  There is one recipe for each kind, so that
+writing one kind does not change the fields of another kind."""
 
 _PLAYING, _PAUSED = frozenset({2, 5}), frozenset({3, 4})
 """Values of RTDE's ``runtime_state`` for playing and resuming, and for pausing and
-paused; the other values are stopping and stopped."""
+paused.  The other values mean stopping and stopped."""
 
 
 @final
 class Fields:
-    """Reads the flat values of a package by field name."""
+    """Access to the flat values of a package by field name."""
 
     def __init__(self, columns: Mapping[str, slice]) -> None:
         self._columns = columns
@@ -63,12 +63,12 @@ class Fields:
         return tuple(package[self._columns[name]])
 
     def number(self, package: Sequence[Any], name: str) -> Any:
-        """Return the number of a field, or 0 if the robot does not have it."""
+        """Return the number of a field, or 0 if the robot does not have the field."""
         column = self._columns.get(name)
         return 0 if column is None else package[column.start]
 
     def status(self, package: Sequence[Any]) -> tuple[Any, ...]:
-        """Return the values that rarely change, for comparison with the last ones."""
+        """Return the values that rarely change, for comparison with previous values."""
         return tuple(package[column] for column in self._status)
 
     def boxes(self, package: Sequence[Any]) -> dict[str, Any]:
@@ -125,7 +125,7 @@ def program_state(number: int) -> ProgramState:
 
 
 def _safety_mode(number: int) -> SafetyMode:
-    """Return the safety mode; RTDE's 10 and 11 are further safeguard stops."""
+    """Return the safety mode; 10 and 11 in RTDE are additional safeguard stops."""
     if number in {10, 11}:
         return SafetyMode.SAFEGUARD_STOP
     try:
