@@ -1,1 +1,1 @@
-"""The ROS 2 interface, which runs in a separate process that these modules start."""
+"""The ROS 2 interface.  These modules start it in a separate process."""
