@@ -1,4 +1,4 @@
-"""Figures with which tool0 is assessed.
+"""Figures that assess tool0, as ratios of measurements in the same run.
 
 They are ratios that are measured in one run.
 """

@@ -19,7 +19,7 @@ import tool0
 N_COPIES = 256
 THREADS = 2
 TICKS = 50
-"""Number of ticks in one measurement.  It is one action at 20 Hz."""
+"""Number of ticks in one measurement, which is one action at 20 Hz."""
 ROUNDS = 9
 
 
@@ -46,7 +46,7 @@ def cost(n: int = N_COPIES, threads: int = THREADS) -> BatchCost:
     """
     before = _resident()
     with tool0.Batch(n, threads=threads) as batch:
-        # these have the models and states
+        # the engines have the models and states
         engines = [core.engine for core in batch._cores]
         columns = [batch.joint_names.index(joint) for joint in batch.arm_joints]
         home = batch.position[:, columns]

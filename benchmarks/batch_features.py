@@ -19,7 +19,7 @@ import numpy as np
 import tool0
 
 ACTION = 0.05
-"""Simulated time of one round [s].  It is one action at 20 Hz."""
+"""Simulated time of one round, which is one action at 20 Hz [s]."""
 WARM_UP = 3
 """Number of rounds before the first round that is measured."""
 Action = Callable[[tool0.Batch, np.random.Generator], None]
@@ -106,7 +106,7 @@ FEATURES: Mapping[str, Feature] = {
 def ratio(feature: Feature, n: int, rounds: int) -> tuple[float, float]:
     """Return the ratio of processor times with and without a feature.
 
-    The second value is half the interquartile range.
+    The second result is half the interquartile range.
 
     The copies have the same targets in both batches, and each batch has one thread.
     """

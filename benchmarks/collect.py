@@ -31,7 +31,7 @@ def rate(n_workers: int) -> float:
 def speed_ratio() -> float:
     """Return the rate of two workers divided by the rate of one worker.
 
-    The two measurements alternate.
+    The measurements with one worker and with two workers alternate.
     """
     return statistics.median(rate(2) / rate(1) for _ in range(ROUNDS))
 

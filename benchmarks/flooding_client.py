@@ -1,6 +1,7 @@
 """A client that sends as fast as possible, for the benchmark of stops and its tests.
 
-It needs only the standard library, so that many clients can start at the same time.
+The client needs only the standard library, so that many clients can start at the same
+time.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ the post."""
 class Steps:
     """Wall times of a step [s].
 
-    They are medians of blocks that alternate in one world.
+    The times are medians of blocks that alternate in one world.
     """
 
     native: float

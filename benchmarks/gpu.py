@@ -1,4 +1,4 @@
-"""Compares batches and environments on a GPU with those on the CPU.
+"""Compares batches and environments on a GPU with batches and environments on the CPU.
 
 Run this script on a machine with an NVIDIA GPU and ``pip install '.[gpu,gym]'``::
 
@@ -26,8 +26,8 @@ import tool0
 
 COPIES = 1024, 4096, 8192
 HOST_COPIES = 256
-"""Number of copies of the batch on the CPU.  Its steps/s depend little on this
-number."""
+"""Number of copies of the batch on the CPU.  The steps/s of a batch on the CPU depend
+little on the number of copies."""
 TICKS = 50
 """Number of ticks of one action.  The rate of actions is 20 Hz."""
 ROUNDS = 5

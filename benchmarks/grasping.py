@@ -26,8 +26,8 @@ CUBES = {"2f85": (20, 45, 60, 80), "2f140": (20, 60, 90, 120), "hande": (10, 20,
 CYLINDER = Cylinder(radius=0.0215, length=0.08)
 MASSES = (0.05, 0.5)  # [kg]
 FORCE = 60.0
-"""Force at each pad [N].  It is the smallest force of a Hand-E, and a quarter of the
-largest force of a 2F-85."""
+"""Force at each pad [N].  This force is the smallest force of a Hand-E, and a quarter
+of the largest force of a 2F-85."""
 LIFT = 0.2
 HOLD, SHAKE = 5.0, 3.0  # [s]
 SHAKEN = 2.0 * 9.81  # [m/s²]

@@ -84,7 +84,7 @@ def _bring_up(engine: str) -> tool0.Robot:
 def _put_between_pads(robot: tool0.Robot) -> None:
     """Place the block between the pads in free fall.
 
-    There is so little room that the gripper catches the block.
+    The opening is so small that the gripper catches the block.
     """
     robot.gripper.move(opening=WIDTH + ROOM).wait(10.0)
     robot.run(SETTLE)  # the arm comes to rest

@@ -43,7 +43,8 @@ def cost(task: str = "Lift", n: int = N_COPIES, threads: int = THREADS) -> GymCo
     rng = np.random.default_rng(0)
     shape = (ACTIONS, *env.action_space.shape)
     batch = env.unwrapped.copies.batch
-    engines = [core.engine for core in batch._cores]  # these have the models and states
+    # the engines have the models and states
+    engines = [core.engine for core in batch._cores]
     ratios, same_threads, python = [], [], []
     for _ in range(ROUNDS):
         actions = rng.uniform(-1.0, 1.0, shape).astype(np.float32)

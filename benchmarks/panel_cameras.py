@@ -1,7 +1,7 @@
 """Measures the rate of live camera images at a page, and their cost.
 
-The page is an HTTP client in a separate process.  It requests the next image when it
-has received an image, like the panel's page.
+The page is an HTTP client in a separate process.  Like the panel's page, the client
+requests the next image when it has received an image.
 """
 
 from __future__ import annotations

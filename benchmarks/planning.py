@@ -41,7 +41,8 @@ TWELVE_IN_TIME = 5.0
 """Processor time in which a problem of two arms must be solved [s]."""
 CROSSING = ("left=ur5+2f85@0,0.4,0", "right=ur5+2f85@0,-0.4,0")
 LONGEST = 60.0
-"""Time limit of a search [wall s].  It is long because the machine may be busy."""
+"""Time limit of a search [wall s].  The limit is long because the machine may be
+busy."""
 RESTARTS = 20
 ASIDE = 0.15
 """Distance from the target at which a motion with a held cube ends [m]."""
@@ -62,8 +63,7 @@ class Solved:
     ratio: float = float("nan")
     """Length, divided by the length of the best motion of ``RESTARTS`` other seeds."""
     violations: int = 0
-    """Number of poses that are nearer than the clearance.  They are found with MuJoCo
-    alone."""
+    """Number of poses, found with MuJoCo alone, that are nearer than the clearance."""
 
 
 @dataclass(frozen=True)
@@ -171,8 +171,8 @@ def violations(
 
     The poses on the path are 1 mrad apart.
 
-    Only MuJoCo measures the distances.  It measures every pair of shapes whose bounding
-    spheres are not far enough apart.
+    Only MuJoCo measures the distances.  MuJoCo measures every pair of shapes whose
+    bounding spheres are not far enough apart.
     """
     model = group.owner.model
     data = mujoco.MjData(model)
@@ -219,7 +219,7 @@ def densely(path: Path) -> Array:
 
 
 def executed(n: int, *, engine: str = "mujoco", seed: int = 0) -> tuple[int, int]:
-    """Execute the plans of ``n`` problems of each set.  Half of them hold a cube.
+    """Execute the plans of ``n`` problems per set, half of them with a held cube.
 
     Returns:
         The number of executed plans, and the number of contacts during their execution.

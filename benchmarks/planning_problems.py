@@ -35,8 +35,8 @@ REACH = 0.14
 """Distance from the flange to the point between the pads [m]."""
 HOME = (-1.57, -1.57, 1.57, -1.57, -1.57, 0.0)
 MARGIN: Final = 0.006
-"""Distance that start and target keep from obstacles [m].  It is slightly more than the
-clearance."""
+"""Distance that start and target keep from obstacles [m].  The distance is slightly
+larger than the clearance."""
 _TRIES = 4000
 Rng = np.random.Generator
 Boxes = list[SceneObject]
@@ -138,11 +138,10 @@ class Site:
     """Function that returns a pose that is hard to reach: T_root_grasp, shape (4,
     4)."""
     outside: Callable[[Rng], Array] | None = None
-    """Function that returns another start pose.  If it is None, the arm starts at
-    home."""
+    """Function that returns another start pose; None if the arm starts at home."""
     retreat: float = 0.0
     """Distance by which the grasp can be retracted in a straight line with the same
-    posture [m].  It guarantees that there is a way out."""
+    posture [m].  The retraction guarantees that there is a way out."""
 
 
 def bookshelf(rng: Rng) -> Site:
@@ -344,7 +343,7 @@ def problems(name: str, n: int, seed: int = 0) -> Iterator[Problem]:
     """Yield ``n`` problems of a set whose start and target are free.
 
     The straight motion to the nearest posture is not free.  Half of the problems start
-    at home, if home is free.  The other problems start at another grasp.
+    at home, if home is free.  All other problems start at another grasp.
     """
     cell = Workcell()
     rng = np.random.default_rng([seed, list(SETS).index(name)])

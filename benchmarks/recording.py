@@ -17,9 +17,9 @@ ROUNDS = 5
 def recording_cost() -> tuple[float, float]:
     """Return the processor time [s] and bytes of a recording, per simulated second.
 
-    The processor time is that of the whole process in real time.  It includes the
-    thread of the recorder and the additional work of the tick.  Rounds with a recording
-    and rounds without a recording alternate.
+    The processor time is that of the whole process in real time.  The processor time
+    includes the thread of the recorder and the additional work of the tick.  Rounds
+    with a recording and rounds without a recording alternate.
     """
     differences, rates = [], []
     targets = cycle((1.0, 1.8))

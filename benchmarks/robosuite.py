@@ -1,14 +1,14 @@
 """Compares tool0's speed with the speed of robosuite's ``Lift`` on one core.
 
-Both programs simulate a UR5e with a Robotiq 2F-85 at a table with a cube, with MuJoCo
-and steps of 2 ms.  In every step, both compute the efforts of a joint position
-controller with gravity compensation for a moving arm.  Neither program renders.
-robosuite makes its observations 20 times per simulated second, which is the default of
-``Lift``; tool0 publishes a snapshot 125 times per simulated second.
+tool0 and robosuite simulate a UR5e with a Robotiq 2F-85 at a table with a cube, with
+MuJoCo and steps of 2 ms.  In every step, both programs compute the efforts of a joint
+position controller with gravity compensation for a moving arm.  Neither program
+renders. robosuite makes its observations 20 times per simulated second, which is the
+default of ``Lift``; tool0 publishes a snapshot 125 times per simulated second.
 
-robosuite needs an older MuJoCo and NumPy than tool0.  It therefore gets a separate
-environment in the user's cache folder, and it runs in a separate process.  The two
-programs alternate on one core.
+robosuite needs an older MuJoCo and NumPy than tool0.  Therefore, robosuite gets a
+separate environment in the user's cache folder, and runs in a separate process.  tool0
+and robosuite alternate on one core.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ if TYPE_CHECKING:  # robosuite's environment does not contain tool0
 VERSION = "1.5.1"
 REQUIREMENTS = (f"robosuite=={VERSION}", "mujoco==3.3.2", "numpy<2")
 CONTROLLERS = ("JOINT_POSITION", "OSC_POSE")
-"""Controllers of robosuite.  The second controller is the default of ``Lift`` and needs
-more computation."""
+"""Controllers of robosuite.  The second controller, OSC_POSE, is the default of
+``Lift`` and needs more computation."""
 INSTALL_TIMEOUT = 900.0  # [s]
 DT = 0.002
 """Length of a step of both programs [s]."""
@@ -45,10 +45,10 @@ ROUNDS = 9
 PERIOD = 40
 """Period of the arms' motion, in actions."""
 SWINGING = (1.0, 0.0, 0.0, 1.0, 1.0, 1.0)
-"""Amplitude factor of each joint.  With these factors, the tool remains above the table
-and touches nothing."""
+"""Amplitude factor of each joint.  With these amplitude factors, the tool remains above
+the table and touches nothing."""
 SWING = 0.05
-"""Amplitude of the joints [rad].  It is the same as that of robosuite's joints with
+"""Amplitude of the joints [rad].  The amplitude equals that of robosuite's joints with
 actions of ±1."""
 OSC_SWING = (0.0, 0.5, 0.0, 0.0, 0.0, 1.0)
 """Amplitude factors for ``OSC_POSE``: sideways, and about the tool's axis."""

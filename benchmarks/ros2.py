@@ -120,9 +120,9 @@ def speed_ratio(*, realtime: bool) -> float:
 
     The speed is simulated time per wall time.
 
-    In real time, late ticks would lower the ratio.  Otherwise, the simulation runs as
-    fast as possible.  Rounds with the node and without the node alternate, and the
-    result is the median of the ratios.
+    In real time, late ticks would lower the ratio.  If it is not in real time, the
+    simulation runs as fast as possible.  Rounds with the node and without the node
+    alternate, and the result is the median of the ratios.
     """
     with _robot(realtime=realtime) as robot:
         ratios = []

@@ -1,4 +1,4 @@
-"""The rclpy side of the ROS 2 benchmark.  It runs under ROS 2's Python.
+"""The rclpy side of the ROS 2 benchmark, which runs under ROS 2's Python.
 
 Times are read from the monotonic clock, which all processes of a machine share.  Each
 role prints one JSON value.

@@ -61,7 +61,8 @@ class Figure:
         """Whether the bound is kept.
 
         If the aim is greater than the bound, the value must not be less than the bound.
-        Otherwise, it must not be greater.
+        If the aim is smaller than the bound, the value must not be greater than the
+        bound.
         """
         if self.aim >= self.bound:
             return self.value >= self.bound

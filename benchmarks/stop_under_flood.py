@@ -220,7 +220,7 @@ def ratios(
 ) -> dict[str, Delays]:
     """Return the delays with each load, divided by the delays without a load.
 
-    Both are measured in the same minutes.
+    The delays with and without a load are measured in the same minutes.
     """
     alone: list[float] = []
     flooded: dict[str, list[float]] = {name: [] for name in loads}

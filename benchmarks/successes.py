@@ -15,7 +15,7 @@ import tool0.gym  # noqa: F401  # registers the tasks
 from tool0.policy.report import wilson
 
 COPIES = 10
-"""Number of parallel episodes.  They continue until the last episode ends."""
+"""Number of parallel episodes.  All episodes continue until the last episode ends."""
 
 Act = Callable[[NDArray[np.float64]], NDArray[np.floating]]
 """Function that returns actions (n, k) for observations (n, m)."""
@@ -56,8 +56,9 @@ def rate(
     Args:
         task: Name of the task, such as ``Lift``.
         seeds: Seeds of the episodes, without gaps.
-        policy: Function that is called with an environment before its episodes begin.
-            It returns a function from observations to actions.
+        policy: Function that returns a policy, which is a function from observations to
+            actions.  The function is called with an environment before the
+            environment's episodes begin.
         options: Keyword arguments of the environment.
     """
     steps: list[int] = []

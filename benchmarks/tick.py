@@ -14,8 +14,8 @@ from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.protocol.controllers import Role
 
 BLOCK = 500
-"""Number of steps in one measurement.  It is small, so that the arm does not move far
-in raw steps, whose efforts are constant."""
+"""Number of steps in one measurement.  The number is small, so that the arm does not
+move far in raw steps, in which the efforts are constant."""
 ROUNDS = 61
 SETTLE = 1.0  # [s]
 TARGET = (0.5, -1.1708, 1.0708, -0.9708, -1.0708, 1.0)
@@ -24,10 +24,10 @@ TARGET = (0.5, -1.1708, 1.0708, -0.9708, -1.0708, 1.0)
 def speed_ratio(*, moving: bool, **options: Any) -> float:
     """Return simulated steps/s of a bring-up, divided by raw ``mj_step``.
 
-    Blocks of both kinds alternate with one compiled model.  They start from the same
-    state, so that both kinds have the same contacts, and so that other programs on the
-    machine slow down both kinds equally.  The result is the median of all rounds.
-    ``options`` are the options of ``tool0.bringup``.
+    Blocks of both kinds alternate with one compiled model.  The blocks start from the
+    same state, so that both kinds of blocks have the same contacts, and so that other
+    programs on the machine slow down both kinds equally.  The result is the median of
+    all rounds.  ``options`` are the options of ``tool0.bringup``.
     """
     with tool0.bringup(realtime=False, **options) as robot:
         robot.run(SETTLE)

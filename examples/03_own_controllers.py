@@ -23,5 +23,5 @@ with tool0.bringup(control=control, realtime=False) as robot:
     # Send a goal in joint units, like in ROS's action.
     goal = robot.controller("gripper_controller").command_gripper(0.5, max_effort=10.0)
     print(goal.wait(timeout=5.0))
-    # Command the opening.  This works with any controller of the gripper.
+    # Command the opening.  Every controller of the gripper accepts an opening.
     print(robot.gripper.move(opening=0.02).wait(timeout=5.0))

@@ -14,7 +14,7 @@ def drive(socket: ClientConnection) -> None:
     hello = json.loads(socket.recv())
     print(f"connected to tool0 {hello['version']}")
 
-    # A request.  Its reply has the same id, and contains an error if the request
+    # A request has an id.  The reply has the same id, and an error if the request
     # failed.
     grip = {"id": 1, "method": "grip", "params": {"opening": 0.04, "force": 60.0}}
     socket.send(json.dumps(grip))

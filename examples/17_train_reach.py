@@ -1,7 +1,7 @@
 """Train a linear policy for Reach with evolution: `pip install '.[gym]'`.
 
-The strategy is the cross-entropy method.  It tries 24 policies in parallel, each on the
-same two goals, and draws the next policies around the best policies.
+The strategy is the cross-entropy method.  The strategy tries 24 policies in parallel,
+each on the same two goals, and draws the next policies around the best policies.
 """
 
 import gymnasium

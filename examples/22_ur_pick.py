@@ -10,7 +10,7 @@ CUBE, BIN = (-0.5487, -0.1091), (-0.50, 0.32)  # in the base frame of the robot 
 
 
 class Gripper:
-    """The socket of Robotiq's URCap.  Its commands are SET and GET in ASCII."""
+    """The socket of Robotiq's URCap, with the commands SET and GET in ASCII."""
 
     def __init__(self) -> None:
         self.socket = socket.create_connection((HOST, 63352))

@@ -1,4 +1,4 @@
-"""A program of steps from a file.  It is checked, run, paused, resumed and exported."""
+"""Check, run, pause, resume and export a program of steps from a file."""
 
 import tempfile
 from pathlib import Path

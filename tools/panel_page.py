@@ -58,7 +58,7 @@ def panel_page(
 
 
 def picture(page: Page) -> bytes:
-    """Return a picture of the page as WebP.  It has a sixth of the size of a PNG."""
+    """Return a picture of the page as WebP, with a sixth of the size of a PNG."""
     browser = page.context.new_cdp_session(page)
     settings = {"format": "webp", "quality": _QUALITY}
     return base64.b64decode(browser.send("Page.captureScreenshot", settings)["data"])

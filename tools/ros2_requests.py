@@ -1,8 +1,8 @@
 """Write the ROS 2 node's requests, which are the part of the contract that it uses.
 
-The node runs under another Python, without tool0's packages.  Its module ``requests``
-contains a function for each request and a TypedDict for each value, so that mypy can
-compare the node with the contract.
+The node runs under another Python, without tool0's packages.  The node's module
+``requests`` contains a function for each request and a TypedDict for each value, so
+that mypy can compare the node with the contract.
 """
 
 from __future__ import annotations
@@ -167,7 +167,10 @@ class _Values:
         self.received: set[type] = set()
 
     def texts(self) -> Iterator[str]:
-        """Yield the definitions, in an order in which each can use those before it."""
+        """Yield the definitions.
+
+        A definition uses only definitions that precede it.
+        """
         yield from self._found.values()
 
     def shown(self, hint: Any, *, is_sent: bool = False) -> str:

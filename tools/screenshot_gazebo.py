@@ -3,8 +3,8 @@
 usage: python tools/screenshot_gazebo.py docs/images/gazebo.webp [--width 1280] …
 
 The tool brings up the example's scene in Gazebo on a separate screen (Xvfb), moves the
-arm, and waits until the window has drawn the scene.  It needs `tool0 gazebo install
---gui`.
+arm, and waits until the window has drawn the scene.  The tool needs `tool0 gazebo
+install --gui`.
 """
 
 from __future__ import annotations

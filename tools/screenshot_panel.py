@@ -3,7 +3,7 @@
 usage: python tools/screenshot_panel.py docs/images/panel.webp [--width 1440] …
 
 The tool brings up the example's scene or a cell (``--robots``), moves the arms while
-the plots are open, and waits until the page has drawn them.  It needs Chromium
+the plots are open, and waits until the page has drawn them.  The tool needs Chromium
 (tools/setup-browser).
 """
 

@@ -2,9 +2,9 @@
 
 usage: python tools/screenshot_rviz.py docs/images/rviz.webp [--width 1280] …
 
-The tool starts a roscore, the robot and RViz on a separate screen (Xvfb).  It moves the
-arm like any client of ROS does, and waits until the picture in RViz no longer changes.
-It needs `tool0 ros1 install --rviz`.
+The tool starts a roscore, the robot and RViz on a separate screen (Xvfb).  The tool
+moves the arm like any client of ROS does, and waits until the picture in RViz no longer
+changes.  The tool needs `tool0 ros1 install --rviz`.
 """
 
 from __future__ import annotations

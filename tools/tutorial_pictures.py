@@ -75,7 +75,7 @@ def drawn(page: Page) -> bytes:
 
 
 def rendered(robot: tool0.Robot, camera: str) -> bytes:
-    """Return a camera's image as WebP.  It has half the size, for smooth edges."""
+    """Return a camera's image as WebP, in half of its size for smooth edges."""
     return encode_webp(robot.camera(camera).image().rgb, reduction=2)
 
 

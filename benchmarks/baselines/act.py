@@ -1,7 +1,7 @@
 """Behavior cloning with LeRobot's ACT, trained by LeRobot's own program.
 
-This module needs an environment with LeRobot (docs/how-to/policies.md).  It writes one
-row for each checkpoint.
+This module needs an environment with LeRobot (docs/how-to/policies.md).  The module
+writes one row for each checkpoint.
 """
 
 from __future__ import annotations

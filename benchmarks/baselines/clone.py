@@ -21,8 +21,8 @@ from benchmarks.successes import Act, rate
 from tool0.collect import collect
 
 CHUNK = 10
-"""Number of actions that one prediction contains.  They are all executed before the
-next prediction."""
+"""Number of actions that one prediction contains.  All these actions are executed
+before the next prediction."""
 WIDTH, LAYERS = 256, 3
 BATCH, RATE = 256, 1e-3
 BEND = 0.05
@@ -72,7 +72,7 @@ def pairs(folder: Path) -> tuple[NDArray[np.float64], Array]:
 def train(states: NDArray[np.float64], y: Array, steps: int, seed: int) -> Clone:
     """Return a network that predicts ``y`` from ``states``.
 
-    It is trained for ``steps`` steps.
+    The network is trained for ``steps`` steps.
     """
     rng = np.random.default_rng(seed)
     mean, spread = states.mean(axis=0), states.std(axis=0) + 1e-3

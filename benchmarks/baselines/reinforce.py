@@ -94,8 +94,8 @@ def run(task: str, seed: int, given: argparse.Namespace) -> None:
     many = Copies(f"tool0/{task}-v0", copies, dt=DT, threads=1)
     env = VecNormalize(VecMonitor(many), norm_reward=False)
     model = algorithm("MlpPolicy", env, seed=seed, device="cpu", **keywords)
-    # The first episodes to end are successes.  This bias lasts until every copy has
-    # ended an episode.
+    # Until every copy has ended an episode, the ended episodes are mainly successes, so
+    # that the success rate is biased.
     first = max(EVERY, copies * many.env.spec.max_episode_steps)
     curve = Curve(given.folder, (given.method, task, seed), first)
     model.learn(given.actions, callback=curve)

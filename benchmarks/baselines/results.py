@@ -15,12 +15,12 @@ from tool0.policy.report import wilson
 
 RUNS, CURVES = "runs.jsonl", "curves.csv"
 CURVE = ("method", "task", "seed", "actions", "success", "reward", "cpu_seconds")
-"""Columns of the curves.  They contain the number of actions of all copies together,
-the success rate and mean return of the last hundred episodes, and the processor time
-since the start [s]."""
+"""Columns of the curves.  The columns contain the number of actions of all copies
+together, the success rate and mean return of the last hundred episodes, and the
+processor time since the start [s]."""
 PROGRAMS = ("tool0", "mujoco", "gymnasium", "numpy", "torch", "stable-baselines3")
 FIRST_START = 100_000
-"""Seed of the first episode of an evaluation.  It differs from the seeds of
+"""Seed of the first episode of an evaluation.  This seed differs from the seeds of
 ``collect``, which are hashed."""
 APART = 10_000
 """Difference between the first seeds of two evaluations, so that runs have different

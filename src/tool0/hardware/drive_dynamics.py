@@ -1,6 +1,6 @@
 """The dynamics that drives assume.
 
-They include the description and declared payloads.
+The dynamics are computed from the description and from declared payloads.
 """
 
 from __future__ import annotations
@@ -142,9 +142,9 @@ class DriveDynamics:
     ) -> Matrix:
         """Return the velocity changes of ``joints`` in one step, per unit of effort.
 
-        The result has shape (n, n) [rad/s/(N·m)].  It is computed from the masses in
-        the description and from the inertias of the ``rotors`` [kg·m²], which are given
-        by joint index.
+        The result has shape (n, n) [rad/s/(N·m)].  The mobility is computed from the
+        masses in the description and from the inertias of the ``rotors`` [kg·m²], which
+        are given by joint index.
         """
         position = [state.position[i] for i in self.to_model]
         own = self.own.mass_matrix(position)[None]

@@ -39,8 +39,8 @@ joints."""
 def joint_selector(indices: Sequence[int]) -> JointSelector:
     """Return the function that selects ``indices`` from a list.
 
-    The function runs in C.  It takes a slice if the indices are contiguous, which is
-    the usual case.
+    The function runs in C.  The function takes a slice if the indices are contiguous,
+    which is the usual case.
     """
     run = as_slice(indices)
     if run is not None:
@@ -60,7 +60,7 @@ def as_slice(indices: Sequence[int]) -> slice | None:
 class RecordedObjects(Sequence[ObjectState]):
     """The states of objects at one instant, which are computed on the first read.
 
-    The states never change, and any thread may read them.
+    The states never change, and any thread may read the states.
     """
 
     __slots__ = ("_compute", "_states")
@@ -142,17 +142,17 @@ class World(Protocol):
         """
 
     def delete(self, name: str) -> None:
-        """Remove an object, or raise EngineError if there is no such object."""
+        """Remove the object named ``name``, or raise EngineError if there is none."""
 
     def place(self, state: ObjectState) -> None:
-        """Set the pose and velocity of an object; the quaternion must be normalised.
+        """Set the pose and velocity of an object; the quaternion must be normalized.
 
         A reset returns the object to its pose at the start of the simulation, or to the
         pose where it was spawned.
 
         Raises:
-            EngineError: If there is no such object, or if a velocity is given for an
-                object without mass.
+            EngineError: If there is no object of this name, or if a velocity is given
+                for an object without mass.
         """
 
     def contacts(self) -> tuple[Contact, ...]:
@@ -166,8 +166,8 @@ class World(Protocol):
     def is_touched(self, links: frozenset[str]) -> bool:
         """Return whether one of ``links`` touches anything or is attached to an object.
 
-        This method is faster than ``contacts``.  It may also return True for links that
-        only almost touch another body.
+        This method is faster than ``contacts``.  The result may also be True for links
+        that only almost touch another body.
         """
 
     def center_of_mass(self, name: str) -> Vector3:
@@ -177,8 +177,8 @@ class World(Protocol):
         each other form one body.
 
         Raises:
-            EngineError: If there is no such link or object, or if the link or object
-                cannot move.
+            EngineError: If there is no link or object of this name, or if the link or
+                object cannot move.
         """
 
     def hold_wrenches(self, wrenches: Mapping[str, Wrench]) -> None:
@@ -198,9 +198,9 @@ class World(Protocol):
         Resetting, deleting or placing the object detaches it.
 
         Raises:
-            ModelError: If there is no such link.
-            EngineError: If there is no such object, if the object has no mass, or if it
-                is already attached.
+            ModelError: If the robot has no link of this name.
+            EngineError: If there is no object of this name, if the object has no mass,
+                or if the object is already attached.
         """
 
     def detach(self, name: str) -> None:
@@ -259,9 +259,10 @@ class Engine(Protocol):
         """Engage the brakes of the given joints, and release all other brakes.
 
         ``torques`` maps the index of a joint to the largest torque of its brake
-        [N·m | N].  A brake acts as dry friction of at most this torque.  It slows the
-        joint, and it holds the joint at rest against any smaller load.  This call does
-        not change the state of a joint, and a reset does not affect the brakes.
+        [N·m | N].  A brake acts as dry friction of at most this torque.  The brake
+        slows the joint, and holds the joint at rest against any smaller load.  This
+        call does not change the state of a joint, and a reset does not affect the
+        brakes.
         """
 
     @property
@@ -300,14 +301,14 @@ class NativeStepper(NamedTuple):
     """Address of a C function ``void step(const void *model, void *data)``."""
     on_error: int
     """Address of the variable that holds the C function ``void on_error(const char
-    *)``.  The engine calls this function when an error occurs.  The address is 0 if
-    there is no such variable."""
+    *)``.  The engine calls this function when an error occurs.  The address is 0 if the
+    engine has no variable for this function."""
     model: int
     data: int
     position: int
     """Address of the measured positions [rad | m]."""
     velocity: int
-    """Address of the velocities, including those of objects [rad/s | m/s]."""
+    """Address of the velocities, including the velocities of objects [rad/s | m/s]."""
     n_velocities: int
     motors: int
     """Address of the efforts that the engine applies [N·m | N]."""

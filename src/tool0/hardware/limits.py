@@ -3,7 +3,8 @@
 Saturation follows ``EffortJointSaturationHandle`` and ``EffortJointSoftLimitsHandle``
 of joint_limits_interface (ros_control noetic, ``joint_limits_interface.h``): the effort
 is clamped, a joint beyond a position limit gets no outward effort, and a joint above
-its speed limit gets no accelerating effort.  There are three intentional differences:
+its speed limit gets no accelerating effort.  tool0's limits differ intentionally from
+ROS in three ways:
 
 * A drive whose rotor inertia is known, or whose effort could take the joint beyond its
   speed limit within one step, uses a ``SpeedLimiter``, which holds the joint at its
@@ -38,8 +39,8 @@ effort of a joint held at its stop would switch on and off a thousand times a se
 
 PUSHING = 0.9
 """Fraction of its effort limit above which a drive is considered to push at its limit.
-It is less than 1, because a servo scales down the accelerations of coupled joints
-together, so that an effort may stay slightly below its limit."""
+The fraction is less than 1, because a servo scales down the accelerations of coupled
+joints together, so that an effort may stay slightly below its limit."""
 
 
 @final
@@ -53,9 +54,10 @@ class EffortLimits:
     """Rotor inertia reflected to the joint, or the inertia of a light joint
     [kg·m² | kg]; 0 if neither applies."""
     is_light: bool = False
-    """Whether the drive could exceed the speed limit within one step.  Such a joint
-    gets no outward effort if it is closer to its stop than the distance that it travels
-    in one step, because the stop acts only after the joint has passed it."""
+    """Whether the drive could exceed the speed limit within one step.  A joint with
+    such a drive gets no outward effort if the joint is closer to its stop than the
+    distance that it travels in one step.  The reason is that the stop acts only after
+    the joint has passed the stop."""
 
 
 class DriveBounds(NamedTuple):
@@ -140,7 +142,7 @@ class EffortLimiter:
         self._rows = list(self._saturated())
 
     def leave_speeds(self, governed: frozenset[int]) -> None:
-        """Leave the limitation of these joints' speeds to the governor."""
+        """Leave the limitation of the speeds of joints to the governor."""
         self._governed = governed
         self._rows = list(self._saturated())
 
@@ -249,9 +251,9 @@ def _soften(
 
 EASE = 0.05
 """Shortest time in which a drive removes all its effort when its limits decrease [s].
-It is several oscillation periods of the rotor and pads on a squeezed object (13 ms for
-a 2F-85), so that a weakening grip does not drop the object.  The value is an estimate,
-because no datasheet gives it."""
+This time is several oscillation periods of the rotor and pads on a squeezed object
+(13 ms for a 2F-85), so that a weakening grip does not drop the object.  The value is an
+estimate, because no datasheet gives it."""
 
 
 @final

@@ -65,7 +65,7 @@ from tool0.hardware.speed_governor import (
 
 POSE_PERIOD = 64
 """Number of steps between updates of the values that depend only on the pose and need
-not be exact.  These values are the mass matrix of the servos and gravity compensation.
+not be exact.  The values are the mass matrix of the servos, and gravity compensation.
 In 64 ms, the fastest wrist turns 0.2 rad."""
 
 
@@ -287,7 +287,7 @@ class RobotHardware:
     ) -> None:
         """Claim ``joints`` for a controller.
 
-        They stay at rest until its first command.
+        The joints stay at rest until the controller's first command.
 
         Raises:
             ControlError: If a drive does not offer ``interface``.
@@ -320,8 +320,8 @@ class RobotHardware:
     ) -> None:
         """Claim ``joints`` for an effort law, whatever interfaces their drives offer.
 
-        Commands to these joints are ignored.  The kernel cannot run an effort law.
-        ``with_rotors`` adds the rotors' inertia to the joints.
+        Commands to the claimed joints are ignored.  The kernel cannot run an effort
+        law.  ``with_rotors`` adds the rotors' inertia to the joints.
 
         Raises:
             ControlError: If a joint has no drive.
@@ -383,7 +383,7 @@ class RobotHardware:
         return self.index[joint] in self._compensated
 
     def release(self, joints: Sequence[str], state: JointState) -> None:
-        """Release the claims of ``joints``.  Their brakes then hold the joints."""
+        """Release the claims of ``joints``, whose brakes then hold the joints."""
         indices = {self.index[name] for name in joints}
         self._effort_laws = tuple(
             item for item in self._effort_laws if indices.isdisjoint(item[0])
@@ -620,7 +620,7 @@ class RobotHardware:
     def _choose_governed(self) -> None:
         """Select the joints for the governor.
 
-        They are the joints that no brake holds.
+        The governor controls the joints that no brake holds.
         """
         drives = [d for d in self._governable if d.joint not in self._brakes]
         joints = (self.index[name] for name in self.interfaces)

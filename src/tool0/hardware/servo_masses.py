@@ -37,8 +37,8 @@ just carry the largest load.  The value is of the order of the offsets in UR's p
 diagrams."""
 _EXPECTED_SHARE: Final = 0.02
 """Inertia that a servo expects without a payload, as a fraction of the inertia of the
-largest load.  It makes the wrists of a UR stiffer, and makes little difference to the
-other joints."""
+largest load.  The expected inertia makes the wrists of a UR stiffer, and makes little
+difference to the other joints."""
 
 
 def largest_ratio(dt: float) -> float:

@@ -1,4 +1,4 @@
-"""Servos, which compute the acceleration of one joint towards its command."""
+"""Servos, which compute the acceleration of one joint toward its command."""
 
 from __future__ import annotations
 
@@ -51,8 +51,8 @@ class ServoState(NamedTuple):
     """Values that a servo keeps from one step to the next."""
 
     target: float
-    """Position that the servo tracks; it moves within the speed limit [rad | m].  It is
-    0 for a velocity servo."""
+    """Position that the servo tracks, which moves within the speed limit [rad | m].
+    For a velocity servo, the value is 0."""
     integral: float
     """Integral of the error, as an acceleration [rad/s² | m/s²]."""
     speed: float

@@ -77,7 +77,7 @@ class SpeedGovernor:
         self._fast = [(drive.joint, drive.fast) for drive in setup.drives]
 
     def choose(self, drives: Sequence[GovernedDrive], free: Sequence[int]) -> None:
-        """Govern ``drives``.  Brakes hold all joints except those in ``free``."""
+        """Govern ``drives``.  Brakes hold all joints that are not in ``free``."""
         governed = [drive.joint for drive in drives]
         others = [joint for joint in free if joint not in governed]
         self.setup = GovernorSetup(tuple(drives), (*governed, *others))

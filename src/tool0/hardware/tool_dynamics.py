@@ -104,7 +104,7 @@ class ToolDynamics:
         ``gravity`` [m/s²] is in the axes of the robot's root.
 
         Raises:
-            ModelError: If there is no such link.
+            ModelError: If the model has no link named ``link``.
         """
         self.links = frozenset(model.links_from(link))
         """The names of ``link`` and all links beyond it."""
@@ -133,7 +133,7 @@ class ToolDynamics:
         self._payloads: list[ToolPart] = []
 
     def subtract(self, payloads: Mapping[str, BodyInertia]) -> None:
-        """Subtract the effect of bodies that are fixed to these links.
+        """Subtract the effect of bodies that are fixed to links.
 
         The bodies are given in the frames of the links.  Bodies on links that the
         wrench does not include are ignored.

@@ -73,7 +73,7 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
             log: File for the program's output and errors.  If omitted, the output and
                 errors are stored for ``completed`` and ``last_output``.
             grace: Time between SIGINT and SIGKILL when the program is stopped [wall s].
-                If it is 0, SIGKILL is sent immediately.
+                If the time is 0, SIGKILL is sent immediately.
         """
         make = tempfile.TemporaryFile
         self._files = [] if log is not None else [make(), make()]

@@ -34,7 +34,7 @@ class Machine:
     system: str = sys.platform
 
     def program(self, *names: str) -> str | None:
-        """Return the path of the first of these programs that is in PATH."""
+        """Return the path of the first program in ``names`` that is in PATH."""
         path = self.environ.get("PATH", "")
         found = (shutil.which(name, path=path) for name in names)
         return next((name for name in found if name), None)
@@ -63,7 +63,7 @@ class Machine:
         return any(self.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
     def read(self, name: str) -> str:
-        """Return the text of a file, or an empty text if there is no such file."""
+        """Return the text of a file, or an empty text if the file does not exist."""
         try:
             return (self.root / name).read_text(encoding="utf-8", errors="replace")
         except OSError:

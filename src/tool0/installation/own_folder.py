@@ -18,7 +18,7 @@ def exclusive(folder: Path, software: str, error: type[Tool0Error]) -> Iterator[
 
     Args:
         folder: The folder.  A file named ``lock`` is created in it.
-        software: Name of the software in the folder, which messages contain.
+        software: Name of the software in the folder, for use in messages.
         error: Type of the exception to raise.
 
     Raises:
@@ -44,7 +44,7 @@ def removed(folder: Path, software: str, error: type[Tool0Error]) -> int:
 
     Args:
         folder: The folder.
-        software: Name of the software in the folder, which messages contain.
+        software: Name of the software in the folder, for use in messages.
         error: Type of the exception to raise.
 
     Raises:

@@ -25,7 +25,8 @@ _HOME: Final = "home"
 _NOT_WRITTEN: Final = re.compile(
     r"((native|started)_)?controllers(_gripper_action|_ros2)?\.yaml|gains\.yaml"
 )
-"""Configuration files that only tool0 reads.  They contain parts of controllers."""
+"""Configuration files that only tool0 reads.  These files contain parts of
+controllers."""
 _LAST_DEPENDENCY: Final = b"  <exec_depend>xacro</exec_depend>\n"
 
 Files = dict[PurePosixPath, bytes]
@@ -48,7 +49,7 @@ def robot_packages(
         action_controllers: The same YAML, but with a gripper that is driven by an
             action.
         upstream_meshes: Whether the meshes of ``UPSTREAM_PACKAGES`` are the default.
-            If so, these packages are dependencies.
+            If the meshes are the default, the packages are dependencies.
 
     Raises:
         ConfigError: If the folder of your own arm or gripper cannot be added to the

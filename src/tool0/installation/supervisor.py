@@ -1,10 +1,10 @@
 """Ends a process group when its parent ends.  ``child_process`` starts this script.
 
-This file is run as a script, in a Python without site-packages.  It reads one line of
-JSON from standard input, and starts the program that the line describes.  It answers
-with the program's process ID, followed by ``0`` if the program cannot be executed.
-Standard input is a socket.  When the other end of the socket closes for any reason, the
-process group is ended.  This file imports nothing from tool0.
+This file is run as a script, in a Python without site-packages.  The script reads one
+line of JSON from standard input, and starts the program that the line describes.  The
+script answers with the program's process ID, followed by ``0`` if the program cannot be
+executed.  Standard input is a socket.  When the other end of the socket closes for any
+reason, the process group is ended.  This file imports nothing from tool0.
 """
 
 from __future__ import annotations
@@ -63,8 +63,8 @@ def supervise(
             closes, the group is ended.
         wait: Function that returns the exit status of the leader.  The status is
             negative for a signal.
-        grace: Time between SIGINT and SIGKILL [wall s].  If it is 0, SIGKILL is sent
-            immediately.
+        grace: Time between SIGINT and SIGKILL [wall s].  If the time is 0, SIGKILL is
+            sent immediately.
     """
     threading.Thread(
         target=_end_with_parent, args=(group, connection, grace), daemon=True

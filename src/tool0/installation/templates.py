@@ -13,7 +13,7 @@ _TEMPLATE: Final = ".in"
 def filled(
     folder: Path, package: PurePosixPath, words: Mapping[str, str]
 ) -> dict[PurePosixPath, str]:
-    """Return the files below ``folder`` by path.  Their template words are replaced.
+    """Return the files below ``folder`` by path, with template words replaced.
 
     Args:
         folder: The folder of the templates.

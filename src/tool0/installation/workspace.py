@@ -1,7 +1,7 @@
-"""Writes ROS packages into a catkin workspace, and updates them.
+"""Writes ROS packages into a catkin workspace, and updates these packages.
 
 Each file is written completely or not at all, and edited files are kept.  A hidden file
-in each package contains the hashes of the written files.  A later run uses these hashes
+in each package contains the hashes of the written files.  A later run uses the hashes
 to detect edits.  After an interrupted run, the hidden file contains both the old and
 the new hash of a file, and either hash is accepted.
 """
@@ -78,7 +78,7 @@ def write_workspace(
     Nothing is written until the change of every file is known.
 
     Args:
-        folder: The workspace.  It is created if it does not exist.
+        folder: The workspace.  The folder is created if it does not exist.
         files: Contents by path.  Each path starts with the package's name.
         force: Whether to overwrite edited files.
 
@@ -250,9 +250,9 @@ def _named_failure(verb: str, path: Path) -> Iterator[None]:
 def source_folder(folder: Path, packages: Collection[str] = ()) -> Path:
     """Return the folder for ``packages`` in the workspace ``folder``.
 
-    The folder is ``src`` if ``folder`` is a workspace, empty or new.  It is ``folder``
-    itself if ``folder`` is named ``src``, contains packages, or was initialized by
-    catkin_init_workspace.
+    The result is ``src`` if ``folder`` is a workspace, empty or new.  The result is
+    ``folder`` itself if ``folder`` is named ``src``, contains packages, or was
+    initialized by catkin_init_workspace.
 
     Raises:
         ConfigError: If packages cannot be written there.

@@ -80,7 +80,7 @@ def check(paths: File | Iterable[File]) -> CheckReport:
 
 @final
 class _Check:
-    """One run.  It stores the findings, and the files that other files load."""
+    """One run, which stores the findings and the files that other files load."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self._sources = collect(paths)
@@ -199,7 +199,7 @@ class _Check:
         return lambda: tuple(rules((yaml,), robot, self._packages))
 
     def _robot_of(self, yaml: Source, text: YamlText) -> RobotFacts | None:
-        """Return the robot for a YAML file without a launch file, if exactly one fits.
+        """Return the robot for a YAML file, if exactly one robot fits the file.
 
         A robot fits a YAML file under two conditions.  The user named both files, or
         both files are in the same package or folder.  The robot also has a joint that
@@ -264,7 +264,7 @@ class _Check:
     ) -> R | None:
         """Return the result of ``work``.
 
-        If it fails, add a finding and return None.
+        If ``work`` fails, add a finding and return None.
         """
         outcome = _limited(lambda: work(*arguments, **keywords))
         if isinstance(outcome, Exception):

@@ -53,7 +53,7 @@ class PackageIndex:
         return self.get("roslaunch") is not None
 
     def get(self, name: str) -> Path | None:
-        """Return the folder of a package; None if there is no such package."""
+        """Return the folder of a package; None if the package is not found."""
         found = self._search(name)
         return found if isinstance(found, Path) else None
 
@@ -81,7 +81,7 @@ class PackageIndex:
         return self._found[name]
 
     def nearest(self, name: str) -> str | None:
-        """Return a given or bundled package whose name may be misspelt as ``name``."""
+        """Return a given or bundled package whose name may be misspelled, if any."""
         near = nearest_name(name, _bundled_names().union(self._given), cutoff=0.85)
         # ur_description is not a misspelling of pr2_description
         is_meant = is_typo(name, near) and near is not None and near[0] == name[0]

@@ -48,8 +48,8 @@ _XACRO_RULES = (
 )
 _USED = re.compile(r"\$\(arg +(\w+) *\)")
 _MOST = 50
-"""Largest number of findings that are reported for one subject.  After these have been
-fixed, another check reports more."""
+"""Largest number of findings that are reported for one subject.  After these findings
+have been fixed, another check reports more findings."""
 
 
 @final
@@ -131,7 +131,7 @@ def read_robot(
 def _unused(file: Path, given: Iterable[str], known: set[str]) -> Iterator[Finding]:
     """Yield the given arguments that xacro ignores.
 
-    A misspelt argument is an error.
+    A misspelled argument is an error.
     """
     where = SourceLocation(file)
     for name in sorted(set(given) - known):

@@ -62,7 +62,7 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
         options = options or Ros1Options()
         keep_to_this_machine()
         import_messages()
-        # These modules import ROS, which import_messages has found.
+        # The following modules import ROS, which import_messages has found.
         import rospy
 
         from tool0.ros1.controller_manager import ControllerManagerBridge
@@ -89,9 +89,9 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
             self._managed = [ros for ros in namespaces if ros.has_controllers(defined)]
             self._upload_parameters()
             managers = [ControllerManagerBridge(ros, robot) for ros in self._managed]
-            # This must follow the creation of the action servers, because they stop
-            # actionlib's timers.  These timers fail if time moves back, which may
-            # happen before another robot's clock is known.
+            # The clock must be advanced after the action servers are created, because
+            # the action servers stop actionlib's timers.  actionlib's timers fail if
+            # time moves back, which may happen before another robot's clock is known.
             node.clock.advance(robot.snapshot.time)
             root = namespaces[0]
             static = StaticFrames(root)
@@ -192,9 +192,9 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
 def with_mesh_files(urdf: str) -> str:
     """Return the URDF with ``file://`` URIs for the meshes that tool0 contains.
 
-    ROS does not find the packages inside tool0.  RViz would show no robot unless the
-    folder of these packages were in ``ROS_PACKAGE_PATH``.  Other ``package://`` URIs do
-    not change.
+    ROS does not find the packages inside tool0.  With ``package://`` URIs, RViz would
+    show no robot unless tool0's packages were in ``ROS_PACKAGE_PATH``.  Other
+    ``package://`` URIs do not change.
     """
     for folder in BUNDLED.iterdir():
         if (folder / "package.xml").is_file():

@@ -97,7 +97,7 @@ class ControllerManagerBridge:
         self._registrar.close(_CLOSE_TIMEOUT)
 
     def _update(self) -> None:
-        """Create bridges for new controllers, and close those of unloaded ones."""
+        """Create bridges for new controllers, and close bridges of unloaded ones."""
         with self._lock:
             loaded = {}
             for status in self._controllers():

@@ -70,7 +70,8 @@ class ControllerActionServer:
         """Publish status and feedback if they are due at ``time`` [s]."""
         if time < self._time:
             # Because time has moved back, the time of the last cancellation may be in
-            # the future.  In that case, actionlib would recall every goal until then.
+            # the future.  With a cancellation in the future, actionlib would recall
+            # every goal until that time.
             self._server.last_cancel = Time()
         self._time = time
         if self._status_rate.is_due(time):

@@ -17,7 +17,7 @@ from tool0.protocol.goals import Tolerance
 from tool0.protocol.trajectories import JointsMotion, TrajectoryPoint
 
 Message = Any
-"""An instance of a class that ROS generates.  Such a class has no type annotations."""
+"""An instance of a class that ROS generates without type annotations."""
 
 MAX_VALUE = 1e6
 """Largest accepted absolute value of a coordinate or velocity [m, m/s, rad/s]."""

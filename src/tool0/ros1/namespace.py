@@ -28,9 +28,9 @@ class RosNamespace:
 
     In its own namespace, a robot of a cell has the names that it has outside a cell.
     For example, the model's ``left_elbow_joint`` is ``elbow_joint`` in ``/left``, and
-    ``left_tool0`` is the frame ``left/tool0``.  This class translates all names. *Full*
-    names are the model's names, and *own* names are the names in ROS.  If a robot has
-    no namespace of its own, its full names and own names are the same.
+    ``left_tool0`` is the frame ``left/tool0``.  The class RosNamespace translates all
+    names. *Full* names are the model's names, and *own* names are the names in ROS.  If
+    a robot has no namespace of its own, its full names and own names are the same.
     """
 
     def __init__(
@@ -46,10 +46,10 @@ class RosNamespace:
 
         Args:
             node: The node of the process.
-            robot: The robot of the bring-up.  It provides the prefixes of all robots of
-                the cell.
-            urdf: URDF of the namespace's robot, with own names.  It is None for the
-                namespace of items that are not part of a single robot of a cell.
+            robot: The robot of the bring-up, which provides the prefixes of all robots
+                of the cell.
+            urdf: URDF of the namespace's robot, with own names.  The URDF is None for
+                the namespace of items that are not part of a single robot of a cell.
             name: The robot's name in a cell, if the robot has its own namespace.
             tf_prefix: Prefix of every frame.
         """
@@ -81,7 +81,7 @@ class RosNamespace:
         return self.urdf is not None
 
     def has_controllers(self, names: Iterable[str]) -> bool:
-        """Return whether the namespace contains a robot or any of these controllers."""
+        """Return whether the namespace contains a robot or one of the controllers."""
         return self.has_robot or any(map(self.owns, names))
 
     @property
@@ -168,7 +168,7 @@ class RosNamespace:
     def subscriber(self, name: str, kind: Any, callback: Callable[[Any], None]) -> Any:
         """Return a rospy.Subscriber.
 
-        It logs each Tool0Error that ``callback`` raises.
+        The subscriber logs each Tool0Error that ``callback`` raises.
         """
         full = self.name(name)
 
@@ -197,7 +197,7 @@ class RosNamespace:
         return Service(full, kind, answer)
 
     def log_error(self, where: str, error: Tool0Error) -> None:
-        """Log an error that occurred at ``where``.  It is also published on /rosout."""
+        """Log an error that occurred at ``where``, and publish it on /rosout."""
         self.node.log_error(f"{where}: {self.text(error)}")
 
 

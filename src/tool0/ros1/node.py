@@ -37,8 +37,8 @@ class RosClock:
     """Converts between simulated time and ROS time.
 
     The first bring-up that registers with a master publishes /clock.  A second
-    bring-up, in another namespace, follows that clock.  Its simulated time differs from
-    ROS time by an offset.
+    bring-up, in another namespace, follows that clock.  The simulated time of the
+    second bring-up differs from ROS time by an offset.
     """
 
     def __init__(self, *, publish: bool) -> None:
@@ -104,7 +104,7 @@ _REPEAT_PERIOD = 1.0
 
 
 class SnapshotPublisher(Protocol):
-    """Publisher of a part of every snapshot.  Only one thread calls its methods."""
+    """Publisher of a part of every snapshot, whose methods only one thread calls."""
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish the messages that are due.  Simulated time may have been reset."""
@@ -249,12 +249,12 @@ class RosNode:
         uri = self.uri
         rospy.signal_shutdown("the bring-up ended")
         with contextlib.suppress(RosUnavailableError):
-            # This also removes names that a rospy thread registers in the meantime.
+            # The call also removes names that a rospy thread registers in the meantime.
             self.master.unregister_all(uri)
 
 
 def _init_node(root: str) -> None:
-    # This has the same effect as ROS_NAMESPACE, which rospy reads only when it is
+    # The call has the same effect as ROS_NAMESPACE, which rospy reads only when it is
     # imported.
     names._set_caller_id(f"{root}/unnamed")
     before = os.environ.get("ROS_PYTHON_LOG_CONFIG_FILE")

@@ -132,8 +132,8 @@ def camera_transforms(ros: RosNamespace, robot: Robot) -> list[Message]:
 class CameraPublisher:
     """Topics ``image_raw`` and ``camera_info`` for the color and depth of a camera.
 
-    Color and depth are parts of one image.  They therefore share the optical frame of
-    the color image.
+    Color and depth are parts of one image.  Color and depth therefore share the optical
+    frame of the color image.
     """
 
     def __init__(
@@ -228,8 +228,8 @@ class CameraPublisher:
 class StaticFrames:
     """Topic ``/tf_static`` with the fixed frames in all of this node's namespaces.
 
-    A latched topic keeps only one message for later subscribers.  Each message
-    therefore contains all frames.
+    A latched topic keeps only one message for later subscribers.  Each message on
+    ``/tf_static`` therefore contains all frames.
     """
 
     def __init__(self, ros: RosNamespace) -> None:
@@ -249,8 +249,8 @@ class StaticFrames:
 def fixed_frames(ros: RosNamespace, robot: Robot) -> list[Message]:
     """Return the transforms that robot_state_publisher does not publish.
 
-    These are the transforms of the cameras and, in a cell, the transform from ``world``
-    to the robot's own root.
+    The result contains the transforms of the cameras and, in a cell, the transform from
+    ``world`` to the robot's own root.
     """
     transforms = camera_transforms(ros, robot)
     if ros.is_of_cell:

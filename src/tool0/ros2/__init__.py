@@ -1,1 +1,1 @@
-"""The ROS 2 interface.  These modules start it in a separate process."""
+"""Starts the ROS 2 interface in a separate process."""

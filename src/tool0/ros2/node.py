@@ -1,4 +1,4 @@
-"""The process of the ROS 2 node.  It starts and ends together with a robot.
+"""The process of the ROS 2 node, which starts and ends together with a robot.
 
 The node is the ROS package ``tool0_ros2`` in ``ros_packages``.
 """

@@ -22,7 +22,7 @@ class Ros2Options:
     ns: str = ""
     """Namespace of all names, such as robot1, for several robots in one domain."""
     domain: int | None = None
-    """ROS_DOMAIN_ID.  If it is None, the environment variable is used."""
+    """ROS_DOMAIN_ID; None to use the environment variable of this name."""
     tf_rate: float = 50.0
     """Rate of the transforms, in simulated time [Hz]."""
     camera_rate: float = 10.0

@@ -1,9 +1,9 @@
 """Writes the colcon packages of a robot or a cell, for ROS 2.
 
 ``tool0_description`` is the same package as for ROS 1, and ``tool0_ros2`` contains the
-node that a bring-up runs.  ``tool0_bringup`` is generated for the robot.  It contains
-launch files for tool0 and for Gazebo with gz_ros2_control, and the controllers for both
-simulators.
+node that a bring-up runs.  ``tool0_bringup`` is generated for the robot.  This package
+contains launch files for tool0 and for Gazebo with gz_ros2_control, and the controllers
+for both simulators.
 """
 
 from __future__ import annotations
@@ -174,7 +174,8 @@ def _named(parameters: Parameters, kind: str) -> list[str]:
 def _started_in_gazebo(parameters: Parameters, arms: Sequence[str]) -> list[str]:
     """Return the started controllers, without the controller of the first arm.
 
-    They are state broadcasters, gripper controllers and the controllers of other arms.
+    These controllers are state broadcasters, gripper controllers and the controllers of
+    other arms.
     """
     states, grippers = (_named(parameters, kind) for kind in (_BROADCASTER, _GRIPPER))
     return [*states, *grippers, *arms[1:]]

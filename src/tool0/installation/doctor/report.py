@@ -36,7 +36,7 @@ run_probe(sys.argv[1], sys.argv[2])
 """
 
 ProbeState = Literal["ready", "missing", "not supported", "unknown"]
-"""State of a component.  It is ``unknown`` if the probe failed."""
+"""State of a component.  The state is ``unknown`` if the probe failed."""
 
 
 @final
@@ -50,8 +50,8 @@ class ProbeResult:
     """Version and location of the component.  If the component is missing, the text
     says which part is missing and why it is needed."""
     remedy: str = ""
-    """The command that installs the missing parts; empty if there is no such
-    command."""
+    """The command that installs the missing parts; empty if no command can install
+    them."""
 
 
 @final

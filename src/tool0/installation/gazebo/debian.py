@@ -1,6 +1,6 @@
 """Downloads and unpacks packages of Debian 11 for a private Gazebo.
 
-apt runs as an ordinary user, with its own sources, lists and status.  It verifies
+apt runs as an ordinary user, with its own sources, lists and status.  apt verifies
 Debian's signature and every hash, and never changes the packages of the machine.
 """
 
@@ -26,7 +26,7 @@ TRIPLETS: Final = {"amd64": "x86_64-linux-gnu", "arm64": "aarch64-linux-gnu"}
 """Folder of an architecture's libraries, by the architecture's name in apt."""
 
 PROGRAMS: Final = ("gazebo", "gazebo-plugin-base")
-"""Packages that are installed with all their dependencies, except those in
+"""Packages that are installed with all their dependencies, except dependencies in
 ``FROM_HOST``."""
 
 FROM_HOST: Final = (
@@ -53,8 +53,8 @@ HEADERS: Final = (
     *("libignition-transport-dev", "libtbb-dev", "libtinyxml-dev", "libtinyxml2-dev"),
     "uuid-dev",
 )
-"""Packages with headers.  They are installed without their dependencies, because only
-these headers are needed to compile a plugin."""
+"""Packages with headers.  These packages are installed without their dependencies,
+because only their headers are needed to compile a plugin."""
 
 DROPPED: Final = (
     *("./usr/share/bug", "./usr/share/doc", "./usr/share/icons"),
@@ -114,15 +114,15 @@ Dir::State::lists "{folder}/lists";
 Dir::State::status "{folder}/status";
 Dir::State::extended_states "{folder}/extended_states";
 """
-"""Configuration of apt.  It is read after the machine's own configuration, so that the
-machine's proxies apply.
+"""Configuration of apt.  apt reads this configuration after the machine's own
+configuration, so that the machine's proxies apply.
 
 The machine's hooks, preferences and other architectures do not apply.  The hooks would
 notify other programs.
 """
 _AS_ROOT: Final = 'APT::Sandbox::User "root";\n'
-"""Setting for apt when it runs as root.  Without it, apt downloads as a user who cannot
-write to this folder."""
+"""Setting for apt when apt runs as root.  Without this setting, apt downloads as a user
+who cannot write to this folder."""
 _HOST_PACKAGE: Final = """\
 Package: {name}
 Status: install ok installed
@@ -180,8 +180,8 @@ class PrivateApt:
         """Write the configuration, and fetch the signed list of packages.
 
         Args:
-            folder: Folder for apt.  It is created if necessary, and existing lists and
-                downloads in it are reused.
+            folder: Folder for apt.  The folder is created if necessary, and existing
+                lists and downloads in the folder are reused.
             mirror: Address of a Debian mirror.
             keyring: The keys with which the release must be signed.
             architecture: Architecture in Debian's notation.
@@ -220,7 +220,7 @@ class PrivateApt:
         return [item.file.split("_")[0] for item in listed_packages(output)]
 
     def files(self, names: Sequence[str]) -> list[DebianPackage]:
-        """Return the files of these packages, without their dependencies."""
+        """Return the files of packages, without the packages' dependencies."""
         return listed_packages(self._run(["download", "--print-uris", *names]))
 
     def download(self, names: Sequence[str], while_running: Callable[[], None]) -> None:

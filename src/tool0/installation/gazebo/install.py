@@ -146,8 +146,8 @@ def _make_prefix(
 ) -> GazeboInstallation:
     """Create the prefix, and replace an existing prefix.
 
-    The downloads of an interrupted run are reused.  They are in the folder ``work``
-    next to the prefix.
+    The downloads of an interrupted run are reused.  These downloads are in the folder
+    ``work`` next to the prefix.
     """
     files = _download(apt, has_client, progress)
     work = prefix.with_name("work")

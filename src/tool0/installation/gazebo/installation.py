@@ -1,9 +1,9 @@
 """Finds the Gazebo to run: a selected, a system or a private installation.
 
 All installations have the same folder layout.  An installation is the root of a system
-(``/usr``, ``/usr/local``) or the result of ``tool0 gazebo install``.  The latter is a
-root in another folder.  Environment variables give its paths to the linker, the drivers
-and Qt.
+(``/usr``, ``/usr/local``) or the result of ``tool0 gazebo install``.  The result of
+``tool0 gazebo install`` is a root in another folder.  Environment variables give the
+paths of this root to the linker, the drivers and Qt.
 """
 
 from __future__ import annotations
@@ -182,9 +182,9 @@ def _header_version(root: Path) -> str | None:
 def include_folders(root: Path) -> tuple[Path, ...]:
     """Return the folders of Gazebo's headers and of the headers that they include.
 
-    ``/usr/include`` is never returned.  If it were given explicitly, it would come
-    before the compiler's own headers, and these headers would not find the C library's
-    headers.
+    ``/usr/include`` is never returned.  If ``/usr/include`` were given explicitly, it
+    would come before the compiler's own headers, and the compiler's headers would not
+    find the C library's headers.
     """
     include = root / "include"
     folders = [include / "gazebo-11"]
@@ -224,8 +224,7 @@ def _private_environment(
     libraries = [
         lib,
         usr / "lib",  # contains libgdal
-        # contains the targets of links that are created by installing, but not by
-        # unpacking
+        # links to these libraries are created by installing, but not by unpacking
         lib / "blas",
         lib / "lapack",
         lib / "pulseaudio",

@@ -37,8 +37,8 @@ class BridgeLibraries:
     bridge: Path
     """Path of the plugin that communicates with the engine."""
     preload: Path
-    """Path of the library that is preloaded into gzserver and gzclient.  It restricts
-    both programs to this machine."""
+    """Path of the library that is preloaded into gzserver and gzclient.  The library
+    restricts both programs to this machine."""
 
 
 def plugin_folder() -> Path:
@@ -47,7 +47,7 @@ def plugin_folder() -> Path:
 
 
 def bridge_libraries(installation: GazeboInstallation) -> BridgeLibraries:
-    """Return the libraries for this Gazebo.  They are compiled if necessary.
+    """Return the libraries for this Gazebo, after compiling them if necessary.
 
     Raises:
         EngineUnavailableError: If the compilation fails.

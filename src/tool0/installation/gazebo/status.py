@@ -32,7 +32,7 @@ class GazeboStatus:
     def can_run(self) -> bool:
         """Whether a simulation can start.
 
-        This requires a plugin that is compiled or can be compiled.
+        A simulation requires a plugin that is compiled or can be compiled.
         """
         has_bridge = self.is_compiled or self.compiler is not None
         return self.installation is not None and has_bridge

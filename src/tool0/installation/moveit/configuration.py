@@ -169,7 +169,7 @@ def controllers_with_action(
             of the controller type.
 
     Raises:
-        ConfigError: If there are no such controllers.
+        ConfigError: If no controller has an action for MoveIt.
     """
     found: dict[str, dict[str, object]] = {}
     for name, parameters in controllers.items():

@@ -119,8 +119,8 @@ def to_srdf(
     """Return the SRDF of the robots.
 
     Args:
-        description: The robots.  Their root link is the planning frame, so that no
-            virtual joint is needed.
+        description: The robots.  The root link of the robots is the planning frame, so
+            that no virtual joint is needed.
         disabled: Reasons for the pairs of links that are not checked for collisions, by
             pair.
     """

@@ -61,7 +61,7 @@ _EXPLANATIONS: Final = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ros1InstallPlan:
-    """The packages that must be installed.  There may be none."""
+    """The packages that must be installed, if any."""
 
     target: str
     """The distribution or the existing ROS for which packages are installed."""

@@ -20,7 +20,7 @@ from tool0.installation.ros1.library import is_local
 logger = logging.getLogger(__name__)
 
 ROSCORE_TIMEOUT = 20.0
-"""Longest time until our roscore answers [s].  It usually answers after 2 s."""
+"""Longest time until our roscore answers [s].  A roscore usually answers after 2 s."""
 UNREGISTER_TIMEOUT = 5.0
 """Time limit for removing our node from the master [wall s].  Removing the node takes
 tens of calls, and each call is slow on a busy machine."""

@@ -27,8 +27,8 @@ from tool0.installation.ros1.library import SET_UP, import_ros, message_folders
 from tool0.user_data import cache_folder, locked
 
 DEFINITIONS = Path(__file__).parent / "definitions"
-"""Folder of the definitions.  It contains one folder per ROS package, with msg/, srv/,
-action/ and Python modules."""
+"""Folder of the definitions.  The folder contains one folder per ROS package, with
+msg/, srv/, action/ and Python modules."""
 EMBEDDED_PACKAGES = ("std_msgs", "geometry_msgs", "trajectory_msgs", "actionlib_msgs")
 """Installed packages whose messages are used in tool0's definitions."""
 _SECTIONS = re.compile(r"^---.*\n", re.MULTILINE)
@@ -128,8 +128,9 @@ def _cache() -> Path:
 def shell_exports() -> list[str]:
     """Return shell commands that add the missing message packages to the paths.
 
-    The commands are for a POSIX shell.  They append the packages to the current values
-    of variables, without duplicates.  The list is empty if all packages are installed.
+    The commands are for a POSIX shell.  The commands append the packages to the current
+    values of variables, without duplicates.  The list is empty if all packages are
+    installed.
 
     Raises:
         RosUnavailableError: If there is no rospy, or if the cache cannot be written.
@@ -157,7 +158,7 @@ def shell_exports() -> list[str]:
 
 
 def generated_packages(packages: tuple[str, ...]) -> Path:
-    """Return the folder with these packages.  Generate them if necessary.
+    """Return the folder with ``packages``, which are generated if necessary.
 
     The folder is an entry for both PYTHONPATH and ROS_PACKAGE_PATH.
 

@@ -8,7 +8,7 @@ headers and libraries.  The compilers in the variables CC and CXX compile the ge
 sources.  For each package, the standard output contains ``STEPS`` lines, one after each
 step.
 
-The script runs without tool0.  It imports only the standard library and rosidl.
+The script runs without tool0.  The script imports only the standard library and rosidl.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ def write_sources(definitions: Path, prefix: Path, work: Path) -> None:
     generate("rosidl_generator_type_description", "generate_type_hash", share)
     generate(_GENERATOR, "generate_c", include)
     generate(_FASTRTPS, "generate_typesupport_fastrtps_c", include)
-    # its files have the same names as those of the other generators
+    # the files have the same names as files of other generators
     introspection = work / "introspection" / package
     generate(_INTROSPECTION, "generate_c", introspection)
     generate(_TYPESUPPORT, "generate_c", include, [_FASTRTPS, _INTROSPECTION])
@@ -155,7 +155,7 @@ def write_sources(definitions: Path, prefix: Path, work: Path) -> None:
 def _parse_once() -> None:
     """Make the generators share parse results.
 
-    Otherwise, each would parse every file.
+    Without sharing, each generator would parse every file.
     """
     from rosidl_parser import parser
     from rosidl_parser.definition import IdlFile, IdlLocator

@@ -1,10 +1,11 @@
 """Installs a ROS 2 from wheels on PyPI into the user's data folder, or removes it.
 
-The wheels do not include control_msgs and other packages.  These packages are generated
-from tool0's definitions and compiled.  An installation is a virtual environment in a
-folder whose name is derived from the folder's contents.  A link selects the current
-installation.  Programs that run from the previous installation continue to run, because
-the previous installation is deleted only by the next installation.
+The wheels do not include control_msgs and other packages.  The missing packages are
+generated from tool0's definitions and compiled.  An installation is a virtual
+environment in a folder whose name is derived from the folder's contents.  A link
+selects the current installation.  Programs that run from the previous installation
+continue to run, because the previous installation is deleted only by the next
+installation.
 """
 
 from __future__ import annotations
@@ -47,8 +48,8 @@ PYTHONS: Final = ((3, 10), (3, 14))
 _N_WHEELS: Final = 85
 """Approximate number of lines about collected packages in pip's output."""
 DEFINITIONS: Final = Path(__file__).parent / "definitions"
-"""Folder of the definitions.  It contains one folder per package of Kilted, with msg/,
-srv/ and action/."""
+"""Folder of the definitions.  The folder contains one folder per package of Kilted,
+with msg/, srv/ and action/."""
 _NEEDED: Final = 700_000_000
 """Disk space that the installation needs [bytes].  300 MB of it remain in use."""
 _COMPILERS: Final = {

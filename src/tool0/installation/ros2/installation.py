@@ -34,8 +34,8 @@ _FOREIGN: Final = (
     *("VIRTUAL_ENV", "VIRTUAL_ENV_PROMPT", "PYTHONHOME", "__PYVENV_LAUNCHER__"),
     "_ROS_WHEELS_BOOTSTRAP_COMPLETE",
 )
-"""Variables of tool0's Python and of other wheels.  They would make another Python use
-wrong folders."""
+"""Variables of tool0's Python and of other wheels.  These variables would make another
+Python use wrong folders."""
 _ROS_VARIABLES: Final = (
     *("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH", "COLCON_PREFIX_PATH", "PYTHONPATH"),
     *("LD_LIBRARY_PATH", "ROS_DISTRO", "ROS_VERSION", "ROS_PYTHON_VERSION"),
@@ -94,8 +94,8 @@ def find_ros2(environ: Mapping[str, str] | None = None) -> Ros2 | None:
     """Return the ROS 2 that tool0 would run; None if there is none.
 
     Args:
-        environ: Environment variables of this process.  A sourced ROS 2 may have set
-            them.
+        environ: Environment variables of this process, including variables of a sourced
+            ROS 2.
     """
     variables = dict(os.environ if environ is None else environ)
     return _sourced(variables) or _system(variables) or find_own(variables)
@@ -247,7 +247,7 @@ def read_marker(prefix: Path) -> dict[str, Any] | None:
             return None
     except (OSError, ValueError, TypeError, KeyError):
         return None
-    # The Python is a link to the interpreter from which it was created.  That
+    # The Python is a link to the interpreter from which it was created.  The original
     # interpreter may have been removed.
     return marker if own_python(prefix).is_file() else None
 

@@ -1,4 +1,4 @@
 """ROS 1 launch files as values.
 
-They are read like roslaunch reads them, but without ROS.
+The launch files are read like in roslaunch, but without ROS.
 """

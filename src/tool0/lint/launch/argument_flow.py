@@ -49,10 +49,10 @@ class _Use:
     location: SourceLocation
     is_off: bool = False
     argument: tuple[LaunchFile, str] | None = None
-    """An argument of this file or of an included file.  Its value contains the
+    """An argument of this file or of an included file whose value contains the
     arguments in ``names``."""
     xacro: tuple[Parameter, str] | None = None
-    """An argument of xacro.  Its value contains the arguments in ``names``."""
+    """An argument of xacro whose value contains the arguments in ``names``."""
 
 
 @final

@@ -1,8 +1,8 @@
 """Evaluates roslaunch's ``$(eval …)``, limited to arithmetic, texts and arguments.
 
-roslaunch passes the expression to Python.  Here, the syntax tree of the expression is
-evaluated directly, and only the constructs below are supported.  Sizes are bounded, so
-that no expression takes long.
+roslaunch passes the expression to Python.  This module evaluates the syntax tree of the
+expression directly, and supports only the constructs below.  Sizes are bounded, so that
+no expression takes long.
 """
 
 from __future__ import annotations
@@ -97,9 +97,10 @@ def evaluate(
 
     Args:
         expression: The content of ``$(eval …)``.
-        functions: Functions that take texts, by name.  The expression may call them.
-        argument: Function that returns the value of a name.  It raises KeyError if
-            there is no such name.
+        functions: Functions that take texts, by name.  The expression may call these
+            functions.
+        argument: Function that returns the value of a name.  The function raises
+            KeyError if the name does not exist.
 
     Raises:
         EvaluationError: If the text is not an expression, has no value, or is not

@@ -97,7 +97,7 @@ class Argument:
     where the value is given, and the text uses arguments of the file at that place."""
     origin: Origin
     default: Text | None = None
-    """Default value in the declaration.  It may differ from the value."""
+    """Default value in the declaration.  The default may differ from the value."""
 
 
 @final
@@ -111,8 +111,8 @@ class Statement:
     kind: Literal["remap", "env", "machine", "process"]
     place: Place
     texts: tuple[NamedText, ...]
-    """Attributes.  They are ``from`` and ``to`` for a remap, ``name`` and ``value`` for
-    an env, and ``name`` and ``cmd`` for a process."""
+    """Attributes of the statement: ``from`` and ``to`` for a remap, ``name`` and
+    ``value`` for an env, and ``name`` and ``cmd`` for a process."""
 
     @property
     def subject(self) -> Text:
@@ -128,8 +128,8 @@ class Parameter:
     place: Place
     name: Text
     full_name: str | None
-    """Full name, such as ``/robot_description``.  It is None if it is unknown, or if
-    the name is private and the parameter is not in a node."""
+    """Full name, such as ``/robot_description``.  The name is None if it is unknown, or
+    if it is private and the parameter is not in a node."""
     type: str = "auto"
     source: Literal["value", "textfile", "binfile", "command"]
     content: Text
@@ -287,12 +287,12 @@ class LaunchFile:
         return (entry for entry in self.walk() if isinstance(entry, Node))
 
     def parameters(self, *, active_only: bool = True) -> Iterator[Parameter]:
-        """Yield every parameter, including those in nodes."""
+        """Yield every parameter, including parameters in nodes."""
         settings = self.settings(active_only=active_only)
         return (item for item in settings if isinstance(item, Parameter))
 
     def rosparams(self) -> Iterator[Rosparam]:
-        """Yield every ``<rosparam>``, including those in nodes."""
+        """Yield every ``<rosparam>``, including elements in nodes."""
         return (item for item in self.settings() if isinstance(item, Rosparam))
 
     def settings(self, *, active_only: bool = True) -> Iterator[Parameter | Rosparam]:

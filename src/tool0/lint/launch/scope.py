@@ -113,7 +113,7 @@ class Scope:
         return self.resolved(self.element.getAttribute(name), self.location)
 
     def required(self, name: str) -> Text:
-        """Return a required attribute.  Its text is unresolved if it is missing."""
+        """Return a required attribute, or an unresolved text if it is missing."""
         reason = f"'{name}' is missing"
         missing = Text(raw="", resolved=None, location=self.location, reason=reason)
         return self.text(name) or missing

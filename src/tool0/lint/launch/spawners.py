@@ -130,7 +130,7 @@ def _conflicts(
 def _claims(name: str, config: ControllerConfig) -> Iterator[str]:
     """Yield the resources that a controller claims.
 
-    They are joints in ROS 1, and interfaces in ROS 2.
+    The resources are joints in ROS 1, and interfaces in ROS 2.
     """
     entry = config.dialect.parameters(config.tree.root, name)
     kind = config.types.get(name, "")

@@ -35,7 +35,7 @@ _TYPES = ("auto", "str", "string", "int", "double", "bool", "boolean", "yaml")
 
 
 def read_param(scope: Scope) -> Parameter | None:
-    """Return a ``<param>`` outside nodes.  Store a private one for later nodes."""
+    """Return a ``<param>`` outside nodes.  Store private parameters for later nodes."""
     parameter = _param(scope)
     if parameter is None:
         return None

@@ -50,7 +50,7 @@ class Substitution:
     anonymous: Callable[[str], str]
     uses: list[str] = field(default_factory=list)
     problems: list[Finding] = field(default_factory=list)
-    """Faults of the substitutions.  They are available after ``resolve``."""
+    """Faults of the substitutions, which are available after ``resolve``."""
     reason: str = ""
 
     def resolve(self, raw: str) -> Text:

@@ -59,7 +59,7 @@ _MOVEIT_KEYS = frozenset(
         *("moveit_controller_manager", "moveit_simple_controller_manager"),
     }
 )
-"""Keys of MoveIt.  MoveIt's setup assistant writes them into the same files."""
+"""Keys of MoveIt.  MoveIt's setup assistant writes these keys into the same files."""
 _KINEMATICS = "kinematics_solver"
 """Prefix of MoveIt's keys for a joint group."""
 
@@ -222,9 +222,9 @@ class _Ros1Controller:
     def is_meant_for(self, joint: str, offered: InterfaceFacts) -> bool:
         """Return whether a controller is meant for a joint with another interface.
 
-        It is meant for the joint if a launch file starts it, or if no other controller
-        in the YAML file fits the joint.  Many YAML files have one controller for each
-        interface.
+        The controller is meant for the joint if a launch file starts the controller, or
+        if no other controller in the YAML file fits the joint.  Many YAML files have
+        one controller for each interface.
         """
         if self.started:
             return self.name in self.started

@@ -81,7 +81,7 @@ def _is_filled_in(finding: Finding) -> bool:
 
 
 def _restore_levels(root: YamlEntry) -> Iterator[Finding]:
-    """Add missing or misspelt levels, and yield findings about these levels."""
+    """Add missing or misspelled levels, and yield findings about these levels."""
     for name, entry in list(root.children.items()):
         children = entry.children
         if PARAMETERS in children:

@@ -33,8 +33,8 @@ _MARKS = re.compile(
     r"|controller_manager *:)",
     re.MULTILINE,
 )
-"""Pattern of text that occurs only in files with controllers.  It is found even if the
-file is faulty."""
+"""Pattern of text that occurs only in files with controllers.  The text is found even
+if the file is faulty."""
 
 
 @final

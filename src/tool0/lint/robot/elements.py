@@ -92,7 +92,7 @@ class Tag:
 
     @property
     def location(self) -> SourceLocation:
-        """Location of the element.  It has no file if the file is unknown."""
+        """Location of the element, without a file if the file is unknown."""
         return locate(self.element) or SourceLocation(None)
 
     @property
@@ -101,16 +101,16 @@ class Tag:
         return Subject(self.owner, self.location)
 
     def children(self, tag: str | None = None) -> Iterator[Tag]:
-        """Yield all child elements, or only those named ``tag``."""
+        """Yield all child elements, or only child elements named ``tag``."""
         for element in () if self.element is None else children(self.element, tag):
             yield Tag(element, self.owner or element.getAttribute("name").strip())
 
     def child(self, tag: str) -> Tag:
-        """Return the first child named ``tag``.  It is the child that urdfdom reads."""
+        """Return the first child named ``tag``, which is the one that urdfdom reads."""
         return next(self.children(tag), Tag(None))
 
     def descendants(self, tag: str | None = None) -> Iterator[Tag]:
-        """Yield the element and its descendants, or those named ``tag``, in order."""
+        """Yield the element and its descendants, or all ``tag`` elements, in order."""
         waiting = [self]
         while waiting:
             found = waiting.pop()

@@ -74,7 +74,7 @@ class JointFacts:
     def is_drivable(self) -> bool:
         """Whether one motor can drive the joint.
 
-        Such a joint has one axis and mimics no other joint.
+        One motor can drive a joint that has one axis and mimics no other joint.
         """
         return self.type in _DRIVABLE and self.mimic_of is None
 
@@ -88,8 +88,8 @@ class InterfaceFacts:
     meant: str | None
     """Interface, in the form ``hardware_interface/…``; None if it is unclear."""
     in_actuator: bool
-    """Whether the interface is written in <actuator>.  That is deprecated, and ROS
-    reads such an interface only if <joint> names no interface."""
+    """Whether the interface is written in <actuator>.  An interface in <actuator> is
+    deprecated.  ROS reads it only if <joint> names no interface."""
 
     @property
     def written(self) -> str:
@@ -143,7 +143,7 @@ class PluginFacts:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GearboxFacts:
-    """A gearbox joint in a <gazebo> extension.  It couples two bodies."""
+    """A gearbox joint in a <gazebo> extension, which couples two bodies."""
 
     at: Subject
     parent: str
@@ -155,7 +155,7 @@ class GearboxFacts:
 class RobotFacts:
     """Content of one <robot>.
 
-    If links or joints share a name, the first one applies.
+    If links or joints share a name, the first link or joint applies.
     """
 
     name: str
@@ -167,8 +167,8 @@ class RobotFacts:
     ros2_joints: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Command interfaces of each joint in <ros2_control>, by joint."""
     passive_joints: frozenset[str] = frozenset()
-    """Joints that need no gearbox because a closed loop holds them.  They are declared
-    with tool0's <passive_joint>."""
+    """Joints that need no gearbox because a closed loop holds them.  These joints are
+    declared with tool0's <passive_joint>."""
     unmerged: frozenset[str] = frozenset()
     """Fixed joints at which Gazebo does not merge the two links."""
     has_extensions: bool = False

@@ -17,8 +17,8 @@ _DENSEST = 22600.0
 """Density of osmium, which is the densest element [kg/m³]:
 https://en.wikipedia.org/wiki/Osmium."""
 _ROUNDING = 1e-3
-"""Relative tolerance of the triangle inequality.  It is needed because CAD programs
-round numbers."""
+"""Relative tolerance of the triangle inequality.  The tolerance is needed because CAD
+programs round numbers."""
 _LONGEST = 10.0
 _SIZES = (0.02, 3.0)
 """Plausible range of the radius of gyration, as a multiple of the link's size."""
@@ -96,7 +96,7 @@ class _Body:
 
 
 def _moments(tensor: Tag, mass: float) -> tuple[float, float, float] | None:
-    """Return the principal moments in ascending order; None if one is missing."""
+    """Return the principal moments in ascending order; None if a number is missing."""
     given = [tensor.number(name) for name in ("ixx", "iyy", "izz")]
     given += [tensor.number(name, 0.0) for name in ("ixy", "ixz", "iyz")]
     found = [value for value in given if value is not None]
@@ -226,8 +226,8 @@ def _mass(link: Tag) -> float | None:
 def _extent(link: Tag) -> float | None:
     """Return the approximate length of ``link`` [m]; None if it is unknown.
 
-    The length is computed from the collision shapes.  If some of these shapes are
-    meshes, it is computed from the visual shapes.
+    The length is computed from the collision shapes.  If some collision shapes are
+    meshes, the length is computed from the visual shapes.
     """
     for tag in ("collision", "visual"):
         balls = [(_origin(owner), _diameter(owner)) for owner in link.children(tag)]

@@ -15,8 +15,8 @@ from tool0.lint.robot.facts import Robot
 
 _UNRESOLVED = "unresolved-uri"
 _REMOTE = ("model", "http", "https")
-"""URI schemes of meshes that Gazebo and RViz download.  Such a mesh has no local path
-that could be checked."""
+"""URI schemes of meshes that Gazebo and RViz download.  A downloaded mesh has no local
+path that could be checked."""
 
 
 def mesh_findings(robot: Robot) -> Iterator[Finding]:

@@ -102,7 +102,7 @@ def _roots(root: Subject, facts: RobotFacts) -> Iterator[Finding]:
         return
     children_of_joints = {joint.child for joint in facts.joints.values()}
     if not children_of_joints <= facts.links.keys():
-        return  # a misspelt child leaves the intended link without a joint
+        return  # a misspelled child leaves the intended link without a joint
     roots = [name for name in facts.links if name not in children_of_joints]
     if not roots:
         yield root.error(

@@ -105,7 +105,7 @@ def included_files(root: Tag, packages: PackageIndex) -> Iterator[Path]:
 
 
 def _included(tag: Tag, packages: PackageIndex) -> Path | None:
-    """Return the file of an include if it does not depend on arguments, or None."""
+    """Return the file of an include; None if the file depends on arguments."""
     text, file = tag["filename"], tag.location.file
     folder = Path() if file is None else file.parent
     filled = _FIND.sub(lambda match: str(packages.get(match.group(1))), text)
@@ -190,7 +190,7 @@ def _hard_coded(macro: str, call: Tag, prefix: str) -> Finding:
 
 
 def interface_findings(root: Tag, _: PackageIndex) -> Iterator[Finding]:
-    """Yield the misspelt interfaces that a xacro file contains as literal text."""
+    """Yield the misspelled interfaces that a xacro file contains as literal text."""
     for tag in root.descendants():
         kind = "default" if tag.tag in {_MACRO, "xacro:arg"} else "value"
         for name, text in _values(tag):

@@ -104,7 +104,7 @@ def _with_status(kind: Any, handler: Handler) -> Callable[[Message], Message]:
 class GazeboQueries:
     """The services that read the world.
 
-    They raise ControlError to refuse a request.
+    The services raise ControlError to refuse a request.
     """
 
     def __init__(self, ros: RosNamespace, robot: Robot, world: GazeboWorld) -> None:

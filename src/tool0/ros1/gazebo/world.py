@@ -24,8 +24,8 @@ GROUND = "ground_plane"
 _RESERVED = ("collision", "link", "sun", "visual")
 """Names that Gazebo reserves."""
 MAX_NAME_LENGTH = 60
-"""Largest length of a name [characters].  It is limited because the Gazebo engine uses
-names as file names."""
+"""Largest length of a name [characters].  The length is limited because the Gazebo
+engine uses names as file names."""
 _WORLD = ("", "world", "map", "/map")
 _AT_ORIGIN = FrameMotion()
 
@@ -149,7 +149,7 @@ class WorldState:
         """Return the robot's link ``name``, or the object that has this link.
 
         Raises:
-            ControlError: If there is no such link.
+            ControlError: If neither the robot nor an object has this link.
         """
         model, separator, link = name.rpartition("::")
         if not separator or self._world.is_robot(model):

@@ -89,7 +89,7 @@ class DeclaredArguments:
             )
 
     def report_unused(self, resolver: Resolver, texts: Sequence[str]) -> None:
-        """Report arguments that are used neither in this file nor in an included one.
+        """Report arguments that are used neither in this file nor in an included file.
 
         Args:
             resolver: The resolver in its state at the end of the file.

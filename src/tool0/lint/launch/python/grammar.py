@@ -152,7 +152,7 @@ class Signature:
     required: tuple[str, ...]
     takes_any: str = ""
     """Name under which any number of positional arguments is stored; empty if the class
-    does not take them."""
+    does not take positional arguments of any number."""
 
 
 def _signature(text: str) -> Signature:
@@ -246,6 +246,6 @@ def make(
 
 
 def misspelt(name: str) -> str | None:
-    """Return the class whose name is misspelt as ``name``; None if there is none."""
+    """Return the class whose name is misspelled as ``name``; None if there is none."""
     near = nearest_name(name, SIGNATURES)
     return near if near is not None and is_typo(name, near) else None

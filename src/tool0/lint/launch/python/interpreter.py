@@ -71,7 +71,7 @@ class _Leave(Exception):  # noqa: N818  # control flow
 class Interpreter:
     """Interpreter of one file.
 
-    It interprets the module first, and then its functions.
+    The module is interpreted first, and then the module's functions.
     """
 
     def __init__(

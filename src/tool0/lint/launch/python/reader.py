@@ -1,8 +1,9 @@
 """Reads the actions of Python launch files of ROS 2, in launch order.
 
 First, the file is interpreted (``interpreter``), which gives the tree of its actions.
-Then the actions are processed in the same way as in launch, but no program is started.
-Any part that cannot be determined without running Python is reported as a note.
+After that, the actions are processed in the same way as in launch, but no program is
+started.  Any part that cannot be determined without running Python is reported as a
+note.
 """
 
 from __future__ import annotations
@@ -293,7 +294,7 @@ class PythonLaunchReader:
             self.resolver.text(made.get("msg"), made.location)
 
     def _nested(self, made: Made) -> None:
-        """Store actions that an event or a timer starts.  They are processed last."""
+        """Store actions that an event or a timer starts, to process them last."""
         for key in _NESTED[made.name]:
             self._execute_later(made.get(key))
 

@@ -29,7 +29,8 @@ class LaunchState:
     environment: tuple[Statement, ...] = ()
     conditions: tuple[Condition, ...] = ()
     unread: list[str] = field(default_factory=list)
-    """Actions that could not be read.  Each of them may have set anything."""
+    """Actions that could not be read.  Each of these actions may have changed any part
+    of the state."""
 
     @property
     def holds(self) -> bool | None:

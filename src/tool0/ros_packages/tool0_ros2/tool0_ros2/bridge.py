@@ -89,12 +89,12 @@ class Rate:
         self._last = float("-inf")
 
     def is_due(self, now: float) -> bool:
-        """Return whether an event is due at ``now`` [s].  If it is, mark it as done."""
+        """Return whether an event is due at ``now`` [s].  Mark a due event as done."""
         period, elapsed = self._period, now - self._last
         if period is None or 0.0 <= elapsed < period - 1e-6:
             return False
-        # The events remain at multiples of the period.  Their mean rate is therefore
-        # correct even if the rate of updates is not a multiple of their rate.
+        # The events remain at multiples of the period.  The mean rate of the events is
+        # therefore correct even if the rate of updates is not a multiple of this rate.
         is_regular = 0.0 <= elapsed < 2.0 * period
         self._last = self._last + period if is_regular else now
         return True
@@ -143,7 +143,8 @@ class Context:
     the change is detected within half a second."""
     new_node: Callable[[str], Any]
     """Function that returns another rclpy.Node with the given name in the namespace.
-    It is for services that may take long.  Its callbacks run in a separate thread."""
+    The node is for services that may take long, and the node's callbacks run in a
+    separate thread."""
     description: DescriptionInfo
     """The response to ``read_description``."""
     info: SimulationInfo
@@ -174,8 +175,8 @@ class ControllerContext(Context):
     """The full name of the controller, which requests use."""
     type: str
     parameters: dict[str, Any]
-    """Parameters, including defaults, by dotted name.  Joints in them have their full
-    names.
+    """Parameters, including defaults, by dotted name.  The parameters contain the full
+    names of joints.
 
     The values change when a client sets a parameter.
     """

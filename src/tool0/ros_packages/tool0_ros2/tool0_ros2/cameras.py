@@ -119,8 +119,8 @@ class CamerasPart:
 class _Camera:
     """Topics ``NAME_camera/color`` and ``NAME_camera/depth`` of one camera.
 
-    Color and depth are parts of one image.  They therefore share the optical frame of
-    the color image.
+    Color and depth are parts of one image.  Color and depth therefore share the optical
+    frame of the color image.
     """
 
     def __init__(self, context: Context, camera: Camera, name: str, link: str) -> None:

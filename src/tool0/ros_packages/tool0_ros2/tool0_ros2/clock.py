@@ -22,7 +22,7 @@ class Clock:
     """Converts between simulated time and ROS time, and publishes /clock.
 
     Only one node in a domain publishes /clock.  A second bring-up follows that clock.
-    Its simulated time differs from ROS time by an offset.
+    The simulated time of the second bring-up differs from ROS time by an offset.
     """
 
     def __init__(self, node: Any) -> None:

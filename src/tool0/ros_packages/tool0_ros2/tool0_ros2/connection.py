@@ -51,8 +51,8 @@ class RequestFailedError(Exception):
 class Connection:
     """A connection to a simulation in another process.  Any thread may use it.
 
-    A separate thread reads incoming messages.  It resolves the futures of requests and
-    forwards other messages.
+    A separate thread reads incoming messages.  The thread resolves the futures of
+    requests and forwards other messages.
     """
 
     def __init__(self, name: str, *, wait: bool = False) -> None:

@@ -54,7 +54,7 @@ class ControlBox:
         """The full name of ``tool0``, which is the arm's last link."""
 
     def state(self, update: Update) -> ControlBoxState:
-        """Return the box's state.  It is the same object until a value changes."""
+        """Return the box's state, which is the same object until a value changes."""
         return next(box for box in update.control_boxes if box["arm"] == self.arm)
 
     def rated_payload(self) -> float:
@@ -86,7 +86,7 @@ def flange_of(context: Context, name: str) -> str:
     ``name`` is a full name.
 
     Raises:
-        RequestFailedError: If there is no such arm.
+        RequestFailedError: If no arm has the prefix of ``name``.
     """
     boxes = sorted(read_boxes(context), key=lambda box: -len(box["prefix"]))
     for box in boxes:

@@ -1,4 +1,4 @@
-"""The loaded controllers.  Each has a node for its parameters, and a part."""
+"""The loaded controllers.  Each controller has a part, and a node for parameters."""
 
 import threading
 from collections.abc import Collection
@@ -69,8 +69,8 @@ class Controllers:
     def update(self) -> list[ControllerStatus]:
         """Follow changes in the simulation, and return the status of controllers.
 
-        Call this method in the executor's thread.  It returns the status of each
-        controller in the namespace.
+        Call this method in the executor's thread.  The result contains the status of
+        each controller in the namespace.
         """
         context = self._context
         statuses = [

@@ -2,4 +2,4 @@
 
 
 class TransportError(Exception):
-    """Raised if there is no such bring-up, or if its socket cannot be trusted."""
+    """Raised if a bring-up is not found, or if its socket cannot be trusted."""

@@ -53,8 +53,8 @@ def to_points(points: Sequence[Any]) -> list[TrajectoryPoint]:
     """Return trajectory_msgs/JointTrajectoryPoints as values of a request.
 
     Raises:
-        RequestFailedError: If a number is not finite, because JSON has no such numbers,
-            or if a point has efforts.
+        RequestFailedError: If a point has efforts, or if a number is not finite.  JSON
+            has only finite numbers.
     """
     found = []
     for k, point in enumerate(points):
@@ -92,7 +92,7 @@ def to_tolerances(tolerances: Iterable[Any]) -> dict[str, list[float]]:
 
 
 def optional_module(context: Any, module: str, use: str) -> ModuleType | None:
-    """Import messages.  If they are missing, log a warning and return None."""
+    """Import messages.  If the package is missing, log a warning and return None."""
     try:
         return import_module(module)
     except ImportError:

@@ -50,7 +50,7 @@ _FOLLOW_TIMEOUT = 10.0
 
 
 class _Worker:
-    """An executor in a separate thread, which continues after a callback's error."""
+    """An executor in a separate thread.  An error in a callback does not end it."""
 
     def __init__(self, ros: Any, name: str) -> None:
         self.executor = SingleThreadedExecutor(context=ros)
@@ -314,7 +314,7 @@ class RobotNode:
     def _follow(self) -> None:
         """Follow the controllers immediately.
 
-        This method must not be called in the executor's thread.
+        The method must not be called in the executor's thread.
         """
         done = threading.Event()
 

@@ -40,9 +40,10 @@ CONTROLLERS = {
 """Part of each controller type.  The part is created with a ControllerContext."""
 
 ROBOT = ["dashboard:DashboardPart", "cameras:CamerasPart"]
-"""Parts of each namespace that have no controller.  They are created with a Context."""
+"""Parts of each namespace that have no controller.  The parts are created with a
+Context."""
 SIMULATION = ["simulation:SimulationPart"]
-"""Parts of the whole simulation.  They are created with a Context."""
+"""Parts of the whole simulation.  The parts are created with a Context."""
 
 
 def part_class(entry: str) -> Any:

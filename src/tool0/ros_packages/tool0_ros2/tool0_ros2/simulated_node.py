@@ -30,7 +30,7 @@ class SimulatedNode(Node):  # type: ignore[misc]  # rclpy has no types
 
         Args:
             name: Name of the node.
-            root: The node's namespace.  It is empty if there is none.
+            root: The node's namespace; empty if the node has no namespace.
             ros: An rclpy.Context.
             values: Values of the node's parameters.
             options: Options of rclpy.Node.

@@ -36,8 +36,8 @@ class FollowTrajectoryPart:
             if kind in _OUTPUT_FIELDS
         ]
         self._has_rate_errors = self._outputs[:1] != ["positions"]
-        """Whether velocity errors are computed.  ROS does not compute them for position
-        commands."""
+        """Whether velocity errors are computed.  ROS does not compute velocity errors
+        for position commands."""
         self._action = SimulatedAction(
             context,
             action.FollowJointTrajectory,
