@@ -1,4 +1,4 @@
-"""Figures that assess tool0, as ratios of measurements in the same run.
+"""Figures with which tool0 is assessed.
 
-They are ratios that are measured in one run.
+Each figure is a ratio of measurements in the same run.
 """

@@ -33,8 +33,8 @@ class BatchCost:
     """Steps/s, divided by the raw steps/s of the same number of parallel threads.  On a
     busy machine, other programs slow down both measurements."""
     with_actions: float
-    """The same as ``ratio``, but each round includes commands to arms and grippers and
-    reading all arrays."""
+    """The same as ``ratio``, but each round also includes commands to arms and
+    grippers, and the reading of all arrays."""
     bytes_per_copy: float
 
 
@@ -114,9 +114,9 @@ class Ratio(NamedTuple):
 def compare(n: int, threads: int = THREADS, rounds: int = 41) -> Mapping[str, Ratio]:
     """Return the speed of each way to run n copies, relative to ``mujoco.rollout``.
 
-    In each round, all ways start from the same states, in random order.  Only
-    ``tool0.Batch`` computes control laws; with the other ways, the efforts of the
-    motors remain constant.
+    In each round, all ways to run the copies start from the same states, in random
+    order.  Only ``tool0.Batch`` computes control laws; with the other ways, the efforts
+    of the motors remain constant.
     """
     threads = min(n, threads)
     costs: dict[str, list[tuple[float, float]]] = {}

@@ -1,4 +1,4 @@
-"""Cost of features of a batch, compared with the same batch without the feature.
+"""Measures the cost of a batch's features, compared with a batch without them.
 
 The cost is the processor time of commands, steps and readings, with an action every
 50 ms.  The two batches alternate, and the result is the median of the ratios of all
@@ -139,7 +139,7 @@ def ratio(feature: Feature, n: int, rounds: int) -> tuple[float, float]:
 
 
 def main() -> None:
-    """Print the ratio of all features, or of the features in the command line."""
+    """Print the ratio of all features, or of the features on the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("features", nargs="*", default=list(FEATURES))
     parser.add_argument("--copies", type=int, default=32)

@@ -28,7 +28,7 @@ def start_ratio() -> float:
 
 
 def speed_ratio(robots: tuple[str, ...], *, moving: bool) -> float:
-    """Return the simulated steps/s of several robots, divided by raw ``mj_step``."""
+    """Return the steps/s of several robots, divided by those of ``mj_step``."""
     return tick.speed_ratio(
         moving=moving, description=tool0.DescriptionConfig(robots=robots)
     )

@@ -174,7 +174,7 @@ def tracking(description: RobotDescription, *, n_moves: int = N_MOVES) -> Tracki
 
 
 def drift(description: RobotDescription) -> float:
-    """Return the largest deviation from the pose home during HOLD [rad | m]."""
+    """Return the largest deviation from the home pose during HOLD [rad | m]."""
     simulation = SimulationConfig(realtime=False)
     with _robot(description, ControlConfig(), simulation) as robot:
         start = robot.snapshot.positions
@@ -244,7 +244,7 @@ class Row:
     loaded: float
     """Spectral radius with the rated payload."""
     drift: float
-    """Largest deviation from the pose home [rad | m]."""
+    """Largest deviation from the home pose [rad | m]."""
     motions: Tracking
 
     def __str__(self) -> str:

@@ -23,7 +23,7 @@ ORIGINAL_STEPS = 3650.0
 recordings' README gives a real-time factor of 3.5 to 3.8 with steps of 1 ms."""
 ORIGINAL_START = 3.63
 """Time from the launch of the original system until three controllers run [s].  The
-value is from the same README."""
+value is from the README of the recordings."""
 BLOCK = 500
 """Number of steps in one measurement."""
 ROUNDS = 31
@@ -114,7 +114,7 @@ def _whole(robot: tool0.Robot) -> float:
 def _exchange(engine: GazeboEngine, effort: list[float]) -> float:
     """Apply constant efforts that hold the pose.
 
-    Without control, they hold it for half a second.
+    Without control, the efforts hold the pose for half a second.
     """
     start = time.perf_counter()
     for _ in range(BLOCK):
@@ -138,7 +138,7 @@ def _native(engine: GazeboEngine, position: list[float], effort: list[float]) ->
 
 @contextmanager
 def _preloaded() -> Iterator[None]:
-    """Compile native_hold.cc, and preload it into all programs that are started."""
+    """Compile native_hold.cc, and preload it into programs started meanwhile."""
     source = Path(__file__).with_name("native_hold.cc")
     before = os.environ.get("LD_PRELOAD", "")
     with tempfile.TemporaryDirectory() as folder:

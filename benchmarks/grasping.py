@@ -94,13 +94,16 @@ def hold_and_shake(
 
 @dataclass(frozen=True)
 class Trials:
-    """Results of all trials with one engine.  The slips are the largest slips."""
+    """Results of all trials with one engine.
+
+    The slips are the largest slips of all trials.
+    """
 
     dropped: int
     slip: float
-    """Largest slip while held at rest [m]."""
+    """Largest slip of an object that is held at rest [m]."""
     shaken: float
-    """Largest slip while shaken [m]."""
+    """Largest slip of an object that is shaken [m]."""
 
 
 def all_trials(engine: str, gripper: str = "2f85") -> Trials:

@@ -19,7 +19,7 @@ ITEM = "block"
 
 
 def force_error(engine: str) -> float:
-    """Return the largest relative error of the force at a pad, measured by contact."""
+    """Return the largest relative error of the force at a pad, from contact forces."""
     with _bring_up(engine) as robot:
         _put_between_pads(robot)
         errors = []

@@ -151,7 +151,7 @@ def count_pipelined(client: socket.socket) -> int:
 
 
 def flood(pid: int) -> dict[str, str]:
-    """Return the effects of a client that sends requests but does not read."""
+    """Return the effects of a client that sends requests but reads no replies."""
     with socket.create_connection((HOST, PORT), timeout=5.0) as other:
         before, start = memory(pid), processor_time(pid)
         with socket.create_connection((HOST, PORT)) as client:

@@ -1,4 +1,4 @@
-"""Measures what pages cost the control loop: late ticks with and without pages.
+"""Measures the cost of pages for the control loop, such as late ticks.
 
 The pages are WebSocket clients in a separate process, like browsers.
 """

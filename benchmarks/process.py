@@ -51,7 +51,7 @@ def start_ratio() -> float:
 def import_ratio() -> float:
     """Return the time of ``import tool0`` divided by that of ``import mujoco``.
 
-    Both times include the start of Python.
+    The times of both imports include the start of Python.
     """
     pairs = [(cost(IMPORT_TOOL0), cost(IMPORT)) for _ in range(ROUNDS)]
     return statistics.median(ours.seconds / bare.seconds for ours, bare in pairs)

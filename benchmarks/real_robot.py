@@ -32,7 +32,10 @@ STILL = 0.01
 def cut_once(
     rig: RealRobotRig, chance: random.Random, *, silent: bool
 ) -> tuple[float, float]:
-    """Return the time from a cut to rest [s] and the largest motion after it [rad]."""
+    """Return the time from a cut to rest [s], and a motion after that [rad].
+
+    The motion is the largest motion after the connection is restored.
+    """
     speed = chance.uniform(0.005, 0.25) / LEVER  # [rad/s]
     here = rig.robot.joint_state.position[JOINT]
     to = here + (0.8 if here < 0.0 else -0.8)

@@ -3,7 +3,7 @@
 usage: python benchmarks/real_robot_program.py [RUNS]
 
 The robot is simulated by tool0's own UR controller in another process, with a table and
-a cube that tool0 does not get.  Joints are compared at equal times of each path,
+a cube that are not in tool0's scene.  Joints are compared at equal times of each path,
 because a real robot starts a path some milliseconds later.  In the first run after a
 start, tool0 has not yet measured the delay of the robot.
 """

@@ -25,7 +25,7 @@ JOINT = "shoulder_pan_joint"
 STEP = 0.1
 """Amplitude of the commands [rad]."""
 JUMP = 0.5
-"""Change of effort within a tick above which a command is the cause [N·m]."""
+"""Smallest change of effort within a tick that only a command causes [N·m]."""
 PAUSE = 0.1
 """Time between two commands [s]."""
 

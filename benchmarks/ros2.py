@@ -1,4 +1,4 @@
-"""Measures what ROS 2 costs: age of joint states, speed, latency and start-up.
+"""Measures the costs of ROS 2: age of joint states, speed, latency and start-up.
 
 The robot runs in this process, and the node and an rclpy client run in other processes.
 Times are read from the monotonic clock, which all processes of a machine share.
@@ -32,7 +32,7 @@ N_STATES = 5000
 N_COMMANDS = 200
 JOINT = "shoulder_pan_joint"
 JUMP = 0.5
-"""Change of effort within a tick above which a command is the cause [N·m]."""
+"""Smallest change of effort within a tick that only a command causes [N·m]."""
 PAUSE = 0.1
 """Time between two commands, the same as in ``ros2_client.py`` [wall s]."""
 ROUNDS = 5

@@ -1,8 +1,8 @@
-"""Compares one environment ``tool0/Lift-v0`` with others, and with its images.
+"""Compares one environment ``tool0/Lift-v0`` with others and with its images.
 
 The measured quantity is the processor time per action with random actions.  The
-environments alternate, each in a separate process.  You install the other environments
-in separate virtual environments:
+environments alternate, each in a separate process.  Install the other environments in
+separate virtual environments:
 
     python -m venv fetch && fetch/bin/pip install gymnasium-robotics "mujoco<=3.10"
     python -m venv suite && suite/bin/pip install robosuite==1.5.2 "numpy<2"

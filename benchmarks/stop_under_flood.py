@@ -172,7 +172,7 @@ def clients(
 def over_own_transport(transport: str) -> dict[str, Delays]:
     """Measure stops while clients flood the same transport.
 
-    The ratios are returned by number of clients.
+    The result contains the ratios by number of clients.
     """
     with bringup() as robot:
         address = robot.address(transport)
@@ -197,7 +197,7 @@ def over_ur(name: str) -> dict[str, Delays]:
 def over_ros2() -> dict[str, Delays]:
     """Measure emergency stops by socket while ROS 2 is flooded.
 
-    The ratios are returned by the kind of flood.
+    The result contains the ratios by the kind of flood.
     """
     ros2 = find_ros2()
     assert ros2 is not None

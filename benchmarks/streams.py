@@ -1,4 +1,4 @@
-"""Measures what subscribers in other processes cost the tick."""
+"""Measures the cost of subscribers in other processes for the tick."""
 
 from __future__ import annotations
 

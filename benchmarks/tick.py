@@ -22,7 +22,7 @@ TARGET = (0.5, -1.1708, 1.0708, -0.9708, -1.0708, 1.0)
 
 
 def speed_ratio(*, moving: bool, **options: Any) -> float:
-    """Return simulated steps/s of a bring-up, divided by raw ``mj_step``.
+    """Return the steps/s of a bring-up, divided by those of ``mj_step``.
 
     Blocks of both kinds alternate with one compiled model.  The blocks start from the
     same state, so that both kinds of blocks have the same contacts, and so that other

@@ -1,4 +1,4 @@
-"""Measures what the UR interface costs: age of samples, speed, latency, connecting.
+"""Measures the costs of the UR interface: sample age, speed, latency, connecting.
 
 The robot runs in this process, and the interface and ur_rtde run in other processes.
 Times are read from the monotonic clock, which all processes of a machine share.
@@ -30,7 +30,7 @@ LATE = 1e-3
 N_TARGETS = 200
 JOINT = "wrist_3_joint"
 CHANGE = 0.0015
-"""Change of effort in a tick above which a new target is the cause [N·m].  Without a
+"""Smallest change of effort in a tick that only a new target causes [N·m].  Without a
 new target, the change is a tenth of this value."""
 LONGEST = 0.05
 """Delay after which a target without effect is an error [s]."""
@@ -134,8 +134,7 @@ def connecting() -> Connecting:
 def speed_ratio() -> float:
     """Return the ratio of simulation speeds with and without the interface.
 
-    With the interface, there is also a client.  The speed is simulated time per wall
-    time.
+    A client is connected to the interface.  The speed is simulated time per wall time.
 
     The simulation runs as fast as possible.  Rounds with the interface and rounds
     without the interface alternate, and the result is the median of the ratios.

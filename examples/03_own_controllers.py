@@ -15,7 +15,7 @@ with tool0.bringup(control=control, realtime=False) as robot:
     for warning in robot.warnings:  # unused keys in the file
         print(f"{warning.file}:{warning.line}: {warning.message}")
 
-    # No controller claims the arm yet, so its brakes hold it.
+    # No controller claims the arm yet, so the arm's brakes hold the arm.
     robot.switch(start=["arm_controller"])
     for status in robot.controllers():
         print(f"{status.name:24} {status.state:12} {status.type}")

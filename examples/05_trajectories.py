@@ -9,8 +9,8 @@ STILL = [0.0] * 6
 with tool0.bringup(realtime=False) as robot:
     arm = robot.controller("eff_joint_traj_controller")
 
-    # With velocities, the motion is smooth (cubic).  Without velocities, it is linear
-    # and has jerks.
+    # With velocities, the motion is smooth (cubic).  Without velocities, the motion is
+    # linear and has jerks.
     way = [
         tool0.TrajectoryPoint(LEFT, STILL, time_from_start=2.0),
         tool0.TrajectoryPoint(HOME, STILL, time_from_start=4.0),

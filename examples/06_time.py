@@ -23,7 +23,7 @@ with tool0.bringup(realtime=False) as robot:
         print("refused:", error)
     robot.emergency_stop(engaged=False)
 
-    # the time is 0, and all joints but the elbow are in the initial pose
+    # the time is 0, and all joints except the elbow are in the initial pose
     robot.reset({"elbow_joint": 1.0})
     elbow = robot.joint_state.position["elbow_joint"]
     print(f"reset: {robot.time} s, elbow {elbow} rad")

@@ -11,7 +11,7 @@ with tool0.bringup(scene="table_and_bin", realtime=False) as robot:
     print(report.to_text())
 
     # Pick step by step.  The z axis of tool0 points out of the flange.  A half turn
-    # about x makes it point down.
+    # about the x axis makes the z axis point down.
     robot.reset()
     # in the tool0 frame, with the pads 45 mm apart
     between_pads = Pose(xyz=(0.0, 0.0, 0.1418))

@@ -11,8 +11,8 @@ between_pads = Pose(xyz=(0.0, 0.0, 0.1418))
 with tool0.bringup(scene="shelf", realtime=False) as robot:
     arm, gripper = robot.arm, robot.gripper
 
-    # The shelf is on the left.  The tool's z axis points into it, and the pads are
-    # level.
+    # The shelf is on the left.  The tool's z axis points into the shelf, and the pads
+    # are level.
     x, y, z = robot.scene.pose("cube").position
     into_shelf = (-math.pi / 2, math.pi / 2, 0.0)
     before = Pose(xyz=(x, y - 0.15, z), rpy=into_shelf)
@@ -47,7 +47,7 @@ with tool0.bringup(scene="shelf", realtime=False) as robot:
     print(f"least: {1e3 * plan.clearance:.1f} mm, {plan.nearest}")
     print(arm.execute(plan).wait())
 
-    # Plan and move in one call, in any posture, back to the shelf without the cube.
+    # Plan and move back to the shelf in one call, in any posture, without the cube.
     gripper.move(opening=0.085).wait()
     robot.run(0.5)
     print("in the bin:", robot.scene.pose("cube").position[2] < 0.1)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 SOURCE = Path(__file__).parent.parent / "src" / "tool0"
 BOUND = 0.39
-"""Largest allowed share of coupled pairs.  Reduce it when couplings have been
+"""Largest allowed share of coupled pairs.  Reduce the bound when couplings have been
 removed."""
 _NO_PACKAGES = ("__init__", "__main__", "ros_packages")
 

@@ -148,7 +148,7 @@ def jog(person: Person) -> None:
 
 
 def teach(person: Person) -> None:
-    """Add waypoints at the current positions of the arm, and run the program."""
+    """Add waypoints at the arm's current positions, and run the program."""
     person.clicks("enable-toggle")
     for lift in (-1.4, -1.75, -1.57):
         person.clicks("tab-motion")

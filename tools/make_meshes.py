@@ -2,7 +2,7 @@
 
 Run ``python tools/make_meshes.py`` after you change a shape, or an arm's
 appearance.yaml or kinematics.  Use ``--output`` to write to another folder.  If you
-give folders of your own arms, the meshes of each arm are written into its folder.
+give folders of your own arms, the meshes of each arm are written into the arm's folder.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ def panel_page(
     """Open the panel at ``url``, and wait until its scene is drawn.
 
     Args:
-        url: Address of the panel, as it prints it.
+        url: Address of the panel, in the form in which the panel prints it.
         width: Width of the window [px].
         height: Height of the window [px].
         theme: Color theme, ``light`` or ``dark``.

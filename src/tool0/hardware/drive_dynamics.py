@@ -159,7 +159,7 @@ class DriveDynamics:
     ) -> Matrix:
         """Return the ``mobility`` of ``joints`` in k states, shape (k, n, n).
 
-        ``declared`` and ``positions`` are as for ``servo_masses``.
+        ``declared`` and ``positions`` have the same meaning as in ``servo_masses``.
         """
         own = declared
         if self._payloads:

@@ -187,8 +187,8 @@ class World(Protocol):
         Wrenches on links of the same body are added.  A reset removes all wrenches.
 
         Raises:
-            EngineError: In the cases in which ``center_of_mass`` raises it.  The
-                applied wrenches are then unchanged.
+            EngineError: If ``center_of_mass`` raises an error for one of the links or
+                objects.  The applied wrenches are then unchanged.
         """
 
     def attach(self, name: str, link: str) -> None:
@@ -259,9 +259,9 @@ class Engine(Protocol):
         """Engage the brakes of the given joints, and release all other brakes.
 
         ``torques`` maps the index of a joint to the largest torque of its brake
-        [N·m | N].  A brake acts as dry friction of at most this torque.  The brake
-        slows the joint, and holds the joint at rest against any smaller load.  This
-        call does not change the state of a joint, and a reset does not affect the
+        [N·m | N].  A brake acts as dry friction of at most its largest torque.  The
+        brake slows the joint, and holds the joint at rest against any smaller load.
+        This call does not change the state of a joint, and a reset does not affect the
         brakes.
         """
 
@@ -330,13 +330,14 @@ BRAKE_STANDSTILL = 3e-4
 [rad/s | m/s].
 
 A solver regularizes friction, so that a braked joint creeps.  In MuJoCo with rated
-payloads, its speed is at most 1e-4 rad/s.  With steps of 1 ms, a joint starts to move
-from rest only if the load beyond its friction accelerates it by 0.3 rad/s² or more.
+payloads, the speed of a braked joint is at most 1e-4 rad/s.  With steps of 1 ms, a
+joint starts to move from rest only if the load beyond its friction accelerates it by
+0.3 rad/s² or more.
 """
 LARGEST_VELOCITY = 1e4
 """Speed above which a simulation is considered to have diverged [rad/s | m/s].  Drives
-and falling objects remain far below this speed.  Diverging values exceed it some steps
-before they become infinite."""
+and falling objects remain far below this speed.  Diverging values exceed this speed
+some steps before they become infinite."""
 
 
 def has_diverged(velocity: Sequence[float]) -> bool:
@@ -395,7 +396,7 @@ def immovable(name: str) -> EngineError:
 
 
 def check_placement(objects: Mapping[str, SceneObject], state: ObjectState) -> None:
-    """Raise EngineError unless the object of ``state`` can have such a velocity."""
+    """Raise EngineError if ``state`` gives a velocity to an object without mass."""
     item = find_object(objects, state.name)
     if item.mass is None and any((*state.linear, *state.angular)):
         raise EngineError(

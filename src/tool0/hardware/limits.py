@@ -8,11 +8,11 @@ ROS in three ways:
 
 * A drive whose rotor inertia is known, or whose effort could take the joint beyond its
   speed limit within one step, uses a ``SpeedLimiter``, which holds the joint at its
-  speed limit.  In ROS, the whole effort of such a drive is switched on and off, so that
-  a light joint runs far above its limit.
-* The speed of any other joint is governed (``hardware/speed_governor.py``).  With ROS's
-  rule, the joints of an arm would accelerate each other to five times their speed
-  limits.
+  speed limit.  In ROS, the whole effort of a drive is switched on and off at the speed
+  limit, so that a light joint runs far above its limit.
+* The speed of a joint without a ``SpeedLimiter`` is governed
+  (``hardware/speed_governor.py``).  With ROS's rule, the joints of an arm would
+  accelerate each other to five times their speed limits.
 * ``k_velocity = 0`` means "no soft limit on effort".  ROS instead uses a window of
   width zero, so that an effort-controlled arm is limp with ``safety_limits:=true`` in
   the UR description.
@@ -32,7 +32,7 @@ from tool0.hardware.engine import JointState
 STOP_TOLERANCE = 1e-4
 """Depth of penetration into a stop beyond which outward effort is cut [rad | m].
 
-A stop is simulated as a contact, and contacts yield a little.  Without this margin, the
+A stop is simulated as a contact, and contacts yield a little.  Without a margin, the
 effort of a joint held at its stop would switch on and off a thousand times a second.
 """
 
@@ -54,10 +54,10 @@ class EffortLimits:
     """Rotor inertia reflected to the joint, or the inertia of a light joint
     [kg·m² | kg]; 0 if neither applies."""
     is_light: bool = False
-    """Whether the drive could exceed the speed limit within one step.  A joint with
-    such a drive gets no outward effort if the joint is closer to its stop than the
-    distance that it travels in one step.  The reason is that the stop acts only after
-    the joint has passed the stop."""
+    """Whether the drive could exceed the speed limit within one step.  The joint of a
+    drive that could exceed the limit gets no outward effort if the joint is closer to
+    its stop than the distance that it travels in one step.  The reason is that the stop
+    acts only after the joint has passed the stop."""
 
 
 class DriveBounds(NamedTuple):
@@ -297,7 +297,7 @@ class SpeedLimiter:
             effort: The requested effort.
             applied: The effort applied in the last step.
             gravity: The part of ``effort`` that compensates gravity; the limits of a
-                goal do not apply to it.
+                goal do not apply to this part.
             position: Position of the joint [rad | m].
             velocity: Velocity of the joint [rad/s | m/s].
         """
@@ -324,8 +324,8 @@ class SpeedLimiter:
         held_back = 0.0
         if before is not None:
             held_back = applied - (velocity - before) * self.rotor
-        # The limiter reduces the effort to slow the joint, but it always carries the
-        # weight.
+        # The limiter reduces the effort to slow the joint, but the effort always
+        # carries the weight.
         if effort > gravity:
             room = (speed - velocity) * self.rotor + held_back
             return min(effort, max(room, min(0.0, gravity)))

@@ -1,7 +1,8 @@
 """Drives of a real robot, which execute motions without tool0's servos.
 
-An engine with such drives takes no efforts.  In each tick, it gets the desired motion
-starting at that tick, and it reports the state of the robot's own controller.
+An engine with the drives of a real robot takes no efforts.  In each tick, the engine
+gets the desired motion starting at that tick, and the engine reports the state of the
+robot's own controller.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ class Wanted(NamedTuple):
     now: JointState
     """The measured state at the start of the tick."""
     arm: WantedMotion | None
-    """Motion of the arm; None if no controller moves or holds the arm.  The arm then
+    """Motion of the arm; None if no controller moves or holds the arm, so that the arm
     comes to rest."""
     grips: Mapping[str, WantedGrip]
     """Commanded grips, by gripper.  Grippers that no controller commands are not in the

@@ -291,7 +291,8 @@ class RobotHardware:
 
         Raises:
             ControlError: If a drive does not offer ``interface``.
-            ClaimError: If a joint is already claimed.  No claim has then changed.
+            ClaimError: If a joint is already claimed.  After this error, no claim has
+                changed.
         """
         for name in joints:
             offered = self.interfaces.get(name, ())
@@ -303,7 +304,8 @@ class RobotHardware:
 
         Raises:
             ControlError: If a joint has no drive.
-            ClaimError: If a joint is already claimed.  No claim has then changed.
+            ClaimError: If a joint is already claimed.  After this error, no claim has
+                changed.
         """
         for name in joints:
             offered = (Interface.POSITION,) if name in self.interfaces else ()
@@ -325,7 +327,8 @@ class RobotHardware:
 
         Raises:
             ControlError: If a joint has no drive.
-            ClaimError: If a joint is already claimed.  No claim has then changed.
+            ClaimError: If a joint is already claimed.  After this error, no claim has
+                changed.
         """
         for name in joints:
             offered = (Interface.EFFORT,) if name in self.interfaces else ()
@@ -457,7 +460,7 @@ class RobotHardware:
     def table(self) -> DriveTable:
         """Data that change only when a payload is declared.
 
-        The same object is returned until then.
+        The same object is returned until a payload is declared.
         """
         if self._table is None:
             self._table = DriveTable(
@@ -563,7 +566,7 @@ class RobotHardware:
         self._choose_governed()
 
     def _add_gravity_compensation(self, effort: list[float], state: JointState) -> None:
-        """Add gravity compensation to the efforts of the drives that have it."""
+        """Add gravity compensation to the efforts of the compensating drives."""
         if not self._compensation or self._steps % POSE_PERIOD == 0:
             gravity = self._dynamics.gravity(state)
             self._compensation = [(i, gravity[i]) for i in self._compensated]

@@ -1,7 +1,7 @@
 """Computes mass matrices and gravity loads of a robot in many poses in one call.
 
-``bodies.JointDynamics`` computes the same quantities for one pose in the tick.  Here,
-each joint is processed once for all poses.  For a thousand poses of an arm, the
+``bodies.JointDynamics`` computes the same quantities for one pose in the tick.  In this
+module, each joint is processed once for all poses.  For a thousand poses of an arm, the
 computation takes a few milliseconds.
 """
 

@@ -4,10 +4,11 @@ The effort of one drive changes the speeds of all joints of an arm.  The governo
 predicts the velocities after the coming step from the accelerations in the last step
 and the changes of all efforts.  If a predicted velocity exceeds its limit, each drive
 uses the effort closest to the request that keeps its joint within the limit (projected
-Gauss-Seidel).  Where a drive is too weak, all drives help.  The governor uses only the
-masses of the description.  Under a load, both the joints and the governor therefore
-react more slowly.  With the masses of a declared payload, the governor would accelerate
-joints beyond their limits if they did not actually carry the payload.
+Gauss-Seidel).  If a drive is too weak to keep the limit, all drives contribute.  The
+governor uses only the masses of the description.  Under a load, both the joints and the
+governor therefore react more slowly.  With the masses of a declared payload, the
+governor would accelerate joints beyond their limits if they did not actually carry the
+payload.
 """
 
 from __future__ import annotations
@@ -147,8 +148,8 @@ class SpeedGovernor:
     def _share_excess(self, coming: list[float], used: list[float]) -> None:
         """Distribute excess speed that a joint's drive cannot brake over all drives.
 
-        The contribution of each drive depends on its effect on that joint (Kaczmarz's
-        method).
+        The contribution of each drive depends on its effect on the joint with the
+        excess speed (Kaczmarz's method).
         """
         drives, _, mobility, _ = self.setup
         for _ in range(SWEEPS):

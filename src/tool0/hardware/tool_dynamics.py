@@ -52,8 +52,8 @@ class _BodyMotion(NamedTuple):
     angular_acceleration: Vector3
     """Angular acceleration [rad/s²]."""
     acceleration: Vector3
-    """Acceleration of the body's origin relative to free fall [m/s²].  At rest, it
-    points up."""
+    """Acceleration of the body's origin relative to free fall [m/s²].  At rest, the
+    acceleration points up."""
 
 
 class ToolPart(NamedTuple):

@@ -153,7 +153,10 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
         return subprocess.CompletedProcess(self._process.args, status, *self._texts())
 
     def last_output(self, n_lines: int = 8) -> str:
-        """Return the last lines of output and errors, or an empty text with a log."""
+        """Return the last lines of output and errors.
+
+        The text is empty if the output goes to a log.
+        """
         return last_lines("\n".join(self._texts()), n_lines)
 
     def close(self) -> None:

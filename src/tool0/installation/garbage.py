@@ -18,7 +18,9 @@ collector then examines all objects in use, and pauses every thread for 5 to 20 
 
 @contextmanager
 def starting() -> Iterator[None]:
-    """Disable collection while a process starts.  Restore all settings at its end.
+    """Disable collection while a process starts.
+
+    Restore all settings when the process ends.
 
     Objects that are created during the start are kept.  Call ``started`` when the start
     is complete.

@@ -86,7 +86,7 @@ class Machine:
     def codename(self) -> str:
         """Return the codename of the release, such as ``bookworm``.
 
-        For Mint, it is the codename of the underlying Ubuntu release.
+        For Mint, the result is the codename of the underlying Ubuntu release.
         """
         release = self.release()
         keys = ("UBUNTU_CODENAME", "DEBIAN_CODENAME", "VERSION_CODENAME")

@@ -17,7 +17,7 @@ def exclusive(folder: Path, software: str, error: type[Tool0Error]) -> Iterator[
     """Create a folder, and prevent other processes from changing it.
 
     Args:
-        folder: The folder.  A file named ``lock`` is created in it.
+        folder: The folder.  A file named ``lock`` is created in the folder.
         software: Name of the software in the folder, for use in messages.
         error: Type of the exception to raise.
 
@@ -48,7 +48,7 @@ def removed(folder: Path, software: str, error: type[Tool0Error]) -> int:
         error: Type of the exception to raise.
 
     Raises:
-        Tool0Error: If ``exclusive`` raises it.
+        Tool0Error: If ``exclusive`` raises an error of type ``error``.
     """
     if not folder.is_dir():
         return 0

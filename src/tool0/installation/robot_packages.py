@@ -1,8 +1,8 @@
 """Creates the catkin packages of an arm with a gripper, for Noetic and Gazebo 11.
 
-The files are the same files that tool0 reads.  The chosen robot is the default of their
-arguments.  Only the controllers are generated for one robot, because their gains depend
-on the robot.
+The files are the same files that tool0 reads.  The chosen robot is the default of the
+arguments in these files.  Only the controllers are generated for one robot, because
+their gains depend on the robot.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ def robot_packages(
         robots: The robot that launch files bring up by default, without a prefix, or
             the robots of a cell.
         controllers: The YAML of the controllers for ros_control.
-        action_controllers: The same YAML, but with a gripper that is driven by an
-            action.
+        action_controllers: The YAML of the controllers, but with a gripper that is
+            driven by an action.
         upstream_meshes: Whether the meshes of ``UPSTREAM_PACKAGES`` are the default.
             If the meshes are the default, the packages are dependencies.
 
@@ -147,8 +147,8 @@ def _own_part(part: CataloguePart) -> Files:
     The result is empty for a built-in arm or gripper.
 
     Raises:
-        ConfigError: If its name is the name of a built-in arm or gripper, or if the
-            name is not a valid file name.
+        ConfigError: If the name of the part is the name of a built-in arm or gripper,
+            or if the name is not a valid file name.
     """
     if part.is_built_in:
         return {}

@@ -59,8 +59,8 @@ def supervise(
 
     Args:
         group: The ID of the process group, which is the process ID of its leader.
-        connection: File descriptor of the connection to the parent.  When its other end
-            closes, the group is ended.
+        connection: File descriptor of the connection to the parent.  When the other end
+            of the connection closes, the group is ended.
         wait: Function that returns the exit status of the leader.  The status is
             negative for a signal.
         grace: Time between SIGINT and SIGKILL [wall s].  If the time is 0, SIGKILL is

@@ -66,7 +66,7 @@ class WorkspaceChanges:
     """Backup of the edited version of each overwritten file, by path."""
 
     def paths(self, action: FileAction) -> tuple[Path, ...]:
-        """Return the files for which this action was taken."""
+        """Return the files for which ``action`` was taken."""
         return tuple(path for path, what in self.actions.items() if what is action)
 
 
@@ -255,7 +255,7 @@ def source_folder(folder: Path, packages: Collection[str] = ()) -> Path:
     initialized by catkin_init_workspace.
 
     Raises:
-        ConfigError: If packages cannot be written there.
+        ConfigError: If packages cannot be written to the folder.
     """
     folder = expanded(folder).absolute()
     _refuse_files(folder)

@@ -201,9 +201,9 @@ class _Check:
     def _robot_of(self, yaml: Source, text: YamlText) -> RobotFacts | None:
         """Return the robot for a YAML file, if exactly one robot fits the file.
 
-        A robot fits a YAML file under two conditions.  The user named both files, or
-        both files are in the same package or folder.  The robot also has a joint that
-        the YAML file names.
+        A robot fits a YAML file under two conditions.  The user named the robot's file
+        and the YAML file, or the two files are in the same package or folder.  The
+        robot also has a joint that the YAML file names.
         """
         named = {s.path.resolve() for s in self._sources.files if s.was_named}
         home, words = self._home(yaml.path), set(_WORD.findall(text.text))
@@ -331,7 +331,7 @@ def _outcomes(works: Mapping[Path, Callable[[], R]]) -> dict[Path, R | Exception
 def _yaml_alone(
     yamls: Iterable[YamlText], robot: RobotFacts | None, packages: Packages
 ) -> Iterator[Finding]:
-    """Yield the findings of YAML files that nobody named and that nothing loads.
+    """Yield the findings of YAML files that are neither named nor loaded.
 
     Interface mismatches are omitted, because the robot may offer other interfaces if it
     gets other arguments.

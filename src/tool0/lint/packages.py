@@ -111,7 +111,7 @@ class PackageIndex:
         )
 
     def package_of(self, file: Path) -> str | None:
-        """Return the name of the package that contains a file; None without one."""
+        """Return the package name of a file; None if the file is in no package."""
         around = self.around(file)
         return None if around is None else around[0]
 
@@ -134,7 +134,7 @@ class PackageIndex:
 
 
 def nearest_file(path: Path) -> str | None:
-    """Return the most similar file name in the folder of ``path``; None if none is."""
+    """Return the file name in the folder of ``path`` that is most similar, or None."""
     try:
         with os.scandir(path.parent) as entries:
             names = [entry.name for _, entry in zip(range(_MAX_FILES), entries)]  # noqa: B905  # stops at the shorter

@@ -107,7 +107,7 @@ def read_robot(
             name = "nothing" if root is None else f"<{root.tagName}>"
             wrong = Tool0Error(f"begins with {name}, and no <robot>")
             return ParsedRobot(None, (finding_of(wrong, "no-robot", file),))
-        # such a file contains groups of joints, and no robot
+        # a .srdf.xacro file contains groups of joints, and no robot
         if file.name.endswith(".srdf.xacro"):
             return ParsedRobot(None, ())
         findings = (
@@ -199,7 +199,7 @@ def xacro_findings(
 def _at_most(findings: Iterator[Finding]) -> Iterator[Finding]:
     """Yield at most ``_MOST`` findings.
 
-    If there are more, add a finding about that.
+    If there are more findings, add a finding that reports them.
     """
     for count, finding in enumerate(findings, 1):
         if count > _MOST:

@@ -80,7 +80,7 @@ class ControllerManagerBridge:
         if loaded != self._loaded:
             self._loaded = loaded
             self._registrar.submit(self._update)
-        bridges = self._bridges  # _update() may replace it in the meantime
+        bridges = self._bridges  # _update() may replace self._bridges in the meantime
         for status in snapshot.controllers:
             if status.is_running and status.name in bridges:
                 bridges[status.name][1].publish(snapshot)
@@ -97,7 +97,7 @@ class ControllerManagerBridge:
         self._registrar.close(_CLOSE_TIMEOUT)
 
     def _update(self) -> None:
-        """Create bridges for new controllers, and close bridges of unloaded ones."""
+        """Create bridges for new controllers, and close unneeded bridges."""
         with self._lock:
             loaded = {}
             for status in self._controllers():

@@ -206,7 +206,8 @@ def namespaces_of(node: RosNode, robot: Robot) -> list[RosNamespace]:
 
     In a cell with namespaces, a namespace for each robot is also returned.
 
-    In such a cell, each robot's namespace contains the URDF of that robot only.
+    In a cell with namespaces, each robot's namespace contains the URDF of that robot
+    only.
     """
     cell = robot.description.cell
     if cell is None or not cell.namespaces:

@@ -37,8 +37,8 @@ class RosClock:
     """Converts between simulated time and ROS time.
 
     The first bring-up that registers with a master publishes /clock.  A second
-    bring-up, in another namespace, follows that clock.  The simulated time of the
-    second bring-up differs from ROS time by an offset.
+    bring-up, in another namespace, follows the clock of the first bring-up.  The
+    simulated time of the second bring-up differs from ROS time by an offset.
     """
 
     def __init__(self, *, publish: bool) -> None:
@@ -219,7 +219,7 @@ class RosNode:
         """Publish /clock if no other node publishes it.
 
         If another node whose name comes earlier in alphabetical order publishes /clock,
-        this node stops publishing it.
+        this node stops publishing /clock.
         """
         others = self.other_clock_publishers()
         if not self.clock.is_publisher and not others:

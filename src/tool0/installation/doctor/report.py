@@ -60,7 +60,8 @@ class Probe:
     """A function that examines one component of the machine."""
 
     examine: Callable[[Machine], list[ProbeResult]]
-    """Function in a module.  A separate process imports it by name and runs it."""
+    """Function in a module.  A separate process imports the function by name and runs
+    it."""
     is_needed: bool = False
     """Whether ``tool0 bringup`` requires the component."""
 
@@ -126,7 +127,7 @@ def _start(probe: Probe) -> ChildProcess:
 
 
 def _results(name: str, process: ChildProcess, deadline: float) -> list[ProbeResult]:
-    """Return the results of a probe.  Report a failure if it misses the deadline."""
+    """Return the results of a probe, or a failure if it misses the deadline."""
     try:
         answer = process.completed(max(deadline - time.monotonic(), 0.0))
     except subprocess.TimeoutExpired:

@@ -240,8 +240,8 @@ class PrivateApt:
         configuration = str(self._folder / "apt.conf")
         answer = run_program(
             ["apt-get", "--config-file", configuration, "-qq", *arguments],
-            # Do not use the folder of the downloads, because apt lists only missing
-            # files there.
+            # In the folder of the downloads, apt would list only files that are missing
+            # in this folder.
             folder=folder or self._folder,
             while_running=while_running,
         )

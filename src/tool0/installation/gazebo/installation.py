@@ -199,7 +199,7 @@ def include_folders(root: Path) -> tuple[Path, ...]:
 def _gazebo_paths(root: Path) -> dict[str, str]:
     """Return the paths of Gazebo's files, with the variables of its ``setup.sh``.
 
-    The current values of these variables come first.
+    The current values of the variables come first.
     """
     share, default = root / "share" / "gazebo-11", root / "lib" / "gazebo-11"
     plugins = next((p for p in root.glob("lib/*/gazebo-11") if p.is_dir()), default)

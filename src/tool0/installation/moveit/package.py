@@ -40,7 +40,7 @@ def moveit_package(
 ) -> dict[PurePosixPath, bytes]:
     """Return the files of ``NAME_moveit_config``, by path relative to ``src``.
 
-    NAME is the name of the cell.  Without a cell, it consists of the names of the
+    NAME is the name of the cell.  Without a cell, NAME consists of the names of the
     robots, or of the names of the arm and gripper.
 
     Args:
@@ -48,8 +48,8 @@ def moveit_package(
         disabled: Reasons for the pairs of links that are not checked for collisions, by
             pair.
         controllers: The ros_control YAML of the robot.
-        action_controllers: The same YAML, but with grippers that are driven by an
-            action.
+        action_controllers: The ros_control YAML, but with grippers that are driven by
+            an action.
 
     Raises:
         DescriptionError: If the robot is not from the catalogue.

@@ -51,7 +51,8 @@ DEFINITIONS: Final = Path(__file__).parent / "definitions"
 """Folder of the definitions.  The folder contains one folder per package of Kilted,
 with msg/, srv/ and action/."""
 _NEEDED: Final = 700_000_000
-"""Disk space that the installation needs [bytes].  300 MB of it remain in use."""
+"""Disk space that the installation needs [bytes].  Of this space, 300 MB remain in
+use."""
 _COMPILERS: Final = {
     "CC": ("gcc", "cc", "clang"),
     "CXX": ("g++", "c++", "clang++"),
@@ -86,7 +87,7 @@ for folder in pathlib.Path(sys.argv[1]).iterdir():
 
 
 def install_ros2(progress: ProgressCallback) -> Ros2:
-    """Return tool0's own ROS 2.  Install it if it is missing or out of date.
+    """Return tool0's own ROS 2.  Install ROS 2 if it is missing or out of date.
 
     Raises:
         RosUnavailableError: If ROS 2 cannot be installed.  The message contains the
@@ -115,7 +116,7 @@ def install_ros2(progress: ProgressCallback) -> Ros2:
 
 
 def uninstall_ros2() -> int:
-    """Remove all installations of tool0's own ROS 2.  Return their size [bytes]."""
+    """Remove all installations of tool0's own ROS 2; return the freed bytes."""
     return removed(own_folder(), "ROS 2", RosUnavailableError)
 
 

@@ -162,7 +162,7 @@ class Arguments:
 
 
 def _if_active(text: Text, scope: Scope) -> Text:
-    """Return ``text``.  Remove its value if the element may be inactive."""
+    """Return ``text``, without its value if the element may be inactive."""
     if scope.holds is not None:
         return text
     reason = "it depends on an if or unless that is unknown"

@@ -58,7 +58,7 @@ class LoadContext:
     def enter(self, reading: object) -> bool:
         """Start to read a file with its arguments.
 
-        Return False if it is already open.
+        The result is False if the file is already being read with these arguments.
         """
         if reading in self._open:
             return False

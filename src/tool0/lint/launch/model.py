@@ -56,7 +56,7 @@ class Condition:
 
 
 def all_hold(conditions: Iterable[Condition]) -> bool | None:
-    """Return whether an element under these conditions is active, or None."""
+    """Return whether an element under these conditions is active; None if unknown."""
     held = [condition.holds for condition in conditions]
     return False if False in held else None if None in held else True
 

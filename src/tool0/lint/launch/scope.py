@@ -32,7 +32,7 @@ class Scope:
     """One element, and its context in roslaunch.
 
     A file has one context, which its elements share.  Each group in the file has a copy
-    of this context.
+    of the file's context.
     """
 
     context: LoadContext
@@ -53,13 +53,16 @@ class Scope:
     anonymous: dict[str, str] = field(default_factory=dict)
 
     def at(self, element: Element) -> Scope:
-        """Return the scope of another element.  The element's conditions are added."""
+        """Return the scope of another element.
+
+        The conditions of the other element are added.
+        """
         inner = replace(self, element=element)
         inner.conditions += inner._conditions()
         return inner
 
     def children(self) -> Iterator[Scope]:
-        """Yield the scopes of this element's children that roslaunch allows here."""
+        """Yield the scopes of this element's children that roslaunch allows."""
         for child in children(self.element):
             if child.tagName in grammar.CHILDREN[self.tag]:
                 inner = self.at(child)

@@ -99,7 +99,7 @@ def spawn_findings(
 def _has_type(name: str, config: ControllerConfig) -> bool:
     """Return whether a controller's own parameters contain its type.
 
-    The spawner sets such parameters.
+    The spawner sets the type in these parameters.
     """
     end = f"/{name}/ros__parameters/type"
     return any(f"/{leaf.key}".endswith(end) for leaf in config.tree.root.leaves())

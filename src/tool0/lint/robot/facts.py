@@ -37,7 +37,7 @@ def is_interface(text: str) -> bool:
 
 
 def meant_interface(text: str) -> str | None:
-    """Return the interface that ``text`` names or misspells; None without one."""
+    """Return the interface that ``text`` names or misspells, or None."""
     bare = text.strip().strip("\"'").strip()
     if len(bare) > _LONGEST:
         return None
@@ -89,7 +89,8 @@ class InterfaceFacts:
     """Interface, in the form ``hardware_interface/…``; None if it is unclear."""
     in_actuator: bool
     """Whether the interface is written in <actuator>.  An interface in <actuator> is
-    deprecated.  ROS reads it only if <joint> names no interface."""
+    deprecated.  ROS reads an interface in <actuator> only if <joint> names no
+    interface."""
 
     @property
     def written(self) -> str:

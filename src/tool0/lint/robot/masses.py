@@ -185,7 +185,7 @@ def _implausible(body: _Body, has_gear: bool) -> str:
 def _moment_of_ball(mass: float) -> float:
     """Return the smallest moment [kg·m²] that a body of ``mass`` [kg] can have.
 
-    For a given mass and density, this is the moment of a solid ball.
+    For a given mass and density, the smallest moment is the moment of a solid ball.
     """
     radius: float = (3 * mass / (4 * math.pi * _DENSEST)) ** (1 / 3)
     return 0.4 * mass * radius * radius

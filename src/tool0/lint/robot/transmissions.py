@@ -83,7 +83,7 @@ def _type(transmission: TransmissionFacts) -> Iterator[Finding]:
         return
     known = {name.rpartition("/")[2]: name for name in (SIMPLE, *_OTHERS)}
     # The name HalfDifferentialTransmission, which a robot may define, has a similarity
-    # of 0.92 to these names.
+    # of 0.92 to a name of ros_control.
     close = nearest_name(transmission.type.rpartition("/")[2], known, cutoff=0.93)
     has_type = f"{_shown(transmission)} has the type '{short(transmission.type)}'"
     if close is not None and transmission.type not in _OTHERS:

@@ -1,6 +1,6 @@
 """The classes of the packages launch and launch_ros, and the classes' arguments.
 
-The source is the code of these packages, https://github.com/ros2/launch and
+The source is the code of launch and launch_ros, https://github.com/ros2/launch and
 https://github.com/ros2/launch_ros, in the branches from humble to rolling.
 """
 
@@ -152,7 +152,7 @@ class Signature:
     required: tuple[str, ...]
     takes_any: str = ""
     """Name under which any number of positional arguments is stored; empty if the class
-    does not take positional arguments of any number."""
+    has a fixed number of arguments."""
 
 
 def _signature(text: str) -> Signature:

@@ -144,7 +144,7 @@ class PythonLaunchReader:
         )
 
     def _interpreted(self) -> Value:
-        """Return the result of ``generate_launch_description``; None without one."""
+        """Return the result of ``generate_launch_description``; None if missing."""
         start = SourceLocation(self.file)
         try:
             raw = read_limited(self.file)

@@ -46,7 +46,7 @@ class LaunchState:
     def if_active(self, text: Text) -> Text:
         """Return a text.
 
-        Remove its value if the action depends on an unknown condition.
+        The text has no value if the action depends on an unknown condition.
         """
         if self.holds is not None:
             return text

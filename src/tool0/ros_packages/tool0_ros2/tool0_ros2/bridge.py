@@ -103,7 +103,7 @@ class Rate:
 class Reporter:
     """Logs on /rosout.
 
-    A repeated error is logged once a second, a warning only once.
+    A repeated error is logged once a second, and a warning is logged only once.
     """
 
     def __init__(self, logger: Any) -> None:

@@ -76,7 +76,7 @@ class CamerasPart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Start requests for the pictures that have subscribers, in the thread."""
+        """Make the thread request the pictures that have subscribers."""
         if not self._rate.is_due(update.time):
             return
         for camera in self._cameras:

@@ -21,8 +21,9 @@ def to_seconds(stamp: Any) -> float:
 class Clock:
     """Converts between simulated time and ROS time, and publishes /clock.
 
-    Only one node in a domain publishes /clock.  A second bring-up follows that clock.
-    The simulated time of the second bring-up differs from ROS time by an offset.
+    Only one node in a domain publishes /clock.  A second bring-up follows the clock of
+    the first bring-up.  The simulated time of the second bring-up differs from ROS time
+    by an offset.
     """
 
     def __init__(self, node: Any) -> None:
@@ -62,7 +63,7 @@ class Clock:
         """Publish /clock if no other node publishes it.
 
         If another node whose name comes earlier in alphabetical order publishes /clock,
-        this node stops publishing it.
+        this node stops publishing /clock.
 
         Call this method in the thread of the executor.
         """

@@ -49,7 +49,9 @@ class RequestFailedError(Exception):
 
 
 class Connection:
-    """A connection to a simulation in another process.  Any thread may use it.
+    """A connection to a simulation in another process.
+
+    Any thread may use a connection.
 
     A separate thread reads incoming messages.  The thread resolves the futures of
     requests and forwards other messages.
@@ -137,7 +139,9 @@ class Connection:
         return future
 
     def post(self, request: Request[Any]) -> None:
-        """Send a request without waiting.  The simulation answers only to refuse it.
+        """Send a request without waiting.
+
+        The simulation answers only to refuse the request.
 
         Raises:
             RequestFailedError: If the request cannot be sent.

@@ -49,8 +49,8 @@ class _Object(NamedTuple):
 class Entities:
     """Spawns, deletes, lists and moves entities, including the robot's entity.
 
-    The pose of an entity is the pose of its model's frame.  By default, it is given in
-    the frame of the robot's root.
+    The pose of an entity is the pose of its model's frame.  By default, the pose is
+    given in the frame of the robot's root.
     """
 
     def __init__(self, context: Context) -> None:

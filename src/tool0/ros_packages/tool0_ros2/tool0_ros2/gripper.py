@@ -111,7 +111,10 @@ class ParallelGripperPart:
         return message
 
     def _result(self, outcome: Outcome) -> Any:
-        """Return the state at the goal's end.  Like in ROS, it has no velocity."""
+        """Return the state at the goal's end.
+
+        Like in ROS, the state has no velocity.
+        """
         message = action.ParallelGripperCommand.Result()
         message.state.name = [self._own_joint]
         message.state.position = [outcome.get("position") or 0.0]

@@ -50,7 +50,10 @@ _FOLLOW_TIMEOUT = 10.0
 
 
 class _Worker:
-    """An executor in a separate thread.  An error in a callback does not end it."""
+    """An executor in a separate thread.
+
+    An error in a callback does not end the thread.
+    """
 
     def __init__(self, ros: Any, name: str) -> None:
         self.executor = SingleThreadedExecutor(context=ros)
@@ -382,8 +385,8 @@ def _namespaces(root: str, description: DescriptionInfo) -> list[tuple[Names, st
 def _with_mesh_files(urdf: str, description: DescriptionInfo) -> str:
     """Return the URDF with ``file://`` URIs for the meshes that tool0 contains.
 
-    ROS does not find the packages inside tool0.  With their URIs, RViz would show no
-    robot.
+    ROS does not find the packages inside tool0.  With ``package://`` URIs, RViz would
+    show no robot.
     """
     for package, uri in description["packages"].items():
         urdf = urdf.replace(f"package://{package}/", f"{uri}/")

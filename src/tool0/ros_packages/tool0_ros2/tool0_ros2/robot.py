@@ -71,7 +71,7 @@ class RobotPart:
         """Publish frames only while there is no robot_state_publisher.
 
         The list of nodes cannot be used, because in rmw_fastrtps it may permanently
-        contain a node whose process has ended.  The publishers of such a node
+        contain a node whose process has ended.  The publishers of an ended node
         disappear.
         """
         node, root = self._context.node, self._context.names.root or "/"

@@ -15,7 +15,8 @@ def offer(
     """Create the service ``~/name``, whose response has the field ``success``.
 
     ``handler`` takes the request and returns the message that reports success.  The
-    reason for a refusal is also logged, because not every response has a field for it.
+    reason for a refusal is also logged, because not every response has a field for the
+    reason.
     """
 
     def answer(request: Any, response: Any) -> Any:

@@ -14,7 +14,8 @@ class SimulatedNode(Node):  # type: ignore[misc]  # rclpy has no types
     """A node whose parameter ``use_sim_time`` is true, like in gz_ros2_control.
 
     The states already contain stamps, so that the node does not subscribe to /clock.
-    With rclpy's own subscription, every such node would receive all clock messages.
+    With rclpy's own subscription, every node of the manager would receive all clock
+    messages.
     """
 
     def __init__(
