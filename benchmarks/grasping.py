@@ -145,7 +145,7 @@ PICKERS = (
     ("ur10e", "hande"),
     ("ur20", "2f140"),
 )
-"""Arms, each with its gripper."""
+"""Pairs of an arm and a gripper."""
 GIVER, TAKER = "ur5+2f85", "ur10e+hande"
 
 

@@ -176,7 +176,7 @@ def _open_unread(url: str) -> socket.socket:
     )
     while b"\r\n\r\n" not in connection.recv(4096):
         pass
-    # A WebSocket text frame of a client, whose mask contains only zeros.
+    # A WebSocket text frame of a client, with a mask of zeros.
     header = bytes((0x81, 0x80 | len(_SUBSCRIBE), 0, 0, 0, 0))
     connection.sendall(header + _SUBSCRIBE.encode())
     return connection

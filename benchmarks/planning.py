@@ -86,7 +86,10 @@ class Report:
 
     @property
     def ratio(self) -> float:
-        """Median of the ratios to the best lengths of ``RESTARTS`` other seeds."""
+        """Median ratio of the lengths of motions to the best lengths.
+
+        The best length is the shortest length with ``RESTARTS`` other seeds.
+        """
         return float(np.nanmedian([s.ratio for s in self.solved]))
 
     @property
@@ -171,8 +174,8 @@ def violations(
 
     The poses on the path are 1 mrad apart.
 
-    Only MuJoCo measures the distances.  MuJoCo measures every pair of shapes whose
-    bounding spheres are not far enough apart.
+    Only MuJoCo measures the distances.  If the bounding spheres of two shapes are not
+    far enough apart, MuJoCo measures the distance of the two shapes.
     """
     model = group.owner.model
     data = mujoco.MjData(model)

@@ -31,7 +31,7 @@ def seconds(cell: Workcell, problem: Problem) -> tuple[float | None, float | Non
 
     The time of a search without a result is None.
 
-    Both programs search once to the same goals, without shortcuts and timing.
+    OMPL and tool0 search once to the same goals, without shortcuts and timing.
     """
     group = cell.group(cell.world(), problem.objects, Rules())
     group.begin(problem.start)

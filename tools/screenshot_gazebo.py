@@ -68,7 +68,7 @@ def main() -> None:
 
 @contextmanager
 def _home(width: int, height: int) -> Iterator[None]:
-    """Set HOME to a folder whose settings make gzclient's window fill the screen."""
+    """Set HOME to a folder with settings for a full-screen gzclient window."""
     os.environ["XDG_CACHE_HOME"] = str(cache_folder().parent)
     os.environ["XDG_DATA_HOME"] = str(data_folder().parent)
     with tempfile.TemporaryDirectory() as home:

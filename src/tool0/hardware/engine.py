@@ -66,7 +66,7 @@ class RecordedObjects(Sequence[ObjectState]):
     __slots__ = ("_compute", "_states")
 
     def __init__(self, compute: Callable[[], tuple[ObjectState, ...]]) -> None:
-        """Record the states that ``compute`` returns.
+        """Prepare a record of the states that ``compute`` returns.
 
         ``compute`` must depend only on data recorded at that instant.
         """

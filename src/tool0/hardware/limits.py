@@ -52,7 +52,7 @@ class EffortLimits:
     soft: SafetyController | None = None
     inertia: float = 0.0
     """Rotor inertia reflected to the joint, or the inertia of a light joint
-    [kg·m² | kg]; 0 if neither applies."""
+    [kg·m² | kg]; 0 for any other joint."""
     is_light: bool = False
     """Whether the drive could exceed the speed limit within one step.  The joint of a
     drive that could exceed the limit gets no outward effort if the joint is closer to

@@ -386,7 +386,7 @@ class RobotHardware:
         return self.index[joint] in self._compensated
 
     def release(self, joints: Sequence[str], state: JointState) -> None:
-        """Release the claims of ``joints``, whose brakes then hold the joints."""
+        """Release the claims of ``joints``.  The brakes then hold the joints."""
         indices = {self.index[name] for name in joints}
         self._effort_laws = tuple(
             item for item in self._effort_laws if indices.isdisjoint(item[0])

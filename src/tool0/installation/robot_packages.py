@@ -77,7 +77,7 @@ def described_packages(
     *,
     upstream_meshes: bool = False,
 ) -> Files:
-    """Return the files of bundled packages whose arguments default to the robots.
+    """Return the files of packages, with the robots as default arguments.
 
     Args:
         robots: One robot, or the robots of a cell.  The first robot of a cell is the

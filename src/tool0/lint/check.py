@@ -273,7 +273,7 @@ class _Check:
         return outcome
 
     def _try_each(self, works: Mapping[Path, Callable[[], R]]) -> dict[Path, R]:
-        """Return the results of work on files.  Add a finding for each failure.
+        """Return the results of functions, by file.  Add a finding for each failure.
 
         A single process does all of the work, because starting a process takes longer
         than checking most files.  If that process exceeds a limit, a separate process
@@ -299,7 +299,7 @@ class _Check:
         *arguments: P.args,
         **keywords: P.kwargs,
     ) -> None:
-        """Add the findings that ``rules`` return for ``file``."""
+        """Add the findings that ``rules`` returns for ``file``."""
 
         def found() -> list[Finding]:
             return list(rules(*arguments, **keywords))

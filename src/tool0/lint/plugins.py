@@ -29,7 +29,7 @@ class PluginIndex:
     """Plugin types in a workspace and in the packages of ROS_PACKAGE_PATH."""
 
     def __init__(self, packages: Packages = _NONE) -> None:
-        """Store the packages of the workspace, whose files are read on demand."""
+        """Store the packages of the workspace.  No file is read yet."""
         self._folders = tuple(packages.values())
 
     def __contains__(self, type_name: str) -> bool:

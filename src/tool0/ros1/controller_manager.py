@@ -134,7 +134,7 @@ class ControllerManagerBridge:
         self._ros.service(f"controller_manager/{name}", getattr(srv, kind), handler)
 
     def _offer_operation(self, kind: str, operation: Callable[[Message], None]) -> None:
-        """Offer a service whose response reports if the operation succeeded."""
+        """Offer a service that reports whether the operation succeeded."""
 
         def handle(request: Message) -> Message:
             response: Any = getattr(srv, f"{kind}Response")()

@@ -104,7 +104,7 @@ _REPEAT_PERIOD = 1.0
 
 
 class SnapshotPublisher(Protocol):
-    """Publisher of a part of every snapshot, whose methods only one thread calls."""
+    """Publisher of a part of every snapshot, used by only one thread."""
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish the messages that are due.  Simulated time may have been reset."""
@@ -218,8 +218,8 @@ class RosNode:
     def arbitrate_clock(self) -> None:
         """Publish /clock if no other node publishes it.
 
-        If another node whose name comes earlier in alphabetical order publishes /clock,
-        this node stops publishing /clock.
+        If another node also publishes /clock, the node with the later name in
+        alphabetical order stops publishing /clock.
         """
         others = self.other_clock_publishers()
         if not self.clock.is_publisher and not others:

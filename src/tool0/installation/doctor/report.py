@@ -67,7 +67,10 @@ class Probe:
 
     @property
     def name(self) -> str:
-        """Name of the function.  A required component's result has the same name."""
+        """Name of the function.
+
+        The result of a required component has the same name as the function.
+        """
         return self.examine.__name__
 
 

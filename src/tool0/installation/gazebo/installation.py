@@ -197,7 +197,7 @@ def include_folders(root: Path) -> tuple[Path, ...]:
 
 
 def _gazebo_paths(root: Path) -> dict[str, str]:
-    """Return the paths of Gazebo's files, with the variables of its ``setup.sh``.
+    """Return the variables for Gazebo's paths, like its ``setup.sh`` sets them.
 
     The current values of the variables come first.
     """

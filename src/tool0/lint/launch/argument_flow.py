@@ -49,10 +49,10 @@ class _Use:
     location: SourceLocation
     is_off: bool = False
     argument: tuple[LaunchFile, str] | None = None
-    """An argument of this file or of an included file whose value contains the
-    arguments in ``names``."""
+    """An argument of this file or of an included file, with the arguments in ``names``
+    in its value."""
     xacro: tuple[Parameter, str] | None = None
-    """An argument of xacro whose value contains the arguments in ``names``."""
+    """An argument of xacro, with the arguments in ``names`` in its value."""
 
 
 @final
@@ -98,7 +98,10 @@ def _parts(launch: LaunchFile) -> Iterator[_Part]:
 
 
 def _of_entry(entry: Entry) -> Iterator[_Use]:
-    """Yield the uses in an entry's texts, for xacro commands by xacro argument."""
+    """Yield the uses in an entry's texts.
+
+    For a xacro command, one use is yielded for each argument of xacro.
+    """
     call = xacro_call(entry) if isinstance(entry, Parameter) else None
     in_xacro: set[str] = set()
     if call is not None and isinstance(entry, Parameter):

@@ -62,8 +62,8 @@ class Clock:
     def arbitrate(self) -> None:
         """Publish /clock if no other node publishes it.
 
-        If another node whose name comes earlier in alphabetical order publishes /clock,
-        this node stops publishing /clock.
+        If another node also publishes /clock, the node with the later name in
+        alphabetical order stops publishing /clock.
 
         Call this method in the thread of the executor.
         """

@@ -81,7 +81,7 @@ class SimulationPart:
         return self._node.create_service(Empty, topic, answer)
 
     def _offer(self, kind: Any, title: str, handler: Callable[[Any, Any], None]) -> Any:
-        """Offer a service whose ``result`` reports whether the call succeeded."""
+        """Offer a service with a ``result`` that reports whether the call succeeded."""
         name = "".join(f"_{c.lower()}" if c.isupper() else c for c in title)[1:]
 
         def answer(request: Any, response: Any) -> Any:
