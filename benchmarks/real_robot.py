@@ -32,7 +32,7 @@ STILL = 0.01
 def cut_once(
     rig: RealRobotRig, chance: random.Random, *, silent: bool
 ) -> tuple[float, float]:
-    """Return the time from a cut to rest [s], and a motion after that [rad].
+    """Return the time from a cut to rest [s], and a later motion [rad].
 
     The motion is the largest motion after the connection is restored.
     """

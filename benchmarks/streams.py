@@ -1,4 +1,4 @@
-"""Measures the cost of subscribers in other processes for the tick."""
+"""Measures how subscribers in other processes slow the tick."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def drive(socket: ClientConnection) -> None:
 
 logging.disable(logging.WARNING)  # late ticks do not matter here
 with tool0.bringup() as robot, tool0.Panel(robot) as panel:
-    print(f"open {panel.url} in a browser to watch")  # the motion takes seconds
+    print(f"open {panel.url} in a browser to watch")  # for a few seconds
     address = urlsplit(panel.url)
     with connect(f"ws://{address.netloc}/ws?{address.query}") as socket:
         drive(socket)

@@ -29,8 +29,8 @@ ROS_PACKAGE_PATH."""
 
 
 Packages: TypeAlias = Mapping[str, Path]
-"""Folder of each package that takes precedence, by name, such as the packages of the
-workspace."""
+"""Folders of the packages that take precedence, such as packages of the workspace, by
+name."""
 
 
 @cache

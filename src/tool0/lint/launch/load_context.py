@@ -51,7 +51,7 @@ class LoadContext:
         return self._left[what] >= 0
 
     def anonymous(self, name: str) -> str:
-        """Return a unique name. roslaunch derives such a name from host and time."""
+        """Return a unique name. roslaunch derives a name from host and time."""
         self._anonymous += 1
         return f"{name}_anonymous_{self._anonymous}"
 

@@ -155,7 +155,8 @@ class Context:
     def ask(self, request: Request[T], use: str) -> T | None:
         """Return the response to a request; None if the robot does not offer it.
 
-        Not every robot offers every request.  If the robot does not offer it, a warning
+        Not every robot offers every request.  If the robot does not offer the
+        request, a warning
         reports that ``use`` is not available.
         """
         try:
