@@ -53,7 +53,7 @@ class LaunchState:
         return replace(text, resolved=None, reason="it depends on a condition")
 
     def scoped(self) -> LaunchState:
-        """Return the state inside a group.  Settings in the group end with the group."""
+        """Return the state in a group.  Settings in the group end with the group."""
         return replace(
             self,
             configurations=dict(self.configurations),
