@@ -1,1 +1,4 @@
-"""Figures by which tool0 is judged: ratios, measured side by side in one run."""
+"""Figures with which tool0 is assessed.
+
+Each figure is a ratio of measurements in the same run.
+"""

@@ -1,4 +1,4 @@
-"""Speed of the copies of a batch beside the engine alone, and MuJoCo's own batches."""
+"""Compares the speed of a batch with the engine alone and with MuJoCo's own batches."""
 
 from __future__ import annotations
 
@@ -19,33 +19,35 @@ import tool0
 N_COPIES = 256
 THREADS = 2
 TICKS = 50
-"""Of one measurement: an action at 20 Hz."""
+"""Number of ticks in one measurement, which is one action at 20 Hz."""
 ROUNDS = 9
 
 
 @dataclass(frozen=True)
 class BatchCost:
-    """Steps of all copies, beside those of the engine alone."""
+    """Speed of the steps of all copies, compared with the engine alone."""
 
     ratio: float
-    """Steps/s ÷ (threads times the raw steps/s of one thread)."""
+    """Steps/s, divided by the number of threads times the raw steps/s of one thread."""
     same_threads: float
-    """Steps/s ÷ the raw steps/s of as many threads at once: what a busy machine, whose
-    processors do other things too, leaves to both."""
+    """Steps/s, divided by the raw steps/s of the same number of parallel threads.  On a
+    busy machine, other programs slow down both measurements."""
     with_actions: float
-    """The same with commands to arms and grippers and all arrays read, each round."""
+    """The same as ``ratio``, but each round also includes commands to arms and
+    grippers, and the reading of all arrays."""
     bytes_per_copy: float
 
 
 def cost(n: int = N_COPIES, threads: int = THREADS) -> BatchCost:
-    """Return the cost of copies that move arm and gripper to new targets all the time.
+    """Return the cost of copies that continuously move to new targets.
 
-    Raw steps and those of the batch alternate, on the same models and states; the
-    medians of all rounds.
+    Raw steps and steps of the batch alternate, with the same models and states.  The
+    results are the medians of all rounds.
     """
     before = _resident()
     with tool0.Batch(n, threads=threads) as batch:
-        engines = [core.engine for core in batch._cores]  # their models and states
+        # the engines have the models and states
+        engines = [core.engine for core in batch._cores]
         columns = [batch.joint_names.index(joint) for joint in batch.arm_joints]
         home = batch.position[:, columns]
         rng = np.random.default_rng(0)
@@ -76,7 +78,7 @@ def cost(n: int = N_COPIES, threads: int = THREADS) -> BatchCost:
 
 
 def raw_seconds(parts: list[list[tuple[mujoco.MjModel, mujoco.MjData]]]) -> float:
-    """Time ``mj_step`` alone, each part in a thread, and put the states back."""
+    """Time ``mj_step`` with one thread for each part, and restore the states."""
 
     def work(copies: list[tuple[mujoco.MjModel, mujoco.MjData]]) -> None:
         for model, data in copies:
@@ -99,21 +101,22 @@ def raw_seconds(parts: list[list[tuple[mujoco.MjModel, mujoco.MjData]]]) -> floa
 
 
 class Ratio(NamedTuple):
-    """Speed ÷ that of ``mujoco.rollout``: medians over all rounds."""
+    """Speed divided by the speed of ``mujoco.rollout``; medians of all rounds."""
 
     wall: float
-    """By wall time."""
+    """Ratio in wall time."""
     processor: float
-    """By processor time: what other programs take does not count."""
+    """Ratio in processor time, which does not include the time of other programs."""
     spread: float
     """Half the interquartile range of ``processor``."""
 
 
 def compare(n: int, threads: int = THREADS, rounds: int = 41) -> Mapping[str, Ratio]:
-    """Return the speed of each way to run n copies, beside ``mujoco.rollout``.
+    """Return the speed of each way to run n copies, relative to ``mujoco.rollout``.
 
-    All start in the same states in each round, in random order.  Only ``tool0.Batch``
-    computes control laws; the others keep the motors' efforts.
+    In each round, all ways to run the copies start from the same states, in random
+    order.  Only ``tool0.Batch`` computes control laws; with the other ways, the efforts
+    of the motors remain constant.
     """
     threads = min(n, threads)
     costs: dict[str, list[tuple[float, float]]] = {}
@@ -141,7 +144,7 @@ def _ratio(one: list[tuple[float, float]], own: list[tuple[float, float]]) -> Ra
 
 
 class _Physics:
-    """The models and states of the copies, stepped by MuJoCo's own batches."""
+    """The models and states of the copies, which MuJoCo's own batches step."""
 
     _WHOLE = mujoco.mjtState.mjSTATE_INTEGRATION
     _START = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -158,7 +161,7 @@ class _Physics:
         self.save()
 
     def save(self) -> None:
-        """Take the present states of the copies."""
+        """Save the current states of the copies."""
         self._states = self._rows(self._WHOLE)
         self._starts = self._rows(self._START)
         self._warm = np.array([data.qacc_warmstart for data in self._data])
@@ -172,7 +175,7 @@ class _Physics:
         return rows
 
     def restore(self) -> None:
-        """Return MuJoCo's batch to the saved states."""
+        """Restore the saved states in MuJoCo's batch."""
         self._batch.state[:] = self._states
 
     def ways(self) -> dict[str, Callable[[], None]]:
@@ -194,14 +197,14 @@ class _Physics:
         )
 
     def _single_steps(self) -> None:
-        """Step as control laws outside MuJoCo need it: efforts before each step."""
+        """Set efforts before each step, as control laws outside MuJoCo require."""
         for _ in range(TICKS):
             self._ctrl[:] = self._efforts
             self._batch.step()
 
 
 def _resident() -> float:
-    """Return the resident memory of this process [B]."""
+    """Return the resident memory of this process [bytes]."""
     with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123
         return float(file.read().split()[1]) * 4096.0
 

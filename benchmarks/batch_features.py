@@ -1,7 +1,8 @@
-"""Cost of features of a batch, each beside the same batch without it.
+"""Measures the cost of a batch's features, compared with a batch without them.
 
-Processor time of commands, steps and readings, an action each 50 ms; the two batches
-alternate, and the ratio is the median over all rounds.
+The cost is the processor time of commands, steps and readings, with an action every
+50 ms.  The two batches alternate, and the result is the median of the ratios of all
+rounds.
 """
 
 from __future__ import annotations
@@ -18,21 +19,21 @@ import numpy as np
 import tool0
 
 ACTION = 0.05
-"""Simulated time of one round [s]: an action at 20 Hz."""
+"""Simulated time of one round, which is one action at 20 Hz [s]."""
 WARM_UP = 3
-"""Rounds before those that count."""
+"""Number of rounds before the first round that is measured."""
 Action = Callable[[tool0.Batch, np.random.Generator], None]
 
 
 def move(batch: tool0.Batch, rng: np.random.Generator) -> None:
-    """Command the arms to targets near the present pose, with velocities there."""
+    """Command the arms to targets near the start pose, with target velocities."""
     targets = _targets(batch, rng)
     batch.command(targets, velocities=np.zeros_like(targets), duration=0.05)
     batch.run(ACTION)
 
 
 def follow(batch: tool0.Batch, rng: np.random.Generator) -> None:
-    """Let the arms follow trajectories of five points."""
+    """Make the arms follow trajectories of five points."""
     ends = _targets(batch, rng)[:, None]
     here = _arm_positions(batch)[:, None]
     points = here + np.linspace(0.2, 1.0, 5)[:, None] * (ends - here)
@@ -41,7 +42,7 @@ def follow(batch: tool0.Batch, rng: np.random.Generator) -> None:
 
 
 def grip(batch: tool0.Batch, rng: np.random.Generator) -> None:
-    """Command the arms, and the grippers to random openings."""
+    """Command the arms to targets, and the grippers to random openings."""
     batch.move_gripper(rng.uniform(0.0, 0.08, batch.n))
     move(batch, rng)
 
@@ -56,8 +57,8 @@ def sense(batch: tool0.Batch, rng: np.random.Generator) -> None:
 
 
 def feel(batch: tool0.Batch, rng: np.random.Generator) -> None:
-    """Command the arms while force-torque sensors sample at 125 Hz, and read them."""
-    batch.force_torque.read()  # the first one starts them
+    """Command the arms, and read force-torque sensors that sample at 125 Hz."""
+    batch.force_torque.read()  # the first call starts the sensors
     move(batch, rng)
 
 
@@ -67,7 +68,7 @@ def _arm_positions(batch: tool0.Batch) -> np.ndarray:
 
 
 def _targets(batch: tool0.Batch, rng: np.random.Generator) -> np.ndarray:
-    """Return targets near the start, which the first call notes."""
+    """Return targets near the start pose, which is stored in the first call."""
     q = _arm_positions(batch)
     home = _HOMES.setdefault(batch, q)
     return home + rng.uniform(-0.03, 0.03, q.shape)
@@ -78,7 +79,7 @@ _HOMES: dict[tool0.Batch, np.ndarray] = {}
 
 @dataclass(frozen=True, kw_only=True)
 class Feature:
-    """What a batch does with the feature, and what one does without."""
+    """The actions of a batch with a feature and of a batch without the feature."""
 
     action: Action
     plain: Action = move
@@ -103,9 +104,11 @@ FEATURES: Mapping[str, Feature] = {
 
 
 def ratio(feature: Feature, n: int, rounds: int) -> tuple[float, float]:
-    """Return processor time ÷ that without the feature, and half its quartiles' span.
+    """Return the ratio of processor times with and without a feature.
 
-    The copies have the same targets in both batches, and one thread each.
+    The second result is half the interquartile range.
+
+    The copies have the same targets in both batches, and each batch has one thread.
     """
     with ExitStack() as stack:
         batches = [
@@ -136,7 +139,7 @@ def ratio(feature: Feature, n: int, rounds: int) -> tuple[float, float]:
 
 
 def main() -> None:
-    """Print the ratio of each feature, or of those that are named."""
+    """Print the ratio of all features, or of the features on the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("features", nargs="*", default=list(FEATURES))
     parser.add_argument("--copies", type=int, default=32)

@@ -1,4 +1,4 @@
-"""What several robots in one cell cost: start-up and steps."""
+"""Measures the start-up time and the speed of several robots in one cell."""
 
 from __future__ import annotations
 
@@ -14,9 +14,13 @@ ROUNDS = 5
 
 
 def start_ratio() -> float:
-    """Return start to end of a bring-up of eight arms with grippers ÷ that of one."""
+    """Return the ratio of bring-up times of eight arms and of one arm.
+
+    All arms have grippers.  The time is measured from the start to the end of the
+    bring-up.
+    """
     eight = [*process.BRINGUP, "--robots", *ROBOTS]
-    process.cost(eight)  # byte-compiles
+    process.cost(eight)  # compiles the bytecode
     pairs = [
         (process.cost(eight), process.cost(process.BRINGUP)) for _ in range(ROUNDS)
     ]
@@ -24,7 +28,7 @@ def start_ratio() -> float:
 
 
 def speed_ratio(robots: tuple[str, ...], *, moving: bool) -> float:
-    """Return simulated steps/s of several robots ÷ raw ``mj_step``."""
+    """Return the steps/s of several robots, divided by those of ``mj_step``."""
     return tick.speed_ratio(
         moving=moving, description=tool0.DescriptionConfig(robots=robots)
     )

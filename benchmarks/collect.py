@@ -1,4 +1,4 @@
-"""How much faster two workers collect than one."""
+"""Measures how much faster two workers collect episodes than one worker."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from pathlib import Path
 from tool0.collect import collect
 
 SHORT, LONG = 48, 240
-"""Episodes of two collections: their difference is free of the workers' start."""
+"""Numbers of episodes of two collections.  The difference of their times does not
+include the start of the workers."""
 ROUNDS = 3
 
 
 def seconds(n_workers: int, n_episodes: int) -> float:
-    """Return how long it takes to collect episodes of Lift [wall s]."""
+    """Return the time that collecting episodes of Lift takes [wall s]."""
     with tempfile.TemporaryDirectory() as folder:
         start = time.perf_counter()
         collect("Lift", n_episodes, Path(folder, "lift"), workers=n_workers)
@@ -28,7 +29,10 @@ def rate(n_workers: int) -> float:
 
 
 def speed_ratio() -> float:
-    """Return the rate of two workers ÷ that of one, which take turns."""
+    """Return the rate of two workers divided by the rate of one worker.
+
+    The measurements with one worker and with two workers alternate.
+    """
     return statistics.median(rate(2) / rate(1) for _ in range(ROUNDS))
 
 

@@ -1,4 +1,4 @@
-"""How stable and how exact the built-in controllers are, for every arm and gripper."""
+"""Measures the stability and accuracy of the built-in controllers for all robots."""
 
 from __future__ import annotations
 
@@ -29,34 +29,34 @@ from tool0.simulation.handlers.backend import SimulationBackend
 N_POSES = 1500
 N_MOVES = 8
 SPEED = 0.8
-"""Of the joints' largest velocities."""
+"""Speed of the motions, as a fraction of the joints' largest velocities."""
 PERIOD = 0.001  # [s]
 SETTLE = 0.5
-"""From the end of a motion until its error counts as the final one [s]."""
+"""Time from the end of a motion to the measurement of its final error [s]."""
 HOLD = 10.0  # [s]
 DENSITY = 2700.0
-"""Of the payload, a cube [kg/m³]."""
+"""Density of the payload, which is a cube [kg/m³]."""
 NUDGE = 1e-6
-"""For the derivative of the gravity loads [rad]."""
+"""Step for the derivative of the gravity loads [rad]."""
 RANGES = ((-3.1, 3.1), (-2.9, -0.3), (-2.3, 2.3), (-3.1, 3.1), (-3.1, 3.1), (-3.1, 3.1))
-"""Of the postures that motions join [rad]."""
+"""Ranges of the joint positions between which motions are executed [rad]."""
 
 
 @dataclass(frozen=True)
 class Tracking:
-    """The worst of several motions of one robot."""
+    """The largest errors of several motions of one robot."""
 
     path: float
-    """Largest error on the way [rad]."""
+    """Largest error during a motion [rad]."""
     final: float
-    """Largest error SETTLE after the end [rad]."""
+    """Largest error at the time SETTLE after the end of a motion [rad]."""
     duration: float
-    """Of the longest motion [s]."""
+    """Duration of the longest motion [s]."""
     n_motions: int
 
 
 def rated_payload(description: RobotDescription) -> float:
-    """Return the rated payload less the gripper [kg]."""
+    """Return the rated payload minus the mass of the gripper [kg]."""
     (robot,) = description.robots
     rated = float(robot.arm.load("specifications")["payload"])
     model = description.model
@@ -81,10 +81,11 @@ def with_payload(model: RobotModel, mass: float) -> RobotModel:
 def spectral_radius(
     description: RobotDescription, *, loaded: bool, n_poses: int = N_POSES
 ) -> float:
-    """Return the worst spectral radius of a tick of the closed loop in random poses.
+    """Return the largest spectral radius of a closed-loop tick in random poses.
 
-    State: positions, velocities and integrals of the driven joints; linearised about
-    rest in the pose, with the derivative of gravity, and semi-implicit Euler.
+    The state consists of the positions, velocities and integrals of the driven joints.
+    The system is linearized about rest in a pose, with the derivative of gravity and
+    semi-implicit Euler integration.
     """
     model = description.model
     gains = _gains(description)
@@ -115,7 +116,7 @@ def spectral_radius(
             change = np.array(dynamics.static_effort(near.tolist()))[driven] - load
             slope[:, column] = change / NUDGE
         slope[compensated] = 0.0
-        # integral first, then the effort, then the engine's step
+        # the order is integral, effort, and step of the engine
         effort = np.hstack([-p - i * dt - slope, -d, i])
         velocity = np.hstack([zero, eye, zero]) + dt * inverse @ effort
         step = np.vstack(
@@ -125,14 +126,15 @@ def spectral_radius(
                 np.hstack([-dt * eye, zero, eye]),
             ]
         )
-        # a joint without integral keeps its own, which is 1 and no motion
+        # the integral state of a joint without integral gain has the eigenvalue 1 and
+        # causes no motion
         kept = np.r_[: 2 * n, 2 * n + np.flatnonzero(np.diag(i))]
         worst = max(worst, np.abs(np.linalg.eigvals(step[np.ix_(kept, kept)])).max())
     return float(worst)
 
 
 def tracking(description: RobotDescription, *, n_moves: int = N_MOVES) -> Tracking:
-    """Move the loaded arm between random postures and from its full stretch."""
+    """Move the loaded arm between random postures, and from its stretched posture."""
     rng = np.random.default_rng(seed=1)
     arm = list(_gains(description))[:6]
     lower, upper = np.array(RANGES).T
@@ -143,7 +145,7 @@ def tracking(description: RobotDescription, *, n_moves: int = N_MOVES) -> Tracki
     done = 0
     for start, end in itertools.pairwise(postures):
         with loaded_robot(description, dict(zip(arm, start, strict=True))) as robot:
-            robot.run(2.0)  # the integral takes the load
+            robot.run(2.0)  # the integral compensates the load
             robot.contacts()
             touched = False
             with robot.record(rate=500) as recording:
@@ -159,7 +161,7 @@ def tracking(description: RobotDescription, *, n_moves: int = N_MOVES) -> Tracki
                 took = robot.time - began
                 robot.run(SETTLE)
             if touched:
-                continue  # the arm met itself
+                continue  # the arm touched itself
             columns = [recording.joint_names.index(name) for name in arm]
             error = np.abs(recording.desired_position - recording.position)[:, columns]
             path = max(path, float(error.max()))
@@ -172,7 +174,7 @@ def tracking(description: RobotDescription, *, n_moves: int = N_MOVES) -> Tracki
 
 
 def drift(description: RobotDescription) -> float:
-    """Return the largest departure from the pose home in HOLD [rad | m]."""
+    """Return the largest deviation from the home pose during HOLD [rad | m]."""
     simulation = SimulationConfig(realtime=False)
     with _robot(description, ControlConfig(), simulation) as robot:
         start = robot.snapshot.positions
@@ -201,7 +203,7 @@ def loaded_robot(description: RobotDescription, pose: dict[str, float]) -> tool0
 
 
 def descriptions() -> Iterator[RobotDescription]:
-    """Yield every arm with every gripper and without."""
+    """Yield every arm with every gripper, and every arm without a gripper."""
     for arm in arms():
         for gripper in (NO_GRIPPER, *grippers()):
             yield assemble(arm, gripper, pedestal_height=0.0)
@@ -218,7 +220,7 @@ def _robot(
 
 
 def _gains(description: RobotDescription) -> dict[str, Gains]:
-    """Return the gains of all driven joints, those of the arm first."""
+    """Return the gains of all driven joints, with the arm's joints first."""
     config, model = default_controllers(description), description.model
     interfaces = {item.joint: item.interfaces for item in model.transmissions}
     joints = RobotJoints(model.joint_by_name, interfaces)
@@ -238,11 +240,11 @@ class Row:
     title: str
     has_derived_gains: bool
     free: float
-    """Spectral radius without payload."""
+    """Spectral radius without a payload."""
     loaded: float
     """Spectral radius with the rated payload."""
     drift: float
-    """[rad | m]"""
+    """Largest deviation from the home pose [rad | m]."""
     motions: Tracking
 
     def __str__(self) -> str:
@@ -254,7 +256,7 @@ class Row:
 
 
 def rows(only: Collection[str] = ()) -> Iterator[Row]:
-    """Yield the measurements of every arm, or of some, with every gripper."""
+    """Yield the measurements of all arms, or of some arms, with every gripper."""
     for description in descriptions():
         (robot,) = description.robots
         if not only or robot.arm.name in only:

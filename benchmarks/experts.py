@@ -1,6 +1,7 @@
-"""How often the experts of the tasks succeed: ``python -m benchmarks.experts``.
+"""Success rates of the tasks' experts: ``python -m benchmarks.experts``.
 
-Each episode starts from a seed of its own.  Intervals are Wilson's, at 95 %.
+Each episode starts with a different seed.  The intervals are Wilson's intervals at 95
+%.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ SEED = 5000
 
 
 def main() -> None:
-    """Print the rates of some tasks, or of all."""
+    """Print the success rates of some tasks or of all tasks."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("tasks", nargs="*", default=list(TASKS))
     parser.add_argument("--episodes", type=int, default=200)

@@ -1,6 +1,7 @@
-"""A client that sends as fast as it can: of the benchmark of stops, and of its tests.
+"""A client that sends as fast as possible, for the benchmark of stops and its tests.
 
-It needs the standard library only, so that many of them start at once.
+The client needs only the standard library, so that many clients can start at the same
+time.
 """
 
 from __future__ import annotations
@@ -17,12 +18,13 @@ from urllib.parse import urlsplit
 
 MASKED, TEXT = 0x80, 0x81
 GARBAGE_SIZE = 50_000
-"""Of a line that is no request [bytes]; a panel's messages have at most 65 536."""
+"""Size of a line that is not a request [bytes].  A message to a panel has at most 65
+536 bytes."""
 N_AT_ONCE = 50
-"""Messages that are sent together."""
+"""Number of messages that are sent together."""
 RTDE_PORT = 30004
 START, OUTPUTS, UNKNOWN = 83, 79, 99
-"""Packets of RTDE."""
+"""Packet types of RTDE."""
 
 
 def _request(method: str, **params: object) -> bytes:
@@ -35,7 +37,7 @@ KINDS = {
     "garbage": [b"[" * GARBAGE_SIZE, b'{"method": "' + b"x" * GARBAGE_SIZE],
     "subscriptions": [_request("subscribe", rate=rate) for rate in (100.0, 500.0)],
 }
-"""What each kind of client sends, again and again."""
+"""Messages that each kind of client sends repeatedly."""
 RTDE_KINDS = {
     "rtde_unknown": [struct.pack(">HB", 3, UNKNOWN)],
     "rtde_setup": [struct.pack(">HBd", 20, OUTPUTS, 500.0) + b"timestamp"],
@@ -43,7 +45,7 @@ RTDE_KINDS = {
 
 
 def connected(address: str) -> socket.socket:
-    """Return a connection to a panel's page, a UR's host or a path of a Unix socket."""
+    """Return a connection to a panel's page, a UR's host or a Unix socket."""
     if address.startswith("http://"):
         return _page(address)
     if address.startswith("rtde://"):
@@ -55,7 +57,7 @@ def connected(address: str) -> socket.socket:
 
 
 def framed(address: str, message: bytes) -> bytes:
-    """Return a message as it is sent to ``address``."""
+    """Return a message in the form in which it is sent to ``address``."""
     if address.startswith("rtde://"):
         return message
     if not address.startswith("http://"):
@@ -65,7 +67,7 @@ def framed(address: str, message: bytes) -> bytes:
         header = bytes((TEXT, MASKED | size))
     else:
         header = bytes((TEXT, MASKED | 126)) + struct.pack(">H", size)
-    return header + bytes(4) + message  # masked with zeros
+    return header + bytes(4) + message  # the mask contains only zeros
 
 
 def _page(url: str) -> socket.socket:
@@ -96,7 +98,7 @@ def _blocks(kind: str, address: str) -> Iterator[bytes]:
 
 
 def flood(kind: str, address: str) -> None:
-    """Send messages of a kind until the connection ends; read all answers."""
+    """Send messages of a kind until the connection ends, and read all answers."""
     peer = connected(address)
 
     def read() -> None:
@@ -111,5 +113,6 @@ def flood(kind: str, address: str) -> None:
 
 
 if __name__ == "__main__":
-    with contextlib.suppress(OSError):  # the server has dropped it, or has ended
+    # the server has closed the connection or has ended
+    with contextlib.suppress(OSError):
         flood(sys.argv[1], sys.argv[2])

@@ -1,4 +1,4 @@
-"""What lock-step costs on Gazebo, and how the whole compares with the original."""
+"""Measures the cost of lock-step with Gazebo, and the speed of the original system."""
 
 from __future__ import annotations
 
@@ -19,41 +19,48 @@ from tool0.engines.gazebo.engine import GazeboEngine
 from tool0.installation.gazebo.plugin import require_compiler
 
 ORIGINAL_STEPS = 3650.0
-"""Of the original system, unthrottled, arm up [1/s].  The recordings' README tells of a
-real-time factor of 3.5 to 3.8, at steps of 1 ms."""
+"""Step rate of the original system, unthrottled, with the arm pointing up [1/s].  The
+recordings' README gives a real-time factor of 3.5 to 3.8 with steps of 1 ms."""
 ORIGINAL_START = 3.63
-"""From its launch to three controllers running [s], from the same README."""
+"""Time from the launch of the original system until three controllers run [s].  The
+value is from the README of the recordings."""
 BLOCK = 500
-"""Steps of one measurement."""
+"""Number of steps in one measurement."""
 ROUNDS = 31
 SETTLE = 0.5  # [s]
 STARTS = 5
 TARGET = (0.5, -1.1708, 1.0708, -0.9708, -1.0708, 1.0)
 HOLD = 1000
-"""Kind of the request that native_hold.cc answers, in the bridge's place."""
+"""Type of the request that native_hold.cc answers instead of the bridge."""
 STIFFNESS = (4000.0, 10000.0, 2000.0, 500.0, 500.0, 10.0, 10.0)  # [N·m/rad]
 DAMPING = (200.0, 200.0, 20.0, 1.0, 1.0, 0.1, 0.1)  # [N·m·s/rad]
-"""Of the arm's six joints and the finger, as in the post's controllers."""
+"""Stiffness and damping of the arm's six joints and the finger, from the controllers in
+the post."""
 
 
 @dataclass(frozen=True)
 class Steps:
-    """Wall time of a step [s], medians of blocks that took turns in one world."""
+    """Wall times of a step [s].
+
+    The times are medians of blocks that alternate in one world.
+    """
 
     native: float
-    """Efforts computed in C++."""
+    """Wall time of a step whose efforts are computed in C++ [s]."""
     exchange: float
-    """More than that: efforts sent and the state received in Python."""
+    """Additional wall time if efforts are sent and the state is received in Python
+    [s]."""
     lock_step: float
-    """More than that: the whole tick, with controllers, drives and snapshots."""
+    """Additional wall time of the whole tick, with controllers, drives and snapshots
+    [s]."""
     holding: float
-    """All of the whole tick."""
+    """Wall time of the whole tick while the arm holds its position [s]."""
     moving: float
-    """The same, on the way of a trajectory."""
+    """Wall time of the whole tick while the arm follows a trajectory [s]."""
 
 
 def steps() -> Steps:
-    """Time the four kinds of steps."""
+    """Measure the times of the different kinds of steps."""
     with _preloaded(), tool0.bringup(engine="gazebo", realtime=False) as robot:
         rounds = [_round(robot) for _ in range(ROUNDS)]
         _settle(robot)
@@ -71,14 +78,17 @@ def steps() -> Steps:
 
 
 def start_seconds() -> float:
-    """Return process start to all controllers running, and out [s]."""
+    """Return the time from process start until the end of a bring-up [s].
+
+    The process ends as soon as all controllers run.
+    """
     command = [*process.BRINGUP, "--engine", "gazebo"]
-    process.cost(command)  # compiles
+    process.cost(command)  # compiles the plugin
     return statistics.median(process.cost(command).seconds for _ in range(STARTS))
 
 
 def _round(robot: tool0.Robot) -> tuple[float, float, float]:
-    """Time a step in C++, of the bare exchange, and of the whole [s]."""
+    """Time a step in C++, a step with the bare exchange, and a whole tick [s]."""
     engine = robot.engine
     if not isinstance(engine, GazeboEngine):
         raise TypeError(f"this measures Gazebo, not {engine.name}")
@@ -90,7 +100,7 @@ def _round(robot: tool0.Robot) -> tuple[float, float, float]:
 
 
 def _settle(robot: tool0.Robot) -> None:
-    """Begin anew: the bare exchange makes the engine's clock run ahead."""
+    """Restart, because the bare exchange advances the engine's clock."""
     robot.reset()
     robot.run(SETTLE)
 
@@ -102,7 +112,10 @@ def _whole(robot: tool0.Robot) -> float:
 
 
 def _exchange(engine: GazeboEngine, effort: list[float]) -> float:
-    """Apply what holds the pose: for half a second, it still does without control."""
+    """Apply constant efforts that hold the pose.
+
+    Without control, the efforts hold the pose for half a second.
+    """
     start = time.perf_counter()
     for _ in range(BLOCK):
         engine.write(effort)
@@ -125,7 +138,7 @@ def _native(engine: GazeboEngine, position: list[float], effort: list[float]) ->
 
 @contextmanager
 def _preloaded() -> Iterator[None]:
-    """Compile native_hold.cc, and have it loaded into what is started meanwhile."""
+    """Compile native_hold.cc, and preload it into programs started meanwhile."""
     source = Path(__file__).with_name("native_hold.cc")
     before = os.environ.get("LD_PRELOAD", "")
     with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""The same goals as in the recordings of the original system, on our engines."""
+"""The goals in the recordings of the original system, executed on tool0's engines."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ ARM = (
     "wrist_3_joint",
 )
 SETTLE = 5.0
-"""Simulated time before the first goal, in which the arm comes to rest [s]."""
+"""Simulated time before the first goal [s].  The arm comes to rest in this time."""
 TRANSIENT = 0.2
-"""Time after the first goal that is left out of the comparison [s]."""
+"""Time after the first goal that the comparison excludes [s]."""
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """One scenario, theirs and ours, at the times of the recording."""
+    """One scenario, recorded and simulated, at the times of the recording."""
 
     scenario: str
     joints: tuple[str, ...]
     time: np.ndarray
     recorded: np.ndarray
-    """Actual positions [rad], shape (n_times, n_joints)."""
+    """Recorded actual positions [rad], shape (n_times, n_joints)."""
     simulated: np.ndarray
     statuses: tuple[str, ...]
 
@@ -48,7 +48,7 @@ class Comparison:
         return self._worst(self.recorded)
 
     def worst_beside(self, other: Comparison) -> float:
-        """Largest difference from the same goals on another engine [rad]."""
+        """Return the largest difference from the same goals on another engine [rad]."""
         return self._worst(other.simulated)
 
     def _worst(self, expected: np.ndarray) -> float:
@@ -58,7 +58,7 @@ class Comparison:
 
 @cache
 def compare(name: str, engine: str) -> Comparison:
-    """Replay the scenario ``name`` with the original's masses on ``engine``."""
+    """Replay the scenario ``name`` on ``engine``, with the masses of the original."""
     script: dict[str, Any] = json.loads((DATA / f"{name}.json").read_text())
     with gzip.open(DATA / f"{name}.csv.gz", "rt") as file:
         rows = list(csv.DictReader(file))
@@ -90,7 +90,7 @@ def _replay(
     time: np.ndarray,
     joints: tuple[str, ...],
 ) -> tuple[list[Any], np.ndarray]:
-    """Send what was sent when it was, and sample at the recorded times."""
+    """Send the recorded goals at their times, and sample at the recorded times."""
     controller = robot.controller(script["controller"])
     sent = [
         e["t"] for e in script["events"] if e["event"].endswith((" sent", "cancel"))

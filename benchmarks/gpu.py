@@ -1,12 +1,13 @@
-"""Batches and environments on a GPU, beside those on the CPU.
+"""Compares batches and environments on a GPU with batches and environments on the CPU.
 
-Run it on a machine with an NVIDIA GPU and ``pip install '.[gpu,gym]'``::
+Run this script on a machine with an NVIDIA GPU and ``pip install '.[gpu,gym]'``::
 
     python benchmarks/gpu.py                                # cuda, 1024, 4096, 8192
     python benchmarks/gpu.py --envs Reach Lift              # env-steps/s of tasks
     python benchmarks/gpu.py --device warp:cpu --copies 4 16  # without a GPU, slowly
 
-The CPU's batch and the GPU's alternate, so that what else the machine does slows both.
+The batches on the CPU and on the GPU alternate, so that other programs slow down both
+batches equally.
 """
 
 from __future__ import annotations
@@ -25,16 +26,17 @@ import tool0
 
 COPIES = 1024, 4096, 8192
 HOST_COPIES = 256
-"""Of the batch on the CPU, whose steps/s hardly depend on their number."""
+"""Number of copies of the batch on the CPU.  The steps/s of a batch on the CPU depend
+little on the number of copies."""
 TICKS = 50
-"""Of one action: 20 Hz."""
+"""Number of ticks of one action.  The rate of actions is 20 Hz."""
 ROUNDS = 5
 
 
 def action(
     batch: tool0.Batch, rng: np.random.Generator, *, moves_grippers: bool
 ) -> float:
-    """Return the seconds of an action: command, step, read."""
+    """Return the time of an action, with its command, steps and reading [s]."""
     columns = [batch.joint_names.index(joint) for joint in batch.arm_joints]
     home = batch.position[:, columns]
     start = time.perf_counter()
@@ -47,14 +49,14 @@ def action(
 
 
 def compare(n: int, device: str, scene: str | None, *, moves_grippers: bool) -> None:
-    """Print the steps/s of n copies, and their ratio to those of the CPU."""
+    """Print the steps/s of n copies, and the ratio to the steps/s of the CPU."""
     rng = np.random.default_rng(0)
     start = time.perf_counter()
     with (
         tool0.Batch(n, device=device, scene=scene) as batch,
         tool0.Batch(min(n, HOST_COPIES), scene=scene) as host,
     ):
-        action(batch, rng, moves_grippers=moves_grippers)  # compiles
+        action(batch, rng, moves_grippers=moves_grippers)  # compiles the kernels
         ready = time.perf_counter() - start
         action(host, rng, moves_grippers=moves_grippers)
         both = batch, host
@@ -75,7 +77,7 @@ def compare(n: int, device: str, scene: str | None, *, moves_grippers: bool) -> 
 
 
 def environment_step(env: Any, rng: np.random.Generator) -> float:
-    """Return the seconds of a step of a vector environment with random actions."""
+    """Return the time of a step of a vector environment with random actions [s]."""
     actions = rng.uniform(-1.0, 1.0, env.action_space.shape).astype(np.float32)
     start = time.perf_counter()
     env.step(actions)
@@ -83,7 +85,7 @@ def environment_step(env: Any, rng: np.random.Generator) -> float:
 
 
 def physics_seconds(copies: Any) -> float:
-    """Return the seconds of the physics of an action."""
+    """Return the time of the physics in an action [s]."""
     start = time.perf_counter()
     copies.batch.step(copies.options.ticks)
     copies.batch.position  # noqa: B018  # waits for the GPU
@@ -91,7 +93,7 @@ def physics_seconds(copies: Any) -> float:
 
 
 def compare_environments(task: str, n: int, device: str) -> None:
-    """Print the env-steps/s of n copies of a task, and their ratio to the CPU's."""
+    """Print the env-steps/s of n copies of a task, and the ratio to the CPU's."""
     import gymnasium
 
     import tool0.gym  # noqa: F401  # registers the tasks
@@ -103,7 +105,7 @@ def compare_environments(task: str, n: int, device: str) -> None:
     both = env, host
     for each in both:
         each.reset(seed=0)
-        environment_step(each, rng)  # compiles
+        environment_step(each, rng)  # compiles the kernels
     ready = time.perf_counter() - start
     pairs = [[environment_step(each, rng) for each in both] for _ in range(ROUNDS)]
     speeds = np.array([n, host.num_envs]) / np.array(pairs)
@@ -125,7 +127,7 @@ def compare_environments(task: str, n: int, device: str) -> None:
 
 
 def print_machine(device: str) -> None:
-    """Print what computes, and the versions of what it runs."""
+    """Print the device and the versions of the packages."""
     import warp as wp
 
     wp.init()

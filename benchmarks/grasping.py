@@ -1,4 +1,4 @@
-"""How firmly things are held: lifted, held still, shaken; how many picks succeed."""
+"""Measures how firmly objects are held, and how many picks succeed."""
 
 from __future__ import annotations
 
@@ -22,35 +22,37 @@ from tool0.scene import Box, Cylinder, Pose, Scene, SceneObject
 Shape = Box | Cylinder
 
 CUBES = {"2f85": (20, 45, 60, 80), "2f140": (20, 60, 90, 120), "hande": (10, 20, 45)}
-"""By gripper, over its range [mm]."""
+"""Edge lengths of cubes for each gripper, over the gripper's range [mm]."""
 CYLINDER = Cylinder(radius=0.0215, length=0.08)
 MASSES = (0.05, 0.5)  # [kg]
 FORCE = 60.0
-"""At each pad [N]: the weakest of a Hand-E, a quarter of what a 2F-85 can."""
+"""Force at each pad [N].  This force is the smallest force of a Hand-E, and a quarter
+of the largest force of a 2F-85."""
 LIFT = 0.2
 HOLD, SHAKE = 5.0, 3.0  # [s]
 SHAKEN = 2.0 * 9.81  # [m/s²]
 FREQUENCY = 5.0  # [Hz]
 AMPLITUDE = 0.072
-"""Of wrist_1 [rad]; with it the pads reach 2 g."""
+"""Amplitude of wrist_1 [rad].  With this amplitude, the pads reach an acceleration of 2
+g."""
 TOP = -0.02
-"""Of the table [m]."""
+"""Height of the table's top [m]."""
 PLACE = (0.45, -0.12)
 ITEM = "thing"
 
 
 @dataclass(frozen=True)
 class Held:
-    """What became of something that was gripped."""
+    """Result of holding an object that was gripped."""
 
     failure: str | None
-    """Why it is not held any more; None if it is."""
+    """Reason why the object is no longer held; None if it is held."""
     slip: float = math.nan
-    """Between the pads, while it was held still [m]."""
+    """Motion between the pads while the object was held without moving the arm [m]."""
     shaken: float = math.nan
-    """The same while it was shaken [m]."""
+    """Motion between the pads while the object was shaken [m]."""
     acceleration: float = math.nan
-    """Of the pads then, at its peaks [m/s²]."""
+    """Acceleration of the pads at its peaks while the object was shaken [m/s²]."""
 
 
 def hold_and_shake(
@@ -62,15 +64,15 @@ def hold_and_shake(
     shake: float = SHAKE,
     description: tool0.DescriptionConfig = tool0.DescriptionConfig(),
 ) -> Held:
-    """Lift something from the table, hold it still, and shake it.
+    """Lift an object from the table, hold it at rest, and shake it.
 
     Args:
-        engine: The physics.
-        shape: What it is.
-        mass: [kg]
-        force: At each pad [N].
-        shake: How long it is shaken [s]; 0 for not at all.
-        description: The robot.
+        engine: Name of the physics engine.
+        shape: Shape of the object.
+        mass: Mass of the object [kg].
+        force: Force at each pad [N].
+        shake: Duration of shaking [s].  At 0, the object is not shaken.
+        description: Options of the robot.
     """
     scene = _table_with(shape, mass)
     with tool0.bringup(
@@ -92,20 +94,23 @@ def hold_and_shake(
 
 @dataclass(frozen=True)
 class Trials:
-    """All trials of one engine; the slips are the worst."""
+    """Results of all trials with one engine.
+
+    The slips are the largest slips of all trials.
+    """
 
     dropped: int
     slip: float
-    """[m]"""
+    """Largest slip of an object that is held at rest [m]."""
     shaken: float
-    """[m]"""
+    """Largest slip of an object that is shaken [m]."""
 
 
 def all_trials(engine: str, gripper: str = "2f85") -> Trials:
-    """Lift, hold and shake each thing of ``trials``.
+    """Lift, hold and shake each object of ``trials``.
 
     Raises:
-        RuntimeError: If one was shaken less than it should be.
+        RuntimeError: If an object was shaken with less than the required acceleration.
     """
     description = tool0.DescriptionConfig(gripper=gripper)
     held = [
@@ -124,7 +129,7 @@ def all_trials(engine: str, gripper: str = "2f85") -> Trials:
 
 
 def two_kilograms() -> float:
-    """Return the slip of 2 kg that a linkage holds with all its force [mm]."""
+    """Return the slip of 2 kg that a linkage gripper holds with full force [mm]."""
     block = Box(size=(0.045, 0.045, 0.06))
     linkage = tool0.DescriptionConfig(gripper_model="linkage")
     held = hold_and_shake(
@@ -140,20 +145,20 @@ PICKERS = (
     ("ur10e", "hande"),
     ("ur20", "2f140"),
 )
-"""Arms with their grippers."""
+"""Pairs of an arm and a gripper."""
 GIVER, TAKER = "ur5+2f85", "ur10e+hande"
 
 
 def picks(
     engine: str, n_picks: int, seed: int, arm: str = "ur5", gripper: str = "2f85"
 ) -> DemoReport:
-    """Pick a cube from random poses on the table and place it in the bin."""
+    """Pick a cube from random poses on the table, and place it in the bin."""
     description = tool0.DescriptionConfig(arm=arm, gripper=gripper)
     return _played(pick_demo(Cube(), PickOptions(), description), engine, n_picks, seed)
 
 
 def handovers(engine: str, n: int, seed: int) -> DemoReport:
-    """Hand a cube from one arm to another, from random poses on the table."""
+    """Hand a cube over between two arms, from random poses on the table."""
     return _played(handover_demo(Cube(), PickOptions(), GIVER, TAKER), engine, n, seed)
 
 
@@ -165,7 +170,7 @@ def _played(demo: Demo, engine: str, n: int, seed: int) -> DemoReport:
 
 
 def trials(gripper: str = "2f85") -> Iterator[tuple[str, Shape, float]]:
-    """Yield a name, shape and mass [kg] for each trial of a gripper."""
+    """Yield a name, a shape and a mass [kg] for each trial of a gripper."""
     shapes: dict[str, Shape] = {
         **{f"{mm} mm cube": Box(size=(mm / 1e3,) * 3) for mm in CUBES[gripper]},
         "43 mm cylinder": CYLINDER,
@@ -194,7 +199,7 @@ def _table_with(shape: Shape, mass: float) -> Scene:
 
 
 def _slip(monitor: GraspMonitor, picker: Picker, duration: float) -> float:
-    """Hold for some simulated seconds, and return how far it moved meanwhile [m]."""
+    """Hold the object for a simulated ``duration`` [s], and return its slip [m]."""
     monitor.begin("holding")
     monitor.wait(0.5)  # the arm comes to rest
     monitor.start_slip(picker.hand.gripper)
@@ -211,14 +216,15 @@ def _shake(
     duration: float,
     accelerations: list[float],
 ) -> float:
-    """Swing a wrist, and return how far the thing moved between the pads [m].
+    """Swing a wrist, and return the slip of the object between the pads [m].
 
-    ``accelerations`` gets what the pads underwent, each millisecond [m/s²].
+    The acceleration of the pads in each millisecond is appended to ``accelerations``
+    [m/s²].
     """
     monitor.begin("shaking")
     monitor.start_slip(picker.hand.gripper)
     pad_link, _ = pad_links(robot.description.model, robot.gripper.geometry)
-    pad = robot.pose(pad_link, "tool0")  # the fingers hold still
+    pad = robot.pose(pad_link, "tool0")  # the fingers do not move
     arm = robot.controller("eff_joint_traj_controller")
     names = robot.arm.joint_names
     start = dict(robot.arm.joints)

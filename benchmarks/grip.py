@@ -1,4 +1,4 @@
-"""How true speed and force of the gripper are, and how soon it tells what it holds."""
+"""Accuracy of the gripper's speed and force, and delay of its object detection."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ ITEM = "block"
 
 
 def force_error(engine: str) -> float:
-    """Return the worst relative error of the force at a pad, by contact."""
+    """Return the largest relative error of the force at a pad, from contact forces."""
     with _bring_up(engine) as robot:
         _put_between_pads(robot)
         errors = []
         for force in FORCES:
             robot.gripper.move(opening=0.0, force=force)
             robot.run(SETTLE)
-            robot.contacts()  # Gazebo collects them from the first time on
+            robot.contacts()  # Gazebo records contacts only after the first call
             robot.run(0.01)
             pressed = [
                 float(np.linalg.norm(contact.force))
@@ -38,7 +38,10 @@ def force_error(engine: str) -> float:
 
 
 def speed_error(engine: str) -> float:
-    """Return the worst relative error of the pads' speed, halfway through closing."""
+    """Return the largest relative error of the pads' speed while closing.
+
+    The speed is measured in the middle of the motion.
+    """
     with _bring_up(engine) as robot:
         errors = []
         for speed in SPEEDS:
@@ -54,7 +57,7 @@ def speed_error(engine: str) -> float:
 
 
 def detection_delay(engine: str) -> float:
-    """Return how long after the first contact it tells that it holds [s]."""
+    """Return the delay from the first contact to the report of a held object [s]."""
     with _bring_up(engine) as robot:
         robot.contacts()
         _put_between_pads(robot)
@@ -70,7 +73,7 @@ def detection_delay(engine: str) -> float:
 
 
 def _bring_up(engine: str) -> tool0.Robot:
-    """Bring up a robot, and a block out of its way."""
+    """Bring up a robot, and a block that is not in its way."""
     away = Pose(xyz=(2.0, 0.0, 1.0))
     block = SceneObject(
         name=ITEM, geometry=Box(size=(0.04, WIDTH, 0.04)), pose=away, mass=0.1
@@ -79,9 +82,12 @@ def _bring_up(engine: str) -> tool0.Robot:
 
 
 def _put_between_pads(robot: tool0.Robot) -> None:
-    """Put the block there in free fall, with so little room that it is caught."""
+    """Place the block between the pads in free fall.
+
+    The opening is so small that the gripper catches the block.
+    """
     robot.gripper.move(opening=WIDTH + ROOM).wait(10.0)
-    robot.run(SETTLE)  # the arm has come to rest
+    robot.run(SETTLE)  # the arm comes to rest
     model, geometry = robot.description.model, robot.gripper.geometry
     frame = robot.pose("tool0") @ grasp_frame(model, geometry, WIDTH, "tool0")
     robot.scene.place(ITEM, frame.position, frame.quat_wxyz)

@@ -1,4 +1,4 @@
-"""How much of the engine's speed is left for environments that learn."""
+"""Measures the fraction of the engine's speed that learning environments reach."""
 
 from __future__ import annotations
 
@@ -15,37 +15,39 @@ from benchmarks.batch import TICKS, raw_seconds
 N_COPIES = 64
 THREADS = 2
 ACTIONS = 4
-"""Of one measurement, each of 50 ms."""
+"""Number of actions in one measurement.  Each action takes 50 ms of simulated time."""
 ROUNDS = 15
 
 
 @dataclass(frozen=True)
 class GymCost:
-    """Physics steps of a vector environment, beside those of the engine alone."""
+    """Speed of a vector environment's physics steps, compared with the engine alone."""
 
     ratio: float
-    """Steps/s ÷ (threads times the raw steps/s of one thread)."""
+    """Steps/s, divided by the number of threads times the raw steps/s of one thread."""
     same_threads: float
-    """Steps/s ÷ the raw steps/s of as many threads at once: what a busy machine, whose
-    processors do other things too, leaves to both."""
+    """Steps/s, divided by the raw steps/s of the same number of parallel threads.  On a
+    busy machine, other programs slow down both measurements."""
     processor: float
-    """The same per second of processor time, which other programs disturb less."""
+    """Steps per second of processor time, divided by the raw steps.  Other programs
+    change this ratio less than the other ratios."""
     python: float
-    """Part of a step's time outside the physics."""
+    """Fraction of a step's time that is not spent in the physics."""
 
 
 def cost(task: str = "Lift", n: int = N_COPIES, threads: int = THREADS) -> GymCost:
     """Return the cost of ``n`` copies with random actions at 20 Hz.
 
-    Raw steps and those of the environment alternate, on the same models and states; the
-    medians of all rounds.
+    Raw steps and steps of the environment alternate, with the same models and states.
+    The results are the medians of all rounds.
     """
     env = gymnasium.make_vec(f"tool0/{task}-v0", num_envs=n, threads=threads)
     env.reset(seed=0)
     rng = np.random.default_rng(0)
     shape = (ACTIONS, *env.action_space.shape)
     batch = env.unwrapped.copies.batch
-    engines = [core.engine for core in batch._cores]  # their models and states
+    # the engines have the models and states
+    engines = [core.engine for core in batch._cores]
     ratios, same_threads, processor, python = [], [], [], []
     for _ in range(ROUNDS):
         actions = rng.uniform(-1.0, 1.0, shape).astype(np.float32)

@@ -1,4 +1,4 @@
-"""Inverse kinematics of the built-in arms: random poses, solved and checked.
+"""Solves and checks the inverse kinematics of the built-in arms in random poses.
 
 ``python benchmarks/kinematics.py`` writes the table of docs/reference/robots.md.
 """
@@ -22,19 +22,20 @@ N_POSES = 10_000
 
 @dataclass(frozen=True)
 class RoundTrip:
-    """Random positions → pose → all solutions → poses again."""
+    """Result of solving and checking the poses of random joint positions."""
 
     n_missed: int
-    """Poses without the solution that they were made from."""
+    """Number of poses for which the original positions were not found."""
     worst: float
-    """Largest difference of a solution's pose from the given one [m, or no unit]."""
+    """Largest difference between the pose of a solution and the given pose [m, or no
+    unit]."""
     mean_solutions: float
     duration: float
     """Mean wall time of one pose [s]."""
 
 
 def round_trip(arm: str, n: int = N_POSES, seed: int = 0) -> RoundTrip:
-    """Solve for ``n`` random poses of an arm."""
+    """Solve the inverse kinematics for ``n`` random poses of an arm."""
     (chain,) = find_chains(assemble(arm, gripper=None).model).values()
     solver = InverseKinematics(chain)
     postures = np.random.default_rng(seed).uniform(-np.pi, np.pi, (n, 6))
@@ -62,7 +63,7 @@ def round_trip(arm: str, n: int = N_POSES, seed: int = 0) -> RoundTrip:
 
 
 def main() -> None:
-    """Print a Markdown table."""
+    """Print the results as a Markdown table."""
     n = int(sys.argv[1]) if len(sys.argv) > 1 else N_POSES
     print("| arm | poses | missed | largest error | solutions per pose | ms per pose |")
     print("| --- | --- | --- | --- | --- | --- |")

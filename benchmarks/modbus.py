@@ -1,7 +1,8 @@
-"""Our Modbus server beside pymodbus's: start, latency, and clients that flood.
+"""Compares tool0's Modbus server with pymodbus: start, latency, and flooding clients.
 
 ``python benchmarks/modbus.py`` prints the table of docs/adr/0019-modbus.md.  Each
-server runs in a process of its own that has loaded what the UR interface needs anyway.
+server runs in a separate process, which has already loaded the modules that the UR
+interface needs.
 """
 
 from __future__ import annotations
@@ -29,13 +30,14 @@ HOST = "127.19.50.2"
 PORT = 21502
 STATUS = 2000
 N = 3000
-"""Requests of a measurement of the latency."""
+"""Number of requests in one measurement of the latency."""
 FLOOD = 5.0
-"""[wall s]"""
+"""Duration of a flood [wall s]."""
 TICKS = os.sysconf("SC_CLK_TCK")
 READ_TCP = struct.pack(">HHHBBHH", 1, 0, 6, 9, 3, STATUS, 3)
 READ_RTU = bytes.fromhex("0903 07d0 0003 040e")
-"""Both read three registers; the second with its checksum."""
+"""Requests that read three registers, over TCP and over RTU.  The RTU request includes
+its checksum."""
 
 
 async def serve_ours(folder: Path) -> str:
@@ -98,7 +100,7 @@ def processor_time(pid: int) -> float:
 
 
 async def serve(name: str, folder: Path) -> None:
-    """Start a server, tell what that took, and serve."""
+    """Start a server, print the cost of its start, and serve."""
     import tool0.ur.rtde.server
     import tool0.ur.service  # noqa: F401
 
@@ -121,7 +123,7 @@ def latency(ask: Callable[[], object]) -> str:
 
 
 def ask_tcp(client: socket.socket) -> bytes:
-    """Return the reply to a request."""
+    """Return the reply to a request over TCP."""
     client.sendall(READ_TCP)
     reply = b""
     while len(reply) < 15:
@@ -130,7 +132,10 @@ def ask_tcp(client: socket.socket) -> bytes:
 
 
 def ask_serial(terminal: int) -> bytes:
-    """Return the reply to a request, or what has come of it after half a second."""
+    """Return the reply to a request over RTU.
+
+    If the reply is not complete after half a second, its first part is returned.
+    """
     os.write(terminal, READ_RTU)
     reply = b""
     while len(reply) < 11 and select.select([terminal], [], [], 0.5)[0]:
@@ -146,7 +151,7 @@ def count_pipelined(client: socket.socket) -> int:
 
 
 def flood(pid: int) -> dict[str, str]:
-    """Return what a client that sends and does not read takes and does to others."""
+    """Return the effects of a client that sends requests but reads no replies."""
     with socket.create_connection((HOST, PORT), timeout=5.0) as other:
         before, start = memory(pid), processor_time(pid)
         with socket.create_connection((HOST, PORT)) as client:
@@ -170,7 +175,7 @@ def flood(pid: int) -> dict[str, str]:
 
 
 def measure(name: str) -> dict[str, str]:
-    """Return the row of a server."""
+    """Return the table row of a server."""
     with tempfile.TemporaryDirectory() as folder:
         ours, theirs = pty.openpty()
         tty.setraw(theirs)
@@ -199,7 +204,7 @@ def measure(name: str) -> dict[str, str]:
 
 
 def main() -> None:
-    """Print both servers side by side."""
+    """Print the results of both servers side by side."""
     if len(sys.argv) == 3:
         asyncio.run(serve(sys.argv[1], Path(sys.argv[2])))
         return

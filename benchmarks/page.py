@@ -1,4 +1,4 @@
-"""The panel's page in Chromium with software GL: how soon it is there, how it draws."""
+"""Measures the panel's page in Chromium with software GL: start-up and drawing."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from tool0.panel.server import Panel
 
 VISITS: Final = 5
 WATCHED: Final = 5.0
-"""For which drawings are counted [wall s]."""
+"""Time in which drawn frames are counted [wall s]."""
 _SIZE: Final = {"width": 1440, "height": 900}
 _FLAGS: Final = (
-    "--no-sandbox",  # of containers that run as root
+    "--no-sandbox",  # for containers that run as root
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
-    "--disable-gpu-compositing",  # as where there is no GPU
+    "--disable-gpu-compositing",  # the same as without a GPU
 )
 _CONTROLS: Final = "[data-testid=enable-toggle]:not([disabled])"
 _SCENE: Final = "[data-testid=scene][data-ready=true]"
@@ -39,7 +39,7 @@ _COUNT: Final = """
     };
     requestAnimationFrame(count);
 """
-"""Counts the frames in which something is drawn."""
+"""Script that counts the frames in which something is drawn."""
 _WAIT: Final = """
     (selector) => new Promise((done) => {
         const look = () => {
@@ -53,24 +53,24 @@ _WAIT: Final = """
 
 @dataclass(frozen=True)
 class PageFigures:
-    """Medians of several visits, on loopback."""
+    """Medians of several visits over the loopback interface."""
 
     controls: float
-    """From the request until the controls can be used [s]."""
+    """Time from the request until the controls can be used [s]."""
     scene: float
-    """Until the 3D view is complete [s]."""
+    """Time from the request until the 3D view is complete [s]."""
     rate: float
-    """Frames of the simple mode per second, while the arm moves [Hz]."""
+    """Frames per second in the simple mode while the arm moves [Hz]."""
 
 
 def chromium() -> str | None:
-    """Return the installed browser."""
+    """Return the path of the installed browser; None if there is none."""
     names = ("chromium", "google-chrome", "chromium-browser")
     return next(filter(None, map(shutil.which, names)), None)
 
 
 def page_figures() -> PageFigures:
-    """Visit the panel of a bring-up that moves."""
+    """Visit the panel of a bring-up whose arm moves."""
     executable = chromium()
     assert executable is not None
     with (
@@ -81,7 +81,7 @@ def page_figures() -> PageFigures:
         browser = playwright.chromium.launch(
             executable_path=executable, args=list(_FLAGS)
         )
-        _visit(browser, panel.url)  # the browser's own start
+        _visit(browser, panel.url)  # the first visit includes the start of the browser
         visits = [_visit(browser, panel.url) for _ in range(VISITS)]
         rate = _drawn_per_second(browser, robot, panel.url)
         browser.close()
@@ -92,7 +92,7 @@ def page_figures() -> PageFigures:
 
 
 def _visit(browser: Browser, url: str) -> tuple[float, float]:
-    """Return when the controls and the scene are there [s]."""
+    """Return the times until the controls and the scene are ready [s]."""
     page = browser.new_context(viewport=_SIZE).new_page()
     page.goto(url, wait_until="commit")
     times = [float(page.evaluate(_WAIT, what)) for what in (_CONTROLS, _SCENE)]

@@ -1,6 +1,6 @@
-"""What pages cost the control loop: ticks that begin late, with and without them.
+"""Measures the cost of pages for the control loop, such as late ticks.
 
-The pages are WebSocket clients in a process of their own, as browsers are.
+The pages are WebSocket clients in a separate process, like browsers.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ import tool0
 from tool0.panel.server import Panel, load
 
 DURATION: Final = 3.0
-"""Of one round of one load [wall s]."""
+"""Duration of one round with one load [wall s]."""
 ROUNDS: Final = 3
 _WARM_UP: Final = 1.0
-"""Until the pages are there [wall s]."""
+"""Time until the pages are connected [wall s]."""
 _SUBSCRIBE: Final = json.dumps({"id": 1, "method": "subscribe_view"})
 _STEER: Final = json.dumps(
     {
@@ -42,13 +42,13 @@ _STEER: Final = json.dumps(
 
 @dataclass(frozen=True)
 class Load:
-    """What the pages of one measurement do."""
+    """Numbers of pages in one measurement, by their behavior."""
 
     reading: int = 0
     stuck: int = 0
-    """They connect and never read."""
+    """Number of pages that connect and never read."""
     flooding: int = 0
-    """They send as fast as they can."""
+    """Number of pages that send as fast as possible."""
 
 
 ALONE: Final = "0 pages"
@@ -64,21 +64,21 @@ LOADS: Final = {
 
 @dataclass(frozen=True)
 class Cost:
-    """What one load costs."""
+    """Cost of one load."""
 
     overruns: float
-    """Ticks that began more than a control period late, per 10 s."""
+    """Number of ticks that began more than one control period late, per 10 s."""
     cpu: float
-    """Processor time of the whole simulation, per wall second."""
+    """Processor time of the simulation process, per wall second."""
     bytes_per_second: float
-    """To each page that reads."""
+    """Bytes per second that are sent to each page that reads."""
 
 
 def costs() -> dict[str, Cost]:
-    """Measure every load beside one running robot.
+    """Measure the cost of every load with one running robot.
 
-    The loads alternate, and of each the quietest round counts: a neighbour on the
-    machine only adds.
+    The loads alternate.  For each load, the round with the fewest late ticks is used,
+    because other programs on the machine can only add late ticks.
     """
     logging.getLogger("tool0.simulation.loop").setLevel(logging.ERROR)
     rounds: dict[str, list[Cost]] = {name: [] for name in LOADS}
@@ -122,7 +122,7 @@ def _pages(url: str, load: Load) -> Iterator[subprocess.Popen[bytes]]:
 
 
 async def _run_pages(url: str, load: Load) -> float:
-    """Act as those pages; return the bytes per second that the readers received."""
+    """Run the pages, and return the bytes per second that the readers received."""
     tasks = [asyncio.create_task(_flood(url)) for _ in range(load.flooding)]
     stuck = [_open_unread(url) for _ in range(load.stuck)]
     duration = _WARM_UP + DURATION
@@ -176,7 +176,7 @@ def _open_unread(url: str) -> socket.socket:
     )
     while b"\r\n\r\n" not in connection.recv(4096):
         pass
-    # A text frame of a client, masked with zeros.
+    # A WebSocket text frame of a client, with a mask of zeros.
     header = bytes((0x81, 0x80 | len(_SUBSCRIBE), 0, 0, 0, 0))
     connection.sendall(header + _SUBSCRIBE.encode())
     return connection

@@ -1,7 +1,7 @@
-"""Live images of a camera: how many a page gets, and what they cost the control loop.
+"""Measures the rate of live camera images at a page, and their cost.
 
-The page is an HTTP client in a process of its own, which asks for the next image when
-it has one, as the panel's page does.
+The page is an HTTP client in a separate process.  Like the panel's page, the client
+requests the next image when it has received an image.
 """
 
 from __future__ import annotations
@@ -23,26 +23,30 @@ from tool0.panel.server import Panel, load
 CAMERA: Final = "scene"
 WIDTH: Final = 640
 DURATION: Final = 5.0
-"""Of one round [wall s]."""
+"""Duration of one round [wall s]."""
 ROUNDS: Final = 3
 _MOVES: Final = {"shoulder_pan_joint": 3.0}
 
 
 @dataclass(frozen=True)
 class Rates:
-    """What was measured."""
+    """Measured rates of images and of late ticks."""
 
     images: float
-    """That the page gets per wall second."""
+    """Images that the page receives per wall second."""
     capacity: float
-    """Images that the machine renders per wall second, without a page."""
+    """Images that the machine renders per wall second without a page."""
     late_with: float
-    """Ticks that began more than a control period late, per 10 s of simulated time."""
+    """Number of ticks that began more than one control period late, per 10 s of
+    simulated time."""
     late_without: float
 
 
 def rates() -> Rates:
-    """Measure beside a moving robot; of the late ticks the quietest round counts."""
+    """Measure the rates while the robot moves.
+
+    For late ticks, the round with the fewest late ticks is used.
+    """
     logging.getLogger("tool0.simulation.loop").setLevel(logging.ERROR)
     load()
     images: list[float] = []
@@ -65,7 +69,7 @@ def rates() -> Rates:
 
 
 def _render(robot: tool0.Robot, duration: float) -> float:
-    """Return how many images a second are rendered one after the other."""
+    """Return the number of images per second that are rendered consecutively."""
     camera = robot.simulation.cameras[CAMERA]
     sized = replace(camera, width=WIDTH, height=WIDTH * camera.height // camera.width)
     start, n_images = time.perf_counter(), 0
@@ -82,7 +86,7 @@ def _late(robot: tool0.Robot, act: Callable[[], object]) -> float:
 
 
 def _page(url: str) -> float:
-    """Return the images per second that a page in another process gets."""
+    """Return the images per second that a page in another process receives."""
     done = subprocess.run(
         [sys.executable, __file__, url], check=True, capture_output=True
     )

@@ -1,8 +1,8 @@
-"""Collision-free motions: how many problems are solved, how fast, how short, how safe.
+"""Measures collision-free motions: success rate, time, length and safety.
 
 ``python benchmarks/planning.py [N]`` prints the table of
-docs/explanation/performance.md, with N problems of each set; ``--ompl`` runs OMPL's
-RRTConnect on the same problems, too.
+docs/explanation/performance.md, with N problems of each set.  ``--ompl`` also runs
+OMPL's RRTConnect on the same problems.
 """
 
 from __future__ import annotations
@@ -36,45 +36,46 @@ from tool0.scene import Box, Scene
 
 N_PROBLEMS = 100
 IN_TIME = 2.0
-"""Processor time within which a problem is to be solved [s]."""
+"""Processor time in which a problem must be solved [s]."""
 TWELVE_IN_TIME = 5.0
-"""The same for two arms [s]."""
+"""Processor time in which a problem of two arms must be solved [s]."""
 CROSSING = ("left=ur5+2f85@0,0.4,0", "right=ur5+2f85@0,-0.4,0")
 LONGEST = 60.0
-"""Wall time of a search [s]: the machine may be busy."""
+"""Time limit of a search [wall s].  The limit is long because the machine may be
+busy."""
 RESTARTS = 20
 ASIDE = 0.15
-"""How far before the target a motion with a held cube ends [m]."""
+"""Distance from the target at which a motion with a held cube ends [m]."""
 ABOVE = (0.0, 0.0, 2.0)
-"""Where nothing is [m]."""
+"""Position at which there are no objects [m]."""
 STEP = 0.001
-"""Between two poses of the independent check [rad]."""
+"""Distance between two poses of the independent check [rad]."""
 
 
 @dataclass(frozen=True)
 class Solved:
-    """What became of one problem."""
+    """Result of one problem."""
 
     problem: Problem
     motion: FreeMotion | None
     seconds: float
-    """Processor time of postures, search, shortcuts and timing [s]."""
+    """Processor time of inverse kinematics, search, shortcuts and timing [s]."""
     ratio: float = float("nan")
-    """Length ÷ that of the best of ``RESTARTS`` other seeds."""
+    """Length, divided by the length of the best motion of ``RESTARTS`` other seeds."""
     violations: int = 0
-    """Poses nearer than the clearance, found by MuJoCo alone."""
+    """Number of poses, found with MuJoCo alone, that are nearer than the clearance."""
 
 
 @dataclass(frozen=True)
 class Report:
-    """The figures of a set."""
+    """The results of a set of problems."""
 
     name: str
     solved: tuple[Solved, ...]
 
     @property
     def share(self) -> float:
-        """Of the problems solved within ``IN_TIME``."""
+        """Share of the problems that are solved within ``IN_TIME``."""
         return float(
             np.mean([s.motion is not None and s.seconds < IN_TIME for s in self.solved])
         )
@@ -85,12 +86,15 @@ class Report:
 
     @property
     def ratio(self) -> float:
-        """Median of the lengths, against the best of ``RESTARTS`` other seeds."""
+        """Median ratio of the lengths of motions to the best lengths.
+
+        The best length is the shortest length with ``RESTARTS`` other seeds.
+        """
         return float(np.nanmedian([s.ratio for s in self.solved]))
 
     @property
     def violations(self) -> int:
-        """Poses of all plans that are nearer than the clearance."""
+        """Number of poses of all plans that are nearer than the clearance."""
         return sum(s.violations for s in self.solved)
 
     def __str__(self) -> str:
@@ -105,10 +109,10 @@ def report(name: str, n: int, *, seed: int = 0, compare: bool = True) -> Report:
     """Solve and check ``n`` problems of a set.
 
     Args:
-        name: One of ``SETS``.
+        name: Name of a set in ``SETS``.
         n: Number of problems.
-        seed: Of the problems.
-        compare: Whether lengths are compared with those of other seeds.
+        seed: Seed of the problems.
+        compare: Whether to compare lengths with the lengths of other seeds.
     """
     cell = Workcell()
     return Report(
@@ -144,7 +148,7 @@ def attempt(
     seed: int = 0,
     restarts: int = planner.RESTARTS,
 ) -> FreeMotion | None:
-    """Return a motion, or None if there was not enough time."""
+    """Return a motion; None if there was not enough time."""
     try:
         return plan_free_motion(
             group,
@@ -159,17 +163,19 @@ def attempt(
 
 
 def length(motion: FreeMotion) -> float:
-    """Return the length of a motion's way [rad]."""
+    """Return the length of a motion's path in joint space [rad]."""
     return float(np.linalg.norm(np.diff(motion.waypoints, axis=0), axis=1).sum())
 
 
 def violations(
     cell: Workcell, group: PlanningGroup, path: Path, clearance: float = CLEARANCE
 ) -> int:
-    """Return at how many poses, 1 mrad apart, something is nearer than ``clearance``.
+    """Return the number of poses that are nearer than ``clearance``.
 
-    MuJoCo alone measures: every two shapes that a sphere around each does not keep
-    apart.
+    The poses on the path are 1 mrad apart.
+
+    Only MuJoCo measures the distances.  If the bounding spheres of two shapes are not
+    far enough apart, MuJoCo measures the distance of the two shapes.
     """
     model = group.owner.model
     data = mujoco.MjData(model)
@@ -203,7 +209,10 @@ def violations(
 
 
 def densely(path: Path) -> Array:
-    """Return poses along a path, at most ``STEP`` apart in any joint, (n, 6)."""
+    """Return poses along a path, shape (n, 6).
+
+    In each joint, two successive poses are at most ``STEP`` apart.
+    """
     fastest = np.abs(path.velocities).max()
     n = int(np.ceil(1.2 * fastest * path.duration / STEP))
     q = path.at(np.linspace(0.0, path.duration, n)).positions
@@ -213,10 +222,10 @@ def densely(path: Path) -> Array:
 
 
 def executed(n: int, *, engine: str = "mujoco", seed: int = 0) -> tuple[int, int]:
-    """Execute plans of ``n`` problems of each set, half of them with a held cube.
+    """Execute the plans of ``n`` problems per set, half of them with a held cube.
 
     Returns:
-        How many were executed, and the contacts on the way.
+        The number of executed plans, and the number of contacts during their execution.
     """
     count = contacts = 0
     for name in SETS:
@@ -228,11 +237,13 @@ def executed(n: int, *, engine: str = "mujoco", seed: int = 0) -> tuple[int, int
 
 
 def execute(problem: Problem, engine: str, *, hold: bool = False) -> int | None:
-    """Plan and execute a problem's motion; return the unexpected contacts on the way.
+    """Plan and execute a problem's motion.
 
-    With a held cube, the motion ends ``ASIDE`` before the target, where something
-    stands; None if this cannot be, or the cube was not gripped: some motions start with
-    something between the pads.
+    Return the number of unexpected contacts.
+
+    With a held cube, the motion ends ``ASIDE`` before the target, because there may be
+    an object at the target.  The result is None if this position cannot be reached or
+    if the cube was not gripped.  Some motions start with an object between the pads.
     """
     cell = Workcell()
     start = dict(zip(cell.chain.joint_names, problem.start.tolist(), strict=True))
@@ -280,10 +291,12 @@ def _touching(robot: tool0.Robot) -> set[frozenset[str]]:
 
 
 def twelve_joints(n: int, seed: int = 0) -> float:
-    """Return the share of ``n`` plans of two arms found within 5 s of processor time.
+    """Return the share of ``n`` plans of two arms that are found in time.
 
-    Two arms beside each other reach across, one above the other, and change places.
-    Pairs of postures that collide are left out.
+    The limit is 5 s of processor time.
+
+    Two arms that stand next to each other reach across each other, one arm above the
+    other arm, and change places.  Pairs of postures that collide are not used.
     """
     rng = np.random.default_rng(seed)
     names = Workcell().chain.joint_names
@@ -325,13 +338,13 @@ def twelve_joints(n: int, seed: int = 0) -> float:
 
 
 def reports(n: int, seed: int = 0) -> Iterator[Report]:
-    """Yield the figures of each set."""
+    """Yield the report of each set."""
     for name in SETS:
         yield report(name, n, seed=seed)
 
 
 def main() -> None:
-    """Print a Markdown table."""
+    """Print the results as a Markdown table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("n", nargs="?", type=int, default=N_PROBLEMS)
     parser.add_argument("--ompl", action="store_true")

@@ -1,6 +1,6 @@
-"""OMPL's RRTConnect on the same problems, with the same distances.
+"""Runs OMPL's RRTConnect on the same problems, with the same distance computation.
 
-OMPL plans with its Python wheel; whether a motion is free says tool0's kernel.
+OMPL is used through its Python wheel.  tool0's kernel decides whether a motion is free.
 """
 
 from __future__ import annotations
@@ -18,18 +18,20 @@ from tool0.planning import planner
 from tool0.planning.world import Rules
 
 LONGEST = 20.0
-"""Wall time of a search [s]."""
+"""Time limit of a search [wall s]."""
 
 
 def is_installed() -> bool:
-    """Return whether there is OMPL."""
+    """Return whether OMPL is installed."""
     return importlib.util.find_spec("ompl") is not None
 
 
 def seconds(cell: Workcell, problem: Problem) -> tuple[float | None, float | None]:
-    """Return the processor time of OMPL's search and of ours [s]; None in vain.
+    """Return the processor times of OMPL's search and of tool0's search [s].
 
-    Both search once, without shortcuts and timing, to the same goals.
+    The time of a search without a result is None.
+
+    OMPL and tool0 search once to the same goals, without shortcuts and timing.
     """
     group = cell.group(cell.world(), problem.objects, Rules())
     group.begin(problem.start)
@@ -108,7 +110,7 @@ def _search(clearances: Any, problem: Problem, goals: Any, bounds: Any) -> bool:
 
 
 def main(n: int) -> None:
-    """Print a Markdown table."""
+    """Print the results as a Markdown table."""
     if not is_installed():
         print("OMPL is not installed, so it is not measured")
         return

@@ -1,8 +1,8 @@
-"""Planning problems of a UR5 with a 2F-85, after MotionBenchMaker's families.
+"""Planning problems of a UR5 with a 2F-85, similar to the sets of MotionBenchMaker.
 
-Each has a scene of its own, a start posture, and a pose of the point between the pads
-as the target (Chamzas et al., "MotionBenchMaker", RA-L 2022).  A seed gives the same
-problems: they are generated here, not copied.
+Each problem has a scene, a start posture and a target.  The target is a pose of the
+point between the pads (Chamzas et al., "MotionBenchMaker", RA-L 2022).  The problems
+are generated here and not copied.  A seed always gives the same problems.
 """
 
 from __future__ import annotations
@@ -29,12 +29,14 @@ from tool0.planning.world import CollisionWorld, PlanningGroup, Rules
 
 ARM, GRIPPER = "ur5", "2f85"
 GROUND = -0.6
-"""Height of the ground [m], which the table's legs and shelves do not reach."""
+"""Height of the ground [m].  The legs and shelves of the table do not reach the
+ground."""
 REACH = 0.14
-"""From the flange to between the pads [m]."""
+"""Distance from the flange to the point between the pads [m]."""
 HOME = (-1.57, -1.57, 1.57, -1.57, -1.57, 0.0)
 MARGIN: Final = 0.006
-"""Distance that start and target keep [m]: the clearance and a bit."""
+"""Distance that start and target keep from obstacles [m].  The distance is slightly
+larger than the clearance."""
 _TRIES = 4000
 Rng = np.random.Generator
 Boxes = list[SceneObject]
@@ -47,18 +49,18 @@ class Problem:
     name: str
     objects: tuple[SceneObject, ...]
     start: Array
-    """[rad], shape (6,)."""
+    """Joint positions at the start [rad], shape (6,)."""
     T_root_flange: Array
-    """The target, shape (4, 4)."""
+    """Target pose of the flange in the root, shape (4, 4)."""
 
     @property
     def scene(self) -> Scene:
-        """The obstacles."""
+        """The obstacles as a scene."""
         return Scene(self.objects)
 
 
 class Workcell:
-    """The robot, and whether its postures are free."""
+    """The robot, with its kinematics and its collision checks."""
 
     def __init__(self) -> None:
         self.model = assemble(ARM, gripper=GRIPPER).model
@@ -69,18 +71,18 @@ class Workcell:
 
     @cached_property
     def kinematics(self) -> InverseKinematics:
-        """Its inverse kinematics."""
+        """The inverse kinematics of the arm."""
         return InverseKinematics(self.chain)
 
     def world(self) -> CollisionWorld:
-        """Return a collision world that has compiled nothing yet."""
+        """Return a collision world in which no scene has been compiled."""
         usual = self.rest | dict(zip(self.chain.joint_names, HOME, strict=True))
         return CollisionWorld(self.model, GROUND, usual)
 
     def group(
         self, world: CollisionWorld, objects: tuple[SceneObject, ...], rules: Rules
     ) -> PlanningGroup:
-        """Return what looks at motions of the arm among objects."""
+        """Return the planning group of the arm among objects."""
         return world.group(
             self.chain.joint_names,
             Surroundings(
@@ -91,7 +93,7 @@ class Workcell:
         )
 
     def goals(self, T_root_flange: Array, start: Array) -> Array:
-        """Return all postures of a target with whole turns [rad], shape (n, 6)."""
+        """Return all postures of a target, with whole turns [rad], shape (n, 6)."""
         T_base_flange = self._T_base_root @ T_root_flange
         found = [
             windings(q, self.chain.joints, start)
@@ -102,7 +104,7 @@ class Workcell:
     def retreats(
         self, q: Array, T_root_flange: Array, length: float, group: PlanningGroup
     ) -> bool:
-        """Return whether the flange can be pulled back along its z axis, from ``q``."""
+        """Return whether the flange can retreat along its z axis from ``q``."""
         T, n = self._T_base_root @ T_root_flange, math.ceil(length / 0.02)
         for _ in range(n):
             T = T @ _at((0.0, 0.0, -0.02))
@@ -119,7 +121,7 @@ class Workcell:
 
 
 def state_of(item: SceneObject) -> ObjectState:
-    """Return where an object starts."""
+    """Return the state of an object at its start."""
     T = to_transform(item.pose)
     return ObjectState(item.name, T.position, T.quat_wxyz)
 
@@ -129,20 +131,24 @@ def state_of(item: SceneObject) -> ObjectState:
 
 @dataclass(frozen=True)
 class Site:
-    """A scene, and samplers of grasps in it."""
+    """A scene, and samplers of grasps in the scene."""
 
     objects: Boxes
     inside: Callable[[Rng], Array]
-    """A pose that is hard to reach: T_root_grasp, shape (4, 4)."""
+    """Function that returns a pose that is hard to reach: T_root_grasp, shape (4,
+    4)."""
     outside: Callable[[Rng], Array] | None = None
-    """Where else the arm may start; it starts at home otherwise."""
+    """Function that returns another start pose; None if the arm starts at home."""
     retreat: float = 0.0
-    """How far the grasp can be pulled straight back with the same posture [m]: the way
-    out is known to exist."""
+    """Distance by which the grasp can be retracted in a straight line with the same
+    posture [m].  The retraction guarantees that there is a way out."""
 
 
 def bookshelf(rng: Rng) -> Site:
-    """Return a shelf with nine compartments, things in them, and reaches into them."""
+    """Return a shelf with nine compartments and objects.
+
+    The grasps are inside the compartments.
+    """
     depth, width, height = 0.28, rng.uniform(0.9, 1.1), rng.uniform(0.26, 0.32)
     front = rng.uniform(0.48, 0.58)
     turn, low = rng.uniform(-0.4, 0.4), rng.uniform(-0.2, -0.1)
@@ -184,7 +190,10 @@ def bookshelf(rng: Rng) -> Site:
 
 
 def cage(rng: Rng) -> Site:
-    """Return a cage of bars around a small block, and reaches through the bars."""
+    """Return a cage of bars around a small block.
+
+    The grasps are between the bars.
+    """
     edge, bar = rng.uniform(0.38, 0.44), 0.02
     gap = rng.uniform(0.19, 0.22)
     x, y, z = rng.uniform(0.6, 0.68), rng.uniform(-0.2, 0.2), rng.uniform(0.15, 0.4)
@@ -216,7 +225,10 @@ def cage(rng: Rng) -> Site:
 
 
 def box(rng: Rng) -> Site:
-    """Return a deep open box with a thing in it, and reaches into it from above."""
+    """Return a deep open box with an object in it.
+
+    The grasps are inside the box, from above.
+    """
     length, width = rng.uniform(0.4, 0.5), rng.uniform(0.3, 0.4)
     depth, wall = rng.uniform(0.22, 0.3), 0.015
     x, y = rng.uniform(0.45, 0.6), rng.uniform(-0.3, 0.3)
@@ -255,7 +267,10 @@ def box(rng: Rng) -> Site:
 
 
 def table_pick(rng: Rng) -> Site:
-    """Return a table full of things, and reaches down between them."""
+    """Return a table with many objects.
+
+    The grasps are between the objects, from above.
+    """
     top = rng.uniform(-0.12, 0.0)
     x = 0.15 + 0.4 + rng.uniform(0.0, 0.05)
     still = np.eye(4)
@@ -287,7 +302,10 @@ def table_pick(rng: Rng) -> Site:
 
 
 def table_under(rng: Rng) -> Site:
-    """Return a table at the arm's height, and reaches under it from above it."""
+    """Return a table at the height of the arm.
+
+    The grasps are below the table, and the arm starts above it.
+    """
     top = rng.uniform(0.12, 0.22)
     near = rng.uniform(0.32, 0.38)
     still = np.eye(4)
@@ -324,8 +342,8 @@ SETS: dict[str, Callable[[Rng], Site]] = {
 def problems(name: str, n: int, seed: int = 0) -> Iterator[Problem]:
     """Yield ``n`` problems of a set whose start and target are free.
 
-    The straight way to the nearest posture is not free.  Half of them start at home,
-    if home is free, the others at another grasp.
+    The straight motion to the nearest posture is not free.  Half of the problems start
+    at home, if home is free.  All other problems start at another grasp.
     """
     cell = Workcell()
     rng = np.random.default_rng([seed, list(SETS).index(name)])
@@ -387,14 +405,17 @@ def _turned(angle: float, axis: str = "z") -> Array:
 
 
 def _forward(place: tuple[float, float, float], pitch: float) -> Array:
-    """Return a grasp along x, dipped by ``pitch`` [rad]; the fingers move along y."""
+    """Return a grasp along x that is tilted down by ``pitch`` [rad].
+
+    The fingers move along y.
+    """
     T = _at(place)
     T[:3, :3] = np.array([[0, 0, 1], [0, -1, 0], [1, 0, 0]])
     return T @ _turned(-pitch, axis="y")
 
 
 def _downward(place: tuple[float, float, float], turn: float) -> Array:
-    """Return a grasp from above, turned about the vertical."""
+    """Return a grasp from above, turned by ``turn`` [rad] about the vertical."""
     T = _at(place)
     T[:3, :3] = np.diag([1.0, -1.0, -1.0])
     return T @ _turned(turn)

@@ -1,4 +1,4 @@
-"""What it costs to start: time against ``import mujoco`` alone, and memory."""
+"""Measures start-up times, compared with ``import mujoco``, and memory."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ IMPORT_TOOL0 = [sys.executable, "-c", "import tool0"]
 
 @dataclass(frozen=True)
 class Cost:
-    """One process, from its start to its end."""
+    """Cost of one process, from its start to its end."""
 
     seconds: float
     megabytes: float
-    """Largest resident memory."""
+    """Largest resident memory [MB]."""
 
 
 def cost(command: list[str]) -> Cost:
-    """Run ``command`` to its end."""
+    """Run ``command`` to its end, and return its cost."""
     start = time.perf_counter()
     with Popen(command, stdout=DEVNULL) as process:
         _, status, usage = os.wait4(process.pid, 0)
@@ -39,14 +39,20 @@ def cost(command: list[str]) -> Cost:
 
 
 def start_ratio() -> float:
-    """Return bring-up to all controllers running, and out ÷ ``import mujoco``."""
-    cost(BRINGUP)  # byte-compiles
+    """Return the time of a bring-up divided by the time of ``import mujoco``.
+
+    The bring-up ends as soon as all controllers run.
+    """
+    cost(BRINGUP)  # compiles the bytecode
     pairs = [(cost(BRINGUP), cost(IMPORT)) for _ in range(ROUNDS)]
     return statistics.median(ours.seconds / bare.seconds for ours, bare in pairs)
 
 
 def import_ratio() -> float:
-    """Return ``import tool0`` ÷ ``import mujoco``, with Python's own start in both."""
+    """Return the time of ``import tool0`` divided by that of ``import mujoco``.
+
+    The times of both imports include the start of Python.
+    """
     pairs = [(cost(IMPORT_TOOL0), cost(IMPORT)) for _ in range(ROUNDS)]
     return statistics.median(ours.seconds / bare.seconds for ours, bare in pairs)
 
@@ -54,7 +60,8 @@ def import_ratio() -> float:
 def memory() -> float:
     """Return the resident memory of a headless run of ten seconds [MB].
 
-    A small process starts it: Linux counts the memory of the one that does.
+    A small process starts the run, because Linux also counts the memory of the starting
+    process.
     """
     return float(check_output([sys.executable, "-I", __file__], text=True))
 

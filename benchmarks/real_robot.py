@@ -1,8 +1,8 @@
-"""A real robot through a network that fails: rest after a cut, and errors by jitter.
+"""Measures a real robot through an unreliable network: stopping and path errors.
 
 usage: python benchmarks/real_robot.py [CUTS] [PATH_SECONDS]
 
-The robot is tool0's own UR controller in another process, a ur5 (125 Hz).
+The robot is a ur5 (125 Hz) that tool0's own UR controller simulates in another process.
 """
 
 from __future__ import annotations
@@ -22,17 +22,20 @@ from tool0.protocol.control_box_state import ProgramState
 
 JOINT = "shoulder_pan_joint"
 LEVER = 0.5
-"""Of the tool about that joint, about [m]."""
+"""Approximate distance of the tool from the joint's axis [m]."""
 SETTLING = 5.0
-"""In which tool0 learns how late the network is [wall s]."""
+"""Time in which tool0 measures the delay of the network [wall s]."""
 STILL = 0.01
-"""Speed of a joint that rests [rad/s]."""
+"""Speed below which a joint is at rest [rad/s]."""
 
 
 def cut_once(
     rig: RealRobotRig, chance: random.Random, *, silent: bool
 ) -> tuple[float, float]:
-    """Return the time from a cut to rest [s], and the largest later motion [rad]."""
+    """Return the time from a cut to rest [s], and a later motion [rad].
+
+    The motion is the largest motion after the connection is restored.
+    """
     speed = chance.uniform(0.005, 0.25) / LEVER  # [rad/s]
     here = rig.robot.joint_state.position[JOINT]
     to = here + (0.8 if here < 0.0 else -0.8)
@@ -84,7 +87,7 @@ def is_connected(rig: RealRobotRig) -> bool:
 
 
 def path_errors(rig: RealRobotRig, duration: float) -> tuple[float, float, int]:
-    """Return rms and largest distance of the arm from its path, and the stops [rad]."""
+    """Return the rms and the largest path error [rad], and the number of stops."""
     errors: list[float] = []
     stops = 0
     end = time.monotonic() + duration
@@ -97,7 +100,7 @@ def path_errors(rig: RealRobotRig, duration: float) -> tuple[float, float, int]:
         while not goal.status.is_terminal:
             try:
                 state = rig.robot.controller(name).state
-            except ControlError:  # it has stopped
+            except ControlError:  # the controller has stopped
                 break
             errors.append(max(map(abs, state.error.positions)))
             time.sleep(0.02)

@@ -1,11 +1,11 @@
-"""The same program simulated and on a real robot: joints at equal time, and the object.
+"""Compares a program in simulation and on a real robot: joints and the object.
 
 usage: python benchmarks/real_robot_program.py [RUNS]
 
-The robot is tool0's own UR controller in another process, with a table and a cube that
-tool0 does not know of.  Joints are compared at equal times of each path: a real robot
-starts a path some milliseconds later.  In the first run after a start, tool0 does not
-know yet how late the robot follows.
+The robot is simulated by tool0's own UR controller in another process, with a table and
+a cube that are not in tool0's scene.  Joints are compared at equal times of each path,
+because a real robot starts a path some milliseconds later.  In the first run after a
+start, tool0 has not yet measured the delay of the robot.
 """
 
 from __future__ import annotations
@@ -60,7 +60,8 @@ steps:
 
 
 Paths = list[tuple[Any, Any]]
-"""Of each path its times [s], shape (n,), and the joints there [rad], shape (n, 6)."""
+"""Times [s] of each path, shape (n,), and the joint positions at these times [rad],
+shape (n, 6)."""
 
 
 def main() -> None:
@@ -89,9 +90,10 @@ def main() -> None:
 
 
 def simulated() -> tool0.Robot:
-    """Return the robot in physics, from where the real one starts.
+    """Return the simulated robot in the start pose of the real robot.
 
-    Its description is that of ROS 2, as on a real robot: joints have accelerations.
+    The robot uses the description for ROS 2, like a real robot, so that its joints have
+    acceleration limits.
     """
     arm = "ur5"
     with tool0.bringup(arm=arm, realtime=False) as robot:
@@ -113,7 +115,7 @@ def run(robot: tool0.Robot, file: Path) -> None:
 
 @contextmanager
 def watched(robot: tool0.Robot) -> Iterator[list[Snapshot]]:
-    """Return a list that has the snapshots of a block when it ends."""
+    """Provide a list that contains a block's snapshots when the block ends."""
     subscription = robot.simulation.subscribe(125.0, keep_all=True, with_arms=True)
     seen: list[Snapshot] = []
     try:
@@ -139,7 +141,7 @@ def paths(robot: tool0.Robot, seen: list[Snapshot]) -> Paths:
 
 
 def compare(model: Paths, real: Paths) -> None:
-    """Print how the joints differ on each path."""
+    """Print how the joint positions differ on each path."""
     for k, ((times, joints), (at, measured)) in enumerate(
         zip(model, real, strict=True), 1
     ):

@@ -1,4 +1,4 @@
-"""What a recording costs: processor time and bytes, with a scene and a moving robot."""
+"""Measures the processor time and the size of a recording with a moving robot."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ ROUNDS = 5
 
 
 def recording_cost() -> tuple[float, float]:
-    """Return processor seconds and bytes of a recording, per simulated second.
+    """Return the processor time [s] and bytes of a recording, per simulated second.
 
-    In real time, of the whole process: the recorder's thread, and what the tick
-    computes for it.  Rounds with and without a recording alternate.
+    The processor time is that of the whole process in real time.  The processor time
+    includes the thread of the recorder and the additional work of the tick.  Rounds
+    with a recording and rounds without a recording alternate.
     """
     differences, rates = [], []
     targets = cycle((1.0, 1.8))
@@ -38,7 +39,7 @@ def recording_cost() -> tuple[float, float]:
 
 
 def _cpu_share(robot: tool0.Robot, target: float) -> float:
-    """Return processor seconds per wall second while the arm moves."""
+    """Return the processor time per wall time while the arm moves."""
     robot.move_joints({"elbow_joint": target, "shoulder_pan_joint": target}, speed=0.1)
     cpu, wall = time.process_time(), time.monotonic()
     time.sleep(SECONDS)

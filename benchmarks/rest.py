@@ -1,4 +1,4 @@
-"""How still the gripper is when nobody moves it, and how well its joints keep step."""
+"""Measures the gripper's motion at rest, and the errors of its mimic joints."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ import tool0
 OPENINGS = {"open": 0.085, "half": 0.040, "closed": 0.0}
 SETTLE, DURATION, SAMPLE = 2.0, 10.0, 0.008  # [s]
 SPEED = 0.8
-"""Of the finger while its mimic joints are watched [rad/s]."""
+"""Speed of the finger while its mimic joints are measured [rad/s]."""
 
 
 @dataclass(frozen=True)
 class MimicError:
-    """Largest departure of any mimic joint from its relation [rad]."""
+    """Largest deviation of any mimic joint from its relation [rad]."""
 
     moving: float
     at_rest: float
 
 
 def rms_velocity(opening: float, engine: str) -> float:
-    """Return the worst gripper joint's rms velocity over 10 s of rest [rad/s]."""
+    """Return the largest rms velocity of a gripper joint in 10 s of rest [rad/s]."""
     with tool0.bringup(engine=engine, realtime=False) as robot:
         robot.gripper.move(opening=opening).wait(5.0)
         robot.run(SETTLE)
@@ -37,7 +37,7 @@ def rms_velocity(opening: float, engine: str) -> float:
 
 
 def mimic_error(engine: str) -> MimicError:
-    """Move the finger at SPEED, and let it rest."""
+    """Measure the error while the finger moves at SPEED, and then at rest."""
     with tool0.bringup(engine=engine, realtime=False) as robot:
         finger = robot.gripper.geometry.joint
         controller = robot.controller("gripper_controller")

@@ -1,14 +1,14 @@
-"""Our steps against those of robosuite's ``Lift``, on one core.
+"""Compares tool0's speed with the speed of robosuite's ``Lift`` on one core.
 
-Both simulate a UR5e with a Robotiq 2F-85 at a table with a cube, in steps of 2 ms, with
-MuJoCo, and in every step compute the efforts of a joint position controller with
-gravity compensation for an arm that moves.  Neither renders.  robosuite makes its
-observations 20 times a simulated second, as ``Lift`` does by default; ours publishes a
-snapshot 125 times.
+tool0 and robosuite simulate a UR5e with a Robotiq 2F-85 at a table with a cube, with
+MuJoCo and steps of 2 ms.  In every step, both programs compute the efforts of a joint
+position controller with gravity compensation for a moving arm.  Neither program
+renders. robosuite makes its observations 20 times per simulated second, which is the
+default of ``Lift``; tool0 publishes a snapshot 125 times per simulated second.
 
-robosuite needs an older MuJoCo and numpy than ours.  It therefore gets an environment
-of its own in the user's cache folder, and runs in a process of its own.  The two take
-turns on one core.
+robosuite needs an older MuJoCo and NumPy than tool0.  Therefore, robosuite gets a
+separate environment in the user's cache folder, and runs in a separate process.  tool0
+and robosuite alternate on one core.
 """
 
 from __future__ import annotations
@@ -26,43 +26,46 @@ from pathlib import Path
 from subprocess import DEVNULL, PIPE, Popen
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:  # robosuite's environment has no tool0
+if TYPE_CHECKING:  # robosuite's environment does not contain tool0
     import tool0
 
 VERSION = "1.5.1"
 REQUIREMENTS = (f"robosuite=={VERSION}", "mujoco==3.3.2", "numpy<2")
 CONTROLLERS = ("JOINT_POSITION", "OSC_POSE")
-"""The second is the default of ``Lift``, and computes more."""
+"""Controllers of robosuite.  The second controller, OSC_POSE, is the default of
+``Lift`` and needs more computation."""
 INSTALL_TIMEOUT = 900.0  # [s]
 DT = 0.002
-"""The step of both [s]."""
+"""Length of a step of both programs [s]."""
 STEPS_PER_ACTION = 25
-"""Of robosuite, at 20 Hz."""
+"""Number of steps per action of robosuite, at 20 Hz."""
 ACTIONS = 40
-"""Of one measurement: 1000 steps, 2 simulated seconds."""
+"""Number of actions in one measurement, which is 1000 steps or 2 simulated seconds."""
 ROUNDS = 9
 PERIOD = 40
-"""Of the arms' motion, in actions."""
+"""Period of the arms' motion, in actions."""
 SWINGING = (1.0, 0.0, 0.0, 1.0, 1.0, 1.0)
-"""Which joints swing: the tool stays above the table, and touches nothing."""
+"""Amplitude factor of each joint.  With these amplitude factors, the tool remains above
+the table and touches nothing."""
 SWING = 0.05
-"""Amplitude of that [rad]: as far as robosuite's joints swing with actions of ±1."""
+"""Amplitude of the joints [rad].  The amplitude equals that of robosuite's joints with
+actions of ±1."""
 OSC_SWING = (0.0, 0.5, 0.0, 0.0, 0.0, 1.0)
-"""The same for ``OSC_POSE``: sideways, and about the tool's axis."""
+"""Amplitude factors for ``OSC_POSE``: sideways, and about the tool's axis."""
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
 
 class UnavailableError(Exception):
-    """robosuite cannot be installed, or imported, here."""
+    """Raised if robosuite cannot be installed or imported on this machine."""
 
 
 def speed_ratios() -> dict[str, float]:
-    """Return our steps/s ÷ robosuite's, for each of its controllers.
+    """Return tool0's steps/s divided by robosuite's, for each controller.
 
-    Blocks alternate; the median of all rounds.
+    The blocks of the programs alternate.  Each result is the median of all rounds.
 
     Raises:
-        UnavailableError: If robosuite cannot be installed, or imported.
+        UnavailableError: If robosuite cannot be installed or imported.
     """
     python = _environment()
     with _one_core(), _swinging() as ours, contextlib.ExitStack() as stack:
@@ -80,7 +83,7 @@ def speed_ratios() -> dict[str, float]:
 
 
 def _environment() -> Path:
-    """Return the Python of robosuite's environment, made if it is not there."""
+    """Return the Python of robosuite's environment, which is created if necessary."""
     from tool0.user_data import cache_folder
 
     folder = cache_folder() / "benchmarks" / f"robosuite-{VERSION}"
@@ -112,7 +115,7 @@ def _environment() -> Path:
 
 @contextlib.contextmanager
 def _one_core() -> Iterator[None]:
-    """Keep this process, and those that it starts, on one core."""
+    """Keep this process and the processes that it starts on one core."""
     cores = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {max(cores)})
     try:
@@ -123,7 +126,7 @@ def _one_core() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _swinging() -> Iterator[tool0.Robot]:
-    """Bring up our robot, and let it swing for all the measurements."""
+    """Bring up tool0's robot, which swings during all measurements."""
     import tool0
     from benchmarks.tick import arm_controllers
     from tool0.scene import Box, Pose, Scene, SceneObject
@@ -174,9 +177,10 @@ def _our_seconds(robot: tool0.Robot) -> float:
 
 @contextlib.contextmanager
 def _lift(python: Path, controller: str) -> Iterator[Popen[str]]:
-    """Start robosuite's process and wait until it is ready."""
+    """Start robosuite's process, and wait until it is ready."""
     process = Popen(
-        [str(python), "-I", __file__, controller],  # -I: this file hides no module
+        # -I: this file's folder must not hide modules
+        [str(python), "-I", __file__, controller],
         stdin=PIPE,
         stdout=PIPE,
         stderr=DEVNULL,
@@ -184,7 +188,7 @@ def _lift(python: Path, controller: str) -> Iterator[Popen[str]]:
         env={**os.environ, **ONE_THREAD},
     )
     try:
-        _seconds(process)  # compiles with numba
+        _seconds(process)  # compiles the functions with numba
         yield process
     finally:
         process.kill()
@@ -192,7 +196,7 @@ def _lift(python: Path, controller: str) -> Iterator[Popen[str]]:
 
 
 def _seconds(process: Popen[str]) -> float:
-    """Let robosuite do one block of steps, and return how long they took."""
+    """Request one block of steps from robosuite, and return its duration [s]."""
     assert process.stdin is not None
     assert process.stdout is not None
     process.stdin.write("\n")
@@ -204,7 +208,10 @@ def _seconds(process: Popen[str]) -> float:
 
 
 def _run_lift(controller: str) -> None:
-    """Step ``Lift`` by one block for each line of the input: in robosuite's process."""
+    """Step ``Lift`` by one block for each line of input.
+
+    This function runs in robosuite's process.
+    """
     import robosuite
     from robosuite.controllers import (
         load_composite_controller_config,

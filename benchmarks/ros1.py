@@ -1,8 +1,8 @@
-"""Latency from a command on a ROS topic to the joint's effort, beside rospy alone.
+"""Latency from a command on a ROS topic to a joint's effort, compared with rospy.
 
-Three processes: the robot in ROS, a client that commands it, and a plain node of rospy
-that receives the same messages on another topic.  Times are of the monotonic clock,
-which all processes of a machine share.
+There are three processes: the robot in ROS, a client that commands the robot, and a
+plain rospy node that receives the same messages on another topic.  Times are read from
+the monotonic clock, which all processes of a machine share.
 """
 
 from __future__ import annotations
@@ -25,23 +25,26 @@ JOINT = "shoulder_pan_joint"
 STEP = 0.1
 """Amplitude of the commands [rad]."""
 JUMP = 0.5
-"""Change of effort within a tick that only a command causes [N·m]."""
+"""Smallest change of effort within a tick that only a command causes [N·m]."""
 PAUSE = 0.1
-"""Between commands [s]."""
+"""Time between two commands [s]."""
 
 
 @dataclass(frozen=True)
 class Latency:
-    """From before ``publish`` in the client [s]."""
+    """Latencies from the call of ``publish`` in the client [s]."""
 
     p50: float
     p99: float
     plain_p50: float
-    """Until a node that does nothing else receives the message."""
+    """Latency until a node that has no other work receives the message [s]."""
 
 
 def latency() -> Latency:
-    """Measure it in separate processes: rospy allows one node in each."""
+    """Measure the latencies in separate processes.
+
+    rospy allows only one node in each process.
+    """
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -49,7 +52,7 @@ def latency() -> Latency:
         **os.environ,
         "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
         "ROS_IP": "127.0.0.1",
-        "TOOL0_KERNEL": "python",  # the engine is watched at each step
+        "TOOL0_KERNEL": "python",  # the engine's efforts are observed in each step
     }
     answer = subprocess.run(
         [sys.executable, __file__, "robot"],
@@ -68,7 +71,10 @@ def latency() -> Latency:
 
 
 def _delays(sent: Sequence[float], seen: Sequence[float]) -> list[float]:
-    """Return the delay from each command to the next event, unless it is too late."""
+    """Return the delay from each command to the next event [s].
+
+    Delays longer than PAUSE are omitted.
+    """
     found = []
     for start in sent:
         after = min((when for when in seen if when > start), default=None)
@@ -80,7 +86,7 @@ def _delays(sent: Sequence[float], seen: Sequence[float]) -> list[float]:
 
 
 def _robot() -> None:
-    """Run the robot; print the times of commands, jumps of effort, and receptions."""
+    """Run the robot, and print the times of commands, effort changes and receptions."""
     from tool0.ros1.bridge import Ros1Bridge
     from tool0.ros1.options import Ros1Options
 
@@ -114,7 +120,7 @@ def _start(role: str) -> subprocess.Popen[str]:
 
 
 def _listener() -> None:
-    """Record the reception times until standard input ends."""
+    """Record the times of reception until standard input ends."""
     import rospy
     from trajectory_msgs.msg import JointTrajectory
 
@@ -128,7 +134,10 @@ def _listener() -> None:
 
 
 def _client() -> None:
-    """Move the joint to and fro, by the controller's topic and by the plain one."""
+    """Move the joint back and forth through the controller's topic.
+
+    Each message is also published on the plain topic.
+    """
     import rospy
     from sensor_msgs.msg import JointState
     from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint

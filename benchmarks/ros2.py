@@ -1,7 +1,7 @@
-"""What ROS 2 costs: age of joint states, steps/s, latency of a command, start-up.
+"""Measures the costs of ROS 2: age of joint states, speed, latency and start-up.
 
-The robot runs in this process, the node and a client of rclpy in others.  Times are of
-the monotonic clock, which all processes of a machine share.
+The robot runs in this process, and the node and an rclpy client run in other processes.
+Times are read from the monotonic clock, which all processes of a machine share.
 """
 
 from __future__ import annotations
@@ -27,42 +27,42 @@ from tool0.server.server import Server, UnixSocketService
 NAME = f"benchmark-ros2-{os.getpid()}"
 DOMAIN = 97
 ARM = "ur5e"
-RATE = 500.0  # [Hz] of its updates
+RATE = 500.0  # rate of the robot's updates [Hz]
 N_STATES = 5000
 N_COMMANDS = 200
 JOINT = "shoulder_pan_joint"
 JUMP = 0.5
-"""Change of effort within a tick that only a command causes [N·m]."""
+"""Smallest change of effort within a tick that only a command causes [N·m]."""
 PAUSE = 0.1
-"""Between commands, as in ``ros2_client.py`` [wall s]."""
+"""Time between two commands, the same as in ``ros2_client.py`` [wall s]."""
 ROUNDS = 5
 SECONDS = 2.0
-"""Of one measurement of speed [wall s]."""
+"""Duration of one measurement of speed [wall s]."""
 CONTROLLERS = ("joint_state_broadcaster", "joint_trajectory_controller")
 CLIENT = Path(__file__).with_name("ros2_client.py")
 
 
 @dataclass(frozen=True)
 class States:
-    """/joint_states at one subscriber."""
+    """Messages of /joint_states at one subscriber."""
 
     rate: float
-    """Mean rate of the messages [Hz of wall time]."""
+    """Mean rate of the messages in wall time [Hz]."""
     p50: float
-    """Age on reception: from the end of the tick [s]."""
+    """Median age at reception, from the end of the tick [s]."""
     p99: float
 
 
 @dataclass(frozen=True)
 class Latency:
-    """From before ``publish`` in a client to the effort of the joint [s]."""
+    """Latency from calling ``publish`` in a client to the effort of the joint [s]."""
 
     p50: float
     p99: float
 
 
 def joint_states() -> States:
-    """Measure the rate and the age of joint states, the robot holding still."""
+    """Measure the rate and the age of joint states while the robot is at rest."""
     with _robot(realtime=True) as robot:
         published: list[tuple[float, float]] = []
         simulation = robot.simulation
@@ -88,7 +88,7 @@ def joint_states() -> States:
 
 
 def latency() -> Latency:
-    """Measure it as ``benchmarks/ros1.py`` does."""
+    """Measure the latency like ``benchmarks/ros1.py`` does."""
     with _robot(realtime=True) as robot:
         index = robot.snapshot.joint_names.index(JOINT)
         jumps: list[float] = []
@@ -116,10 +116,13 @@ def latency() -> Latency:
 
 
 def speed_ratio(*, realtime: bool) -> float:
-    """Return simulated time per wall time with the node ÷ without it.
+    """Return the simulation speed with the node divided by that without the node.
 
-    In real time, late ticks would lower it; otherwise the simulation runs as fast as it
-    can.  Rounds alternate; the median of the ratios is taken.
+    The speed is simulated time per wall time.
+
+    In real time, late ticks would lower the ratio.  If it is not in real time, the
+    simulation runs as fast as possible.  Rounds with the node and without the node
+    alternate, and the result is the median of the ratios.
     """
     with _robot(realtime=realtime) as robot:
         ratios = []
@@ -133,7 +136,7 @@ def speed_ratio(*, realtime: bool) -> float:
 def start_seconds() -> float:
     """Return the time from ``bringup --ros2`` until all controllers are active [s].
 
-    As a client sees it that runs already.
+    A client that is already running measures the time.
     """
     with _client("active", *CONTROLLERS) as client:
         assert client.stdout is not None
@@ -152,7 +155,7 @@ def start_seconds() -> float:
 
 @contextlib.contextmanager
 def _robot(*, realtime: bool) -> Iterator[tool0.Robot]:
-    """Bring a robot up that other processes can reach."""
+    """Bring up a robot to which other processes can connect."""
     with tool0.bringup(arm=ARM, ros2_control=True, realtime=realtime) as robot:
         service = UnixSocketService(Claim(NAME))
         with Server(backend_of(robot.channel), [service], NAME):

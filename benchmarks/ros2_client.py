@@ -1,7 +1,7 @@
-"""The rclpy side of the benchmark of ROS 2: it runs under ROS 2's Python.
+"""The rclpy side of the ROS 2 benchmark, which runs under ROS 2's Python.
 
-Times are of the monotonic clock, which all processes of a machine share.  Each role
-prints one JSON value.
+Times are read from the monotonic clock, which all processes of a machine share.  Each
+role prints one JSON value.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 CONTROLLER = "/joint_trajectory_controller"
 JOINT = "shoulder_pan_joint"
 ARM = ("shoulder_", "elbow_", "wrist_")
-"""How the names of the arm's joints begin."""
+"""Prefixes of the names of the arm's joints."""
 STEP = 0.1
 """Amplitude of the commands [rad]."""
 DURATION = Duration(nanosec=500_000_000)
 PAUSE = 0.1
-"""Between commands [wall s]."""
+"""Time between two commands [wall s]."""
 SKIPPED = 250
-"""First messages of a subscription, which are not counted."""
+"""Number of first messages of a subscription that are not counted."""
 
 
 def states(node: Node, count: str) -> list[list[float]]:
-    """Return stamp [s] and time of reception [s] of messages on /joint_states."""
+    """Return the stamps [s] and reception times [s] of messages on /joint_states."""
     received: list[list[float]] = []
 
     def receive(message: Any) -> None:
@@ -47,7 +47,7 @@ def states(node: Node, count: str) -> list[list[float]]:
 
 
 def commands(node: Node, count: str) -> list[float]:
-    """Move a joint to and fro; return when the commands were sent [s]."""
+    """Move a joint back and forth, and return the times of the commands [s]."""
     states: list[Any] = []
     subscription = node.create_subscription(
         JointState, "/joint_states", states.append, 1
@@ -74,7 +74,10 @@ def commands(node: Node, count: str) -> list[float]:
 
 
 def active(node: Node, *controllers: str) -> float:
-    """Return when all controllers are active [s]; ready at once before that."""
+    """Return the time at which all controllers are active [s].
+
+    Print "ready" when the client is ready.
+    """
     client = node.create_client(ListControllers, "/controller_manager/list_controllers")
     print("ready", flush=True)
     while True:
@@ -88,7 +91,7 @@ def active(node: Node, *controllers: str) -> float:
 
 
 def flood_topic(node: Node) -> None:
-    """Publish trajectories as fast as possible, without an end."""
+    """Publish trajectories as fast as possible, without end."""
     publisher = node.create_publisher(
         JointTrajectory, f"{CONTROLLER}/joint_trajectory", 10
     )
@@ -103,7 +106,7 @@ def flood_topic(node: Node) -> None:
 
 
 def flood_service(node: Node) -> None:
-    """Call a service as fast as possible, without an end."""
+    """Call a service as fast as possible, without end."""
     client = node.create_client(ListControllers, "/controller_manager/list_controllers")
     client.wait_for_service()
     waiting = [client.call_async(ListControllers.Request()) for _ in range(20)]

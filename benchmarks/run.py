@@ -1,4 +1,4 @@
-"""Run every benchmark and print it beside what it must reach: ``make bench``."""
+"""Run every benchmark, and print its result with its bound: ``make bench``."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ from tool0.installation.ros2.installation import find_ros2
 
 N_HANDOVERS = 20
 N_PLANS = 20
-"""Of each set; ``benchmarks/planning.py`` takes 100."""
+"""Number of problems of each set.  ``benchmarks/planning.py`` uses 100."""
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One measured number, with its bound and its aim."""
+    """A measured value, with its bound and its aim."""
 
     name: str
     value: float
@@ -58,7 +58,12 @@ class Figure:
 
     @property
     def holds(self) -> bool:
-        """Whether the bound is kept; whether more or less is better tells the aim."""
+        """Whether the bound is kept.
+
+        If the aim is greater than the bound, the value must not be less than the bound.
+        If the aim is smaller than the bound, the value must not be greater than the
+        bound.
+        """
         if self.aim >= self.bound:
             return self.value >= self.bound
         return self.value <= self.bound
@@ -70,7 +75,7 @@ class Figure:
 
 
 def figures() -> Iterator[Figure]:
-    """Measure one after the other."""
+    """Measure the figures one after another."""
     yield from _speed_figures()
     many = batch.cost()
     name = f"batch of {batch.N_COPIES} on {batch.THREADS} threads: steps/s ÷ raw"
@@ -317,7 +322,7 @@ def _panel_figures() -> Iterator[Figure]:
 
 
 def main() -> int:
-    """Print a table; return 1 if a bound was missed."""
+    """Print a table, and return 1 if a bound was missed."""
     print(f"{'figure':<58} {'measured':>10} {'bound':>10} {'aim':>10}")
     missed = 0
     for figure in figures():

@@ -1,7 +1,8 @@
-"""One environment of ``tool0/Lift-v0`` beside those of others, and beside its images.
+"""Compares one environment ``tool0/Lift-v0`` with others and with its images.
 
-Processor time per action with random actions; the environments take turns, each in a
-process of its own.  The others are installed in environments of your own:
+The measured quantity is the processor time per action with random actions.  The
+environments alternate, each in a separate process.  Install the other environments in
+separate virtual environments:
 
     python -m venv fetch && fetch/bin/pip install gymnasium-robotics "mujoco<=3.10"
     python -m venv suite && suite/bin/pip install robosuite==1.5.2 "numpy<2"
@@ -25,7 +26,7 @@ from subprocess import PIPE, Popen
 import numpy as np
 
 ACTIONS = 50
-"""Number of actions in a measurement, an episode."""
+"""Number of actions in one measurement, which is one episode."""
 COPIES = 8
 """Number of copies whose images are measured."""
 DT = "0.002"
@@ -62,7 +63,10 @@ def main() -> None:
 
 
 def images_ratio(rounds: int = 15) -> float:
-    """Return time of images of 96 by 96 pixels ÷ that of an action; the median."""
+    """Return the median time of images, divided by the time of an action.
+
+    The images have 96 by 96 pixels.
+    """
     import gymnasium
 
     options = {"num_envs": COPIES, "threads": 1}
@@ -86,13 +90,14 @@ def images_ratio(rounds: int = 15) -> float:
 
 
 def _times(commands: dict[str, list[str]], rounds: int) -> dict[str, list[float]]:
-    """Return processor time per action [ms] of each command, by round."""
+    """Return the processor time per action [ms] of each command, for each round."""
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     with ExitStack() as stack:
         processes = {
             name: stack.enter_context(
                 Popen(
-                    [python, "-I", __file__, "--serve", *words],  # hides no module
+                    # -I: this file's folder must not hide modules
+                    [python, "-I", __file__, "--serve", *words],
                     stdin=PIPE,
                     stdout=PIPE,
                     stderr=subprocess.DEVNULL,
@@ -106,7 +111,7 @@ def _times(commands: dict[str, list[str]], rounds: int) -> dict[str, list[float]
         for number in range(rounds + 1):
             for name, process in processes.items():
                 value = _next(name, process)
-                if number:  # the first one warms up
+                if number:  # the first value is a warm-up
                     found[name].append(value)
         for process in processes.values():
             process.kill()
@@ -125,7 +130,10 @@ def _next(name: str, process: Popen[str]) -> float:
 
 
 def _serve(kind: str, *words: str) -> None:
-    """Play one episode per line of the input: in the process of an environment."""
+    """Run one episode for each line of input.
+
+    This function runs in the process of an environment.
+    """
     step, reset, width = {
         "tool0": _ours,
         "fetch": _fetch,
@@ -145,7 +153,8 @@ def _serve(kind: str, *words: str) -> None:
 
 
 Environment = tuple[Callable[[np.ndarray], bool], Callable[[int], object], int]
-"""Acts and returns whether the episode ends; starts one; and the width of actions."""
+"""Function that executes an action and returns whether the episode ends, function that
+starts an episode, and number of components of an action."""
 
 
 def _ours(*words: str) -> Environment:

@@ -1,7 +1,8 @@
-"""How long the reply to an emergency stop takes while other clients flood the robot.
+"""Measures the delay of an emergency stop while other clients flood the robot.
 
-The robot, the flooding clients and the one that stops are processes of their own.
-Rounds with and without floods alternate, so that the ratios are of the same machine.
+The robot, the flooding clients and the stopping client run in separate processes.
+Rounds with floods and rounds without floods alternate, so that each ratio compares
+measurements under the same conditions.
 """
 
 from __future__ import annotations
@@ -32,45 +33,45 @@ from tool0.installation.ros2.installation import find_ros2
 CLIENT = Path(__file__).with_name("flooding_client.py")
 ROS2_CLIENT = Path(__file__).with_name("ros2_client.py")
 N_STOPS = 60
-"""Of one round."""
+"""Number of stops in one round."""
 ROUNDS = 4
 PAUSE = 0.01
-"""Longest one between two stops [wall s]."""
+"""Longest pause between two stops [wall s]."""
 SETTLE = 1.0
-"""From the start of a flood to the first stop that counts, and from its end to the
-next round [wall s]."""
+"""Time from the start of a flood to the first stop that is measured, and from the end
+of a flood to the next round [wall s]."""
 TIMEOUT = 60.0
 """Longest wait for a reply [wall s]."""
 COUNTS = (4, 20)
-"""Flooding clients."""
+"""Numbers of flooding clients."""
 UR_COUNTS = (4, 16)
-"""The same: a port of a UR takes no more."""
+"""Numbers of flooding clients of a UR.  A port of a UR accepts no more clients."""
 SOCKET, PAGE = "socket", "WebSocket"
 DASHBOARD_PORT = 29999
 UR_HOST = "127.19.29.40"
 ROS2_DOMAIN = 98
 
 Command = tuple[Sequence[str], Mapping[str, str] | None]
-"""Of a flooding client, and its environment if it needs one of its own."""
+"""Command of a flooding client, and its environment variables if they differ."""
 
 
 @dataclass(frozen=True)
 class Robot:
-    """A bring-up in a process of its own."""
+    """A bring-up in a separate process."""
 
     socket: str
-    """Path of its Unix socket."""
+    """Path of the bring-up's Unix socket."""
     page: str
-    """Address of its panel."""
+    """Address of the bring-up's panel."""
 
     def address(self, transport: str) -> str:
-        """Return where clients connect."""
+        """Return the address to which clients connect."""
         return self.socket if transport == SOCKET else self.page
 
 
 @dataclass(frozen=True)
 class Delays:
-    """From before a stop is sent until its reply has arrived [wall s]."""
+    """Time from sending a stop until its reply is received [wall s]."""
 
     p50: float
     p99: float
@@ -84,12 +85,12 @@ class Delays:
         )
 
     def over(self, other: Delays) -> Delays:
-        """Return the ratios to another's."""
+        """Return the ratios to other delays."""
         return Delays(p50=self.p50 / other.p50, p99=self.p99 / other.p99)
 
 
 class Stopper:
-    """A client that presses and releases the emergency stop, and does nothing else."""
+    """A client that only presses and releases the emergency stop."""
 
     def __init__(self, address: str) -> None:
         self._address = address
@@ -99,7 +100,7 @@ class Stopper:
         assert next(self._answers)["type"] == "hello"
 
     def press(self) -> float:
-        """Stop, and release; return how long the reply to the stop took [wall s]."""
+        """Stop and release.  Return the delay of the reply to the stop [wall s]."""
         start = time.perf_counter()
         self._ask(engaged=True)
         delay = time.perf_counter() - start
@@ -129,7 +130,7 @@ class Stopper:
             elif size == 127:
                 (size,) = struct.unpack(">Q", stream.read(8))
             payload = stream.read(size)
-            if header[0] & 0x0F == 1:  # not a ping
+            if header[0] & 0x0F == 1:  # the message is not a ping
                 yield json.loads(payload)
 
 
@@ -142,7 +143,7 @@ class DashboardStopper:
             try:
                 self._peer = socket.create_connection((host, DASHBOARD_PORT), TIMEOUT)
                 break
-            except ConnectionRefusedError:  # it still starts
+            except ConnectionRefusedError:  # the server is still starting
                 if time.monotonic() > deadline:
                     raise
                 time.sleep(0.1)
@@ -150,7 +151,7 @@ class DashboardStopper:
         self._lines.readline()
 
     def press(self) -> float:
-        """Stop; return how long the answer took [wall s]."""
+        """Stop, and return the delay of the answer [wall s]."""
         start = time.perf_counter()
         self._peer.sendall(b"stop\n")
         assert self._lines.readline() == b"Stopped\n"
@@ -163,13 +164,16 @@ class DashboardStopper:
 def clients(
     address: str, count: int, kinds: Sequence[str] = tuple(KINDS)
 ) -> list[Command]:
-    """Return clients that send something of every kind to one address."""
+    """Return clients that send messages of all kinds to one address."""
     script = (sys.executable, "-S", str(CLIENT))
     return [((*script, kinds[k % len(kinds)], address), None) for k in range(count)]
 
 
 def over_own_transport(transport: str) -> dict[str, Delays]:
-    """Measure stops while clients flood the same transport: number → ratios."""
+    """Measure stops while clients flood the same transport.
+
+    The result contains the ratios by number of clients.
+    """
     with bringup() as robot:
         address = robot.address(transport)
         loads = {str(n): clients(address, n) for n in COUNTS}
@@ -177,10 +181,10 @@ def over_own_transport(transport: str) -> dict[str, Delays]:
 
 
 def over_ur(name: str) -> dict[str, Delays]:
-    """Measure a UR's ``stop`` and emergency stops while clients flood RTDE.
+    """Measure a UR's ``stop`` or emergency stops while clients flood RTDE.
 
     Args:
-        name: ``dashboard`` or ``socket``: of the client that stops.
+        name: Interface of the client that stops: ``dashboard`` or ``socket``.
     """
     with bringup("--arm", "ur5e", "--ur", "--ur-host", UR_HOST) as robot:
         address, kinds = f"rtde://{UR_HOST}", tuple(RTDE_KINDS)
@@ -191,7 +195,10 @@ def over_ur(name: str) -> dict[str, Delays]:
 
 
 def over_ros2() -> dict[str, Delays]:
-    """Measure emergency stops by socket while ROS 2 is flooded: what → ratios."""
+    """Measure emergency stops by socket while ROS 2 is flooded.
+
+    The result contains the ratios by the kind of flood.
+    """
     ros2 = find_ros2()
     assert ros2 is not None
     settings = {
@@ -211,7 +218,10 @@ def over_ros2() -> dict[str, Delays]:
 def ratios(
     stopper: Stopper | DashboardStopper, loads: Mapping[str, Sequence[Command]]
 ) -> dict[str, Delays]:
-    """Return for each load the delays ÷ those without it, in the same minutes."""
+    """Return the delays with each load, divided by the delays without a load.
+
+    The delays with and without a load are measured in the same minutes.
+    """
     alone: list[float] = []
     flooded: dict[str, list[float]] = {name: [] for name in loads}
     stopper.press()
@@ -232,14 +242,15 @@ def ratios(
 def _presses(stopper: Stopper | DashboardStopper) -> list[float]:
     delays = []
     for _ in range(N_STOPS):
-        time.sleep(random.uniform(0.0, PAUSE))  # not in step with the server
+        # prevents synchronization with the server
+        time.sleep(random.uniform(0.0, PAUSE))
         delays.append(stopper.press())
     return delays
 
 
 @contextlib.contextmanager
 def flooding(load: Sequence[Command]) -> Iterator[None]:
-    """Let clients flood until the end, each in a process of its own."""
+    """Run flooding clients in this context, each in a separate process."""
     processes = [
         Popen(command, stdout=PIPE, text=True, env=environment)
         for command, environment in load
@@ -259,7 +270,7 @@ def flooding(load: Sequence[Command]) -> Iterator[None]:
 def bringup(
     *options: str, environment: Mapping[str, str] | None = None
 ) -> Iterator[Robot]:
-    """Run a bring-up with its panel, in real time."""
+    """Run a bring-up with its panel in real time."""
     name = f"benchmark-stop-{os.getpid()}"
     command = [sys.executable, "-m", "tool0", "bringup", "--name", name, "--no-open"]
     command += ["--panel-port", "0", *options]
@@ -291,7 +302,7 @@ MEASURED: Final[Mapping[str, Callable[[], dict[str, Delays]]]] = {
     "socket, RTDE flood": partial(over_ur, "socket"),
     "socket, ROS 2 flood": over_ros2,
 }
-"""What stops, and what floods → what measures it."""
+"""Functions that measure stops, by the stopping client and the kind of flood."""
 
 
 if __name__ == "__main__":

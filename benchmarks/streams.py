@@ -1,4 +1,4 @@
-"""What subscribers in other processes cost the tick."""
+"""Measures how subscribers in other processes slow the tick."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ with tool0.connect(sys.argv[1]) as robot:
 
 
 def tick_cost_ratio(readers: int, rate: float) -> float:
-    """Return the CPU time of the tick's thread with ``readers`` ÷ with none.
+    """Return the ratio of the tick's CPU time with ``readers`` and without readers.
 
-    In real time, per simulated second; rounds with and without readers alternate, and
-    the median of the ratios is taken.
+    The times are measured in real time, per simulated second.  Rounds with readers and
+    rounds without readers alternate, and the result is the median of the ratios.
 
     Args:
-        readers: Processes that read every snapshot.
-        rate: Snapshots per simulated second of each [Hz].
+        readers: Number of processes that read every snapshot.
+        rate: Rate at which each process gets snapshots, in simulated time [Hz].
     """
     service = UnixSocketService(Claim(NAME))
     with (
@@ -54,7 +54,7 @@ def tick_cost_ratio(readers: int, rate: float) -> float:
 
 
 def _tick_cpu(robot: tool0.Robot) -> float:
-    """Return CPU seconds of the tick's thread per simulated second."""
+    """Return the CPU time of the tick's thread per simulated second [s]."""
     (thread,) = (t for t in threading.enumerate() if t.name == "tool0 loop")
     assert thread.ident is not None
     clock = time.pthread_getcpuclockid(thread.ident)
@@ -65,7 +65,7 @@ def _tick_cpu(robot: tool0.Robot) -> float:
 
 @contextlib.contextmanager
 def _reading(readers: int, rate: float) -> Iterator[None]:
-    """Let processes read until the end."""
+    """Run processes that read until the context ends."""
     command = [sys.executable, "-c", READER, NAME, str(rate)]
     processes = [Popen(command, stdout=PIPE, text=True) for _ in range(readers)]
     try:

@@ -1,4 +1,4 @@
-"""How often a policy solves a task: many episodes at once."""
+"""Measures the success rate of a policy, with many parallel episodes."""
 
 from __future__ import annotations
 
@@ -15,28 +15,28 @@ import tool0.gym  # noqa: F401  # registers the tasks
 from tool0.policy.report import wilson
 
 COPIES = 10
-"""Episodes at once: they go on until the last of them ends."""
+"""Number of parallel episodes.  All episodes continue until the last episode ends."""
 
 Act = Callable[[NDArray[np.float64]], NDArray[np.floating]]
-"""From observations (n, m) to actions (n, k)."""
+"""Function that returns actions (n, k) for observations (n, m)."""
 
 
 @dataclass(frozen=True)
 class Rate:
-    """Successes of n episodes."""
+    """Successes in n episodes."""
 
     n: int
     n_succeeded: int
     actions: float
-    """Mean number of actions of those that succeeded; NaN if none did."""
+    """Mean number of actions of the successful episodes; NaN if there are none."""
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Wilson's interval of the rate, at 95 %."""
+        """Wilson's interval of the success rate at 95 %."""
         return wilson(self.n_succeeded, self.n)
 
     def as_json(self) -> dict[str, Any]:
-        """Return it as plain values."""
+        """Return the results as plain values."""
         return {
             "evaluated": self.n,
             "succeeded": self.n_succeeded,
@@ -51,13 +51,15 @@ def rate(
     policy: Callable[[gymnasium.vector.VectorEnv], Act],
     **options: object,
 ) -> Rate:
-    """Return how many episodes of a task succeed, one for each seed.
+    """Return the successes of a policy in a task, with one episode for each seed.
 
     Args:
-        task: Such as ``Lift``.
-        seeds: Of the episodes, without gaps.
-        policy: Makes a function of observations for an environment that begins.
-        options: Keywords of the environment.
+        task: Name of the task, such as ``Lift``.
+        seeds: Seeds of the episodes, without gaps.
+        policy: Function that returns a policy, which is a function from observations to
+            actions.  The function is called with an environment before the
+            environment's episodes begin.
+        options: Keyword arguments of the environment.
     """
     steps: list[int] = []
     for first in seeds[::COPIES]:

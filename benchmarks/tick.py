@@ -1,4 +1,4 @@
-"""How much of the engine's speed is left under the control stack."""
+"""Measures the fraction of the engine's speed that the control stack reaches."""
 
 from __future__ import annotations
 
@@ -14,19 +14,20 @@ from tool0.engines.mujoco.engine import MujocoEngine
 from tool0.protocol.controllers import Role
 
 BLOCK = 500
-"""Steps of one measurement: so few that raw steps, whose efforts are constant, do not
-take the arm elsewhere."""
+"""Number of steps in one measurement.  The number is small, so that the arm does not
+move far in raw steps, in which the efforts are constant."""
 ROUNDS = 61
 SETTLE = 1.0  # [s]
 TARGET = (0.5, -1.1708, 1.0708, -0.9708, -1.0708, 1.0)
 
 
 def speed_ratio(*, moving: bool, **options: Any) -> float:
-    """Return simulated steps/s of a bring-up, the default one, ÷ raw ``mj_step``.
+    """Return the steps/s of a bring-up, divided by those of ``mj_step``.
 
-    Blocks alternate, on one compiled model, from one state, so that both meet the same
-    contacts and the same neighbours on the machine; the median of all rounds.
-    ``options`` are those of ``tool0.bringup``.
+    Blocks of both kinds alternate with one compiled model.  The blocks start from the
+    same state, so that both kinds of blocks have the same contacts, and so that other
+    programs on the machine slow down both kinds equally.  The result is the median of
+    all rounds.  ``options`` are the options of ``tool0.bringup``.
     """
     with tool0.bringup(realtime=False, **options) as robot:
         robot.run(SETTLE)
@@ -43,10 +44,11 @@ def speed_ratio(*, moving: bool, **options: Any) -> float:
 
 
 def speed_against_original() -> float:
-    """Return steps/s, holding, as fast as possible ÷ those of the original system.
+    """Return the steps/s of a robot at rest, relative to the original system.
 
-    Its figure was recorded on a machine with nothing else to do: ours is that of the
-    fastest block.
+    The simulation runs as fast as possible.  The steps/s of the original system were
+    recorded on a machine without other load.  Therefore, the fastest block of tool0 is
+    used.
     """
     with tool0.bringup(realtime=False) as robot:
         robot.run(SETTLE)
@@ -66,14 +68,14 @@ def arm_controllers(robot: tool0.Robot) -> list[tool0.ControllerHandle]:
 
 
 def _seconds(robot: tool0.Robot) -> float:
-    """Time a block of ours."""
+    """Time a block of tool0's steps [s]."""
     start = time.perf_counter()
     robot.run(BLOCK * robot.engine.dt)
     return time.perf_counter() - start
 
 
 def _raw_seconds(engine: MujocoEngine) -> float:
-    """Time ``mj_step`` alone, and put the state back."""
+    """Time ``mj_step`` alone, and restore the state."""
     model, data = engine.model, engine.data
     state = data.qpos.copy(), data.qvel.copy(), data.qacc_warmstart.copy()
     start = time.perf_counter()

@@ -1,7 +1,7 @@
-"""What the UR interface costs: age of RTDE's samples, steps/s, latency, connecting.
+"""Measures the costs of the UR interface: sample age, speed, latency, connecting.
 
-The robot runs in this process, the interface and ur_rtde in others.  Times are of the
-monotonic clock, which all processes of a machine share.
+The robot runs in this process, and the interface and ur_rtde run in other processes.
+Times are read from the monotonic clock, which all processes of a machine share.
 """
 
 from __future__ import annotations
@@ -23,37 +23,39 @@ import tool0
 
 HOST = "127.19.29.39"
 ARM = "ur5e"
-RATE = 500.0  # [Hz] of its updates
+RATE = 500.0  # rate of the robot's updates [Hz]
 N_SAMPLES = 5000
 LATE = 1e-3
-"""A sample that arrives later than this after its tick counts as late [s]."""
+"""Delay after its tick above which a sample is considered late [s]."""
 N_TARGETS = 200
 JOINT = "wrist_3_joint"
 CHANGE = 0.0015
-"""Of effort in a tick that only a new target causes: else it is a tenth [N·m]."""
+"""Smallest change of effort in a tick that only a new target causes [N·m].  Without a
+new target, the change is a tenth of this value."""
 LONGEST = 0.05
-"""A target without effect after this is an error [s]."""
+"""Delay after which a target without effect is an error [s]."""
 N_CONNECTIONS = 5
 ROUNDS = 5
 SECONDS = 2.0
-"""Of one measurement of speed [wall s]."""
+"""Duration of one measurement of speed [wall s]."""
 CLIENT = Path(__file__).with_name("ur_client.py")
 
 
 @dataclass(frozen=True)
 class Samples:
-    """RTDE's output at one client."""
+    """Output of RTDE at one client."""
 
     in_time: float
-    """Share of the robot's updates that arrived at most ``LATE`` after their tick."""
+    """Share of the robot's updates that are received at most ``LATE`` after their
+    tick."""
     p50: float
-    """Age on reception: from the end of the tick [s]."""
+    """Median age at reception, from the end of the tick [s]."""
     p99: float
 
 
 @dataclass(frozen=True)
 class Latency:
-    """From before ``servoJ`` in a client to the effort of the joint [s]."""
+    """Latency from calling ``servoJ`` in a client to the effort of the joint [s]."""
 
     p50: float
     p99: float
@@ -61,14 +63,14 @@ class Latency:
 
 @dataclass(frozen=True)
 class Connecting:
-    """Until the constructor of a client returns [s]; medians."""
+    """Median times until the constructor of a client returns [s]."""
 
     receive: float
     control: float
 
 
 def samples() -> Samples:
-    """Measure the age of RTDE's samples at 500 Hz, the robot holding still."""
+    """Measure the age of RTDE's samples at 500 Hz while the robot is at rest."""
     with _robot(realtime=True) as robot:
         published: list[tuple[float, float]] = []
         simulation = robot.simulation
@@ -94,7 +96,7 @@ def samples() -> Samples:
 
 
 def latency() -> Latency:
-    """Measure how fast the steps of a stream of servoJ act."""
+    """Measure how fast changes in a stream of servoJ targets take effect."""
     with _robot(realtime=True) as robot:
         index = robot.snapshot.joint_names.index(JOINT)
         jumps: list[float] = []
@@ -122,7 +124,7 @@ def latency() -> Latency:
 
 
 def connecting() -> Connecting:
-    """Measure how long ur_rtde's clients take to connect."""
+    """Measure how long the clients of ur_rtde take to connect."""
     with _robot(realtime=True) as robot, _interface(robot):
         rows = _answer("connect", str(N_CONNECTIONS))
     receive, control = zip(*rows, strict=True)
@@ -130,9 +132,12 @@ def connecting() -> Connecting:
 
 
 def speed_ratio() -> float:
-    """Return simulated time per wall time with interface and a client ÷ without.
+    """Return the ratio of simulation speeds with and without the interface.
 
-    As fast as possible.  Rounds alternate; the median of the ratios is taken.
+    A client is connected to the interface.  The speed is simulated time per wall time.
+
+    The simulation runs as fast as possible.  Rounds with the interface and rounds
+    without the interface alternate, and the result is the median of the ratios.
     """
     with _robot(realtime=False) as robot:
         ratios = []
@@ -140,7 +145,7 @@ def speed_ratio() -> float:
             without = _speed(robot)
             with _interface(robot), _client("forever") as client:
                 assert client.stdout is not None
-                client.stdout.readline()  # it receives
+                client.stdout.readline()  # the client receives
                 ratios.append(_speed(robot) / without)
     return statistics.median(ratios)
 
@@ -177,7 +182,7 @@ def _client(*arguments: str) -> Iterator[Popen[str]]:
 
 
 def _answer(*arguments: str) -> Any:
-    """Return what a client measured: the last line that it prints."""
+    """Return the measurement of a client, which is the last line of its output."""
     with _client(*arguments) as client:
         return json.loads(client.communicate()[0].splitlines()[-1])
 

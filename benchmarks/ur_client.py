@@ -1,7 +1,7 @@
-"""The clients of the benchmark of the UR interface: ur_rtde, and RTDE by a socket.
+"""The clients of the UR interface's benchmark: ur_rtde, and RTDE through a socket.
 
-Times are of the monotonic clock, which all processes of a machine share.  Each role
-prints one JSON value.
+Times are read from the monotonic clock, which all processes of a machine share.  Each
+role prints one JSON value.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ import time
 
 PORT = 30004
 VERSION, START, OUTPUTS, DATA = 86, 83, 79, 85
-"""Packets of RTDE."""
+"""Packet types of RTDE."""
 FIELDS = "timestamp,actual_q,actual_qd,actual_TCP_pose,actual_TCP_speed,robot_mode"
 SKIPPED = 250
-"""First samples, which are not counted."""
+"""Number of first samples that are not counted."""
 STEP = 0.02
 """Amplitude of the targets [rad]."""
 PERIOD = 0.002
-"""Of the stream of targets [s]."""
+"""Period of the stream of targets [s]."""
 EVERY = 50
-"""The target changes at every so many commands."""
+"""Number of commands between two changes of the target."""
 
 
 def samples(host: str, count: str) -> list[tuple[float, float]]:
-    """Return the time stamp [s] and the time of reception [s] of RTDE's samples."""
+    """Return the time stamps [s] and the reception times [s] of RTDE's samples."""
     with socket.create_connection((host, PORT)) as connection:
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         packets = connection.makefile("rb")
@@ -52,7 +52,7 @@ def samples(host: str, count: str) -> list[tuple[float, float]]:
 
 
 def servo(host: str, count: str) -> list[float]:
-    """Stream targets with servoJ; return when another target was sent [s]."""
+    """Stream targets with servoJ, and return the times of changed targets [s]."""
     from rtde_control import RTDEControlInterface
     from rtde_receive import RTDEReceiveInterface
 
@@ -72,12 +72,15 @@ def servo(host: str, count: str) -> list[float]:
 
 
 def connect(host: str, count: str) -> list[tuple[float, float]]:
-    """Return how long the interfaces for receiving and control take to connect [s]."""
+    """Return the times that the receive and control interfaces take to connect [s]."""
     from rtde_control import RTDEControlInterface
     from rtde_receive import RTDEReceiveInterface
 
     def measure() -> tuple[float, float]:
-        """Connect once; the end of an interface, which sleeps for 0.5 s, is outside."""
+        """Connect once, and return the times of both interfaces [s].
+
+        The times do not include the end of an interface, which sleeps for 0.5 s.
+        """
         start = time.monotonic()
         receive = RTDEReceiveInterface(host)
         middle = time.monotonic()
@@ -92,7 +95,10 @@ def connect(host: str, count: str) -> list[tuple[float, float]]:
 
 
 def forever(host: str) -> None:
-    """Receive as ur_rtde does until the end; a line when it begins."""
+    """Receive like ur_rtde does until the process ends.
+
+    A line is printed when receiving starts.
+    """
     from rtde_receive import RTDEReceiveInterface
 
     receive = RTDEReceiveInterface(host)

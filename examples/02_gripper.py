@@ -17,7 +17,7 @@ with tool0.bringup(initial_pose="ready", realtime=False) as robot:
             f"finger_joint {robot.joint_state.position['finger_joint']:.3f} rad"
         )
 
-    # Speed and force are settings of the drive, as on the real gripper.
+    # Speed and force are settings of the drive, like on the real gripper.
     shape = Box(size=(0.045, 0.045, 0.045))
     robot.scene.add("cube", shape, xyz=(0.5487, 0.1091, 0.003))  # fixed
     gripper.move(opening=0.0, speed=0.05, force=60.0)
@@ -26,6 +26,6 @@ with tool0.bringup(initial_pose="ready", realtime=False) as robot:
         f"{state.motion}: {1000 * (state.width or 0.0):.1f} mm wide, gOBJ {state.gobj}"
     )
     robot.scene.remove("cube")
-    robot.run(0.1)  # the fingers move again
+    robot.run(0.1)  # until the fingers move again
     state = gripper.wait(timeout=10.0)
     print(f"{state.motion}: open {1000 * state.opening:.1f} mm, gOBJ {state.gobj}")

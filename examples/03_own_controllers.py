@@ -12,16 +12,16 @@ control = tool0.ControlConfig(
     stopped_controllers="arm_controller",
 )
 with tool0.bringup(control=control, realtime=False) as robot:
-    for warning in robot.warnings:  # unused keys of the file
+    for warning in robot.warnings:  # unused keys in the file
         print(f"{warning.file}:{warning.line}: {warning.message}")
 
-    # No controller claims the arm yet: its brakes hold it.
+    # No controller claims the arm yet, so the arm's brakes hold the arm.
     robot.switch(start=["arm_controller"])
     for status in robot.controllers():
         print(f"{status.name:24} {status.state:12} {status.type}")
 
-    # A goal in joint units, as in ROS's action ...
+    # Send a goal in joint units, like in ROS's action.
     goal = robot.controller("gripper_controller").command_gripper(0.5, max_effort=10.0)
     print(goal.wait(timeout=5.0))
-    # ... or by the opening, whichever controller drives the gripper.
+    # Command the opening.  Every controller of the gripper accepts an opening.
     print(robot.gripper.move(opening=0.02).wait(timeout=5.0))

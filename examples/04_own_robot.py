@@ -1,4 +1,4 @@
-"""Use your own robot: a xacro with two arms, and its controllers."""
+"""Use your own robot: a xacro file with two arms, and its controllers."""
 
 from pathlib import Path
 
@@ -21,7 +21,7 @@ with tool0.bringup(
     initial_pose=START,
     realtime=False,
 ) as robot:
-    # Both arms turn inwards at once, and each gripper closes half-way.
+    # Both arms turn inward at the same time, and each gripper closes halfway.
     goals = [
         robot.controller(f"{side}_arm").follow(
             [

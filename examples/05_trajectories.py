@@ -1,4 +1,4 @@
-"""Trajectories: several points, tolerances, replacement, cancel."""
+"""Trajectories: several points, tolerances, replacement and cancellation."""
 
 import tool0
 
@@ -9,20 +9,21 @@ STILL = [0.0] * 6
 with tool0.bringup(realtime=False) as robot:
     arm = robot.controller("eff_joint_traj_controller")
 
-    # With velocities the motion is smooth (cubic); without, it is linear, with jerks.
+    # With velocities, the motion is smooth (cubic).  Without velocities, the motion is
+    # linear and has jerks.
     way = [
         tool0.TrajectoryPoint(LEFT, STILL, time_from_start=2.0),
         tool0.TrajectoryPoint(HOME, STILL, time_from_start=4.0),
     ]
     print("there and back:", arm.follow(way).wait(timeout=10.0))
 
-    # A joint that strays too far aborts the goal, and the arm stops.  Without
-    # velocities the motion starts with a jerk, which no joint can follow.
+    # If a joint deviates too far from its path, the goal is aborted and the arm stops.
+    # Without velocities, the motion starts with a jerk, which no joint can follow.
     jerk = [tool0.TrajectoryPoint(LEFT, time_from_start=0.6)]
     goal = arm.follow(jerk, path_tolerance={"shoulder_pan_joint": 0.005})
     print("too strict:", goal.wait(timeout=10.0))
 
-    # A new goal starts from the current setpoint of the old one.
+    # A new goal starts from the current setpoint of the old goal.
     first = arm.follow(way)
     robot.run(1.0)
     wanted = arm.query_state(robot.time).positions[0]
@@ -30,7 +31,7 @@ with tool0.bringup(realtime=False) as robot:
     print(f"replaced at {wanted:.3f} rad:", first.result)
     print("the new one:", second.wait(timeout=5.0))
 
-    # Cancelling slows down within stop_trajectory_duration, 0.5 s here.
+    # After a cancellation, the arm stops within stop_trajectory_duration, 0.5 s here.
     goal = arm.follow(way)
     robot.run(1.0)
     goal.cancel()

@@ -1,4 +1,4 @@
-"""Control time: pause, single steps, reset, emergency stop, real time."""
+"""Control time: pause, single steps, reset, emergency stop and real time."""
 
 import tool0
 
@@ -14,7 +14,7 @@ with tool0.bringup(realtime=False) as robot:
     print(f"paused at {robot.time:.3f} s, the goal is {goal.status!r}")
     robot.resume()
 
-    robot.emergency_stop()  # brakes on every joint, goals end
+    robot.emergency_stop()  # all joints brake, and all goals end
     robot.run(1.0)
     print(f"stopped: {goal.status!r}")
     try:
@@ -23,11 +23,12 @@ with tool0.bringup(realtime=False) as robot:
         print("refused:", error)
     robot.emergency_stop(engaged=False)
 
-    robot.reset({"elbow_joint": 1.0})  # time zero, initial pose except the elbow
+    # the time is 0, and all joints except the elbow are in the initial pose
+    robot.reset({"elbow_joint": 1.0})
     elbow = robot.joint_state.position["elbow_joint"]
     print(f"reset: {robot.time} s, elbow {elbow} rad")
 
-# In real time the simulation runs by itself, here at ten times the speed.
+# In real time, the simulation runs in its own thread, here at ten times the speed.
 with tool0.bringup(realtime=True, speed=10.0) as robot:
     arm = robot.controller("eff_joint_traj_controller")
     goal = arm.follow([tool0.TrajectoryPoint(LEFT, time_from_start=1.0)])

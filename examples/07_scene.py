@@ -1,4 +1,4 @@
-"""Objects around the robot: pick a cube from a table, hold it, reset."""
+"""Objects around the robot: pick a cube from a table, hold it, and reset."""
 
 import tool0
 from tool0.scene import Box
@@ -8,7 +8,7 @@ READY = [0.0, -1.2, 1.9, -2.2708, -1.5708, 0.0]
 
 
 def height(robot: tool0.Robot, name: str) -> float:
-    """Return the height of the object in the robot's root [m]."""
+    """Return the height of the object in the root frame of the robot [m]."""
     return robot.scene.pose(name).position[2]
 
 
@@ -17,7 +17,8 @@ with tool0.bringup(scene="table_and_cubes", realtime=False) as robot:
     arm = robot.controller("eff_joint_traj_controller")
 
     arm.follow([tool0.TrajectoryPoint(READY, time_from_start=3.0)]).wait()
-    robot.gripper.move(opening=0.0, effort=5.0)  # [N·m]; it does not close completely
+    # effort [N·m]; the cube stops the gripper
+    robot.gripper.move(opening=0.0, effort=5.0)
     robot.run(1.5)
     print(f"the gripper stands at {1000 * robot.gripper.opening:.0f} mm")
 
@@ -32,5 +33,5 @@ with tool0.bringup(scene="table_and_cubes", realtime=False) as robot:
     print(f"the die came to lie at {height(robot, 'die'):.2f} m")
     robot.scene.remove("die")
 
-    robot.reset()  # the robot and all objects return to their start
+    robot.reset()  # the robot and all objects return to their start poses
     print(f"after a reset the red cube lies at {height(robot, 'red cube'):.2f} m")

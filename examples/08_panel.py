@@ -10,21 +10,22 @@ import tool0
 
 
 def drive(socket: ClientConnection) -> None:
-    """Steer the elbow as a slider would, and close the gripper half."""
+    """Steer the elbow like a slider does, and close the gripper halfway."""
     hello = json.loads(socket.recv())
     print(f"connected to tool0 {hello['version']}")
 
-    # A request: its reply has the same id, and an error if it failed.
+    # A request has an id.  The reply has the same id, and an error if the request
+    # failed.
     grip = {"id": 1, "method": "grip", "params": {"opening": 0.04, "force": 60.0}}
     socket.send(json.dumps(grip))
-    # A setpoint of a stream has no id; only the newest one is executed.
+    # A setpoint of a stream has no id.  Only the newest setpoint is executed.
     params = {
         "controller": "eff_joint_traj_controller",
         "positions": {"elbow_joint": 1.4},
         "speed": 1.0,
     }
     socket.send(json.dumps({"method": "steer_joints", "params": params}))
-    # The view, which the page shows, follows.
+    # Subscribe to the view, which the page shows.
     socket.send(json.dumps({"id": 2, "method": "subscribe_view"}))
 
     joints: list[str] = []
@@ -41,9 +42,9 @@ def drive(socket: ClientConnection) -> None:
                 return
 
 
-logging.disable(logging.WARNING)  # a late tick does not matter here
+logging.disable(logging.WARNING)  # late ticks do not matter here
 with tool0.bringup() as robot, tool0.Panel(robot) as panel:
-    print(f"open {panel.url} in a browser to watch")  # this program ends at once
+    print(f"open {panel.url} in a browser to watch")  # for a few seconds
     address = urlsplit(panel.url)
     with connect(f"ws://{address.netloc}/ws?{address.query}") as socket:
         drive(socket)

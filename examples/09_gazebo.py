@@ -1,4 +1,4 @@
-"""The same motion in MuJoCo and in real Gazebo: how far apart are the joints?"""
+"""Compare the same motion in MuJoCo and in Gazebo."""
 
 import tool0
 
@@ -6,7 +6,7 @@ AWAY = [0.5, -1.1708, 1.0708, -0.9708, -1.0708, 1.0]  # [rad]
 
 
 def move(engine: str) -> list[tuple[float, ...]]:
-    """Return the positions of all joints [rad], every 10 ms."""
+    """Return the positions of all joints [rad], sampled every 10 ms."""
     with tool0.bringup(engine=engine, realtime=False) as robot:
         arm = robot.controller("eff_joint_traj_controller")
         arm.follow([tool0.TrajectoryPoint(AWAY, time_from_start=2.0)])
@@ -21,7 +21,7 @@ def move(engine: str) -> list[tuple[float, ...]]:
 try:
     pairs = zip(move("mujoco"), move("gazebo"), strict=True)
 except tool0.EngineUnavailableError as error:
-    # "there is no Gazebo 11 here; install one: …"
+    # The error says: "there is no Gazebo 11 here; install one: …"
     print("nothing to compare with:", error)
 else:
     apart = max(

@@ -6,7 +6,7 @@ GOAL = {"shoulder_lift_joint": -1.2, "elbow_joint": 1.4}  # [rad]
 
 
 def move() -> None:
-    """Send a goal with plain rospy."""
+    """Send a goal with rospy only."""
     import actionlib
     import rospy
     from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal
@@ -36,8 +36,10 @@ def move() -> None:
 
 with tool0.bringup() as robot:
     try:
-        # rospy allows one node per process: here it is both robot and client.
+        # rospy allows one node per process.  This process is both the robot and the
+        # client.
         with tool0.Ros1Bridge(robot, tool0.Ros1Options(roscore=True)):
             move()
-    except tool0.RosUnavailableError as error:  # "… `tool0 ros1 install` installs it …"
+    except tool0.RosUnavailableError as error:
+        # The error says: "… `tool0 ros1 install` installs it …"
         print("ROS 1 is not available:", error)

@@ -1,4 +1,4 @@
-"""Find mistakes in a controller YAML without starting a simulation."""
+"""Find mistakes in a controllers' YAML file without starting a simulation."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory

@@ -1,6 +1,6 @@
 """Cameras: the wrist's image, the position of a pixel, and a video of a motion.
 
-The video needs an extra: `pip install '.[video]'`.
+The video needs an extra package: `pip install '.[video]'`.
 """
 
 from pathlib import Path
@@ -11,7 +11,7 @@ import numpy as np
 import tool0
 from tool0.scene import Camera, looking
 
-SIDE = Camera(  # besides `wrist` and `scene`, which every arm has
+SIDE = Camera(  # in addition to `wrist` and `scene`, which every arm has
     name="side",
     pose=looking((0.6, -1.2, 0.4), at=(0.5, 0.0, 0.1)),
     width=320,
@@ -28,7 +28,7 @@ with (
     image = robot.camera("wrist").image()
     Path(folder, "wrist.png").write_bytes(tool0.encode_png(image.rgb))
 
-    # The red cube lies between the fingers: where is its upper face in the root?
+    # Compute the position of the red cube's upper face, which is between the fingers.
     red, green, blue = np.moveaxis(image.rgb.astype(int), -1, 0)
     rows, columns = np.nonzero(red > 3 * np.maximum(green, blue))
     u, v = round(columns.mean()), round(rows.mean())
@@ -39,7 +39,7 @@ with (
     position = robot.scene.pose("red cube").position
     print("its middle:", " ".join(f"{part:+.3f}" for part in position), "m")
 
-    # Snapshots can be drawn later: so a video costs the motion nothing.
+    # Snapshots can be drawn later, so that a video does not slow down the motion.
     goals = robot.go_to_pose("home")
     snapshots = []
     while goals[0].result is None:
@@ -51,4 +51,4 @@ with (
                 video.write(robot.camera("side").image(snapshot).rgb)
         print(f"a video of {len(snapshots)} pictures")
     except tool0.RenderError as error:
-        print("no video:", error)  # without the extra
+        print("no video:", error)  # the extra package is not installed

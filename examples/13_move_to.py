@@ -1,4 +1,4 @@
-"""Command the arm by poses: inverse kinematics, joint motions, straight lines."""
+"""Command the arm by poses: inverse kinematics, joint motions and straight lines."""
 
 import math
 
@@ -6,9 +6,10 @@ import tool0
 from tool0 import Branch
 from tool0.scene import Pose
 
-DOWN = (math.pi, 0.0, 0.0)  # tool0's z axis, along the gripper, points down
+DOWN = (math.pi, 0.0, 0.0)  # tool0's z axis, which is along the gripper, points down
 ABOVE = Pose(xyz=(0.45, 0.2, 0.35), rpy=DOWN)
-PADS = Pose(xyz=(0.0, 0.0, 0.15))  # a point between the gripper's pads, in tool0
+# a point between the gripper's pads, in the tool0 frame
+PADS = Pose(xyz=(0.0, 0.0, 0.15))
 START = {"shoulder_lift_joint": -1.57, "elbow_joint": 1.57, "wrist_1_joint": -1.57}
 
 with tool0.bringup(
@@ -17,27 +18,27 @@ with tool0.bringup(
     arm = robot.arm
     print("it stands", arm.branch, "with tool0 at", arm.pose())
 
-    # Up to eight solutions reach a pose; the nearest is the first.
+    # Up to eight solutions reach a pose.  The nearest solution is first.
     for solution in arm.inverse_kinematics(ABOVE):
         elbow = solution.positions["elbow_joint"]
         print(
             f"{solution.branch!s:24} elbow at {elbow:+.2f}, {solution.distance:.2f} s"
         )
 
-    # All joints at once, within their velocities and accelerations.
+    # All joints move at the same time, within their velocities and accelerations.
     print("there:", arm.move_to(ABOVE, speed=1.0).wait(timeout=10.0))
 
-    # A straight line of the point between the pads: 0.1 m down, at 0.1 m/s.
+    # Move the point between the pads down in a straight line: 0.1 m at 0.1 m/s.
     x, y, z = arm.pose(tool=PADS).position
     below = Pose(xyz=(x, y, z - 0.1), rpy=DOWN)
     print("down:", arm.move_linear(below, tool=PADS, speed=0.1).wait(timeout=10.0))
 
-    # Relative to a link, here to tool0 itself: 5 cm back along the tool.
+    # Move relative to a link.  Here, the link is tool0, and the tool moves back 5 cm.
     back = Pose(xyz=(0.0, 0.0, -0.05))
     arm.move_linear(back, relative_to="tool0").wait(timeout=10.0)
     print("now at", arm.pose())
 
-    # Another branch: the same pose with the wrist flipped.
+    # Move to the same pose in another branch, with the wrist flipped.
     goal = arm.move_to(ABOVE, branch=Branch(wrist="flip"), speed=1.0)
     print("flipped:", goal.wait(timeout=10.0), arm.branch)
 

@@ -18,7 +18,7 @@ def move(robot: tool0.Robot, target: float) -> tool0.Recording:
 
 
 def largest_error(recording: tool0.Recording) -> float:
-    """Return how far the elbow is from where it should be [rad]."""
+    """Return the largest deviation of the elbow from its desired position [rad]."""
     error = recording.desired_position - recording.position
     return float(np.abs(error[:, recording.joint_names.index(ELBOW)]).max())
 

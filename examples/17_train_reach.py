@@ -1,7 +1,7 @@
-"""Train a linear policy to reach, with an evolution strategy: `pip install '.[gym]'`.
+"""Train a linear policy for Reach with evolution: `pip install '.[gym]'`.
 
-The cross-entropy method: try 24 policies at once, each on the same two goals, and draw
-the next ones around the best.
+The strategy is the cross-entropy method.  The strategy tries 24 policies in parallel,
+each on the same two goals, and draws the next policies around the best policies.
 """
 
 import gymnasium
@@ -24,7 +24,7 @@ PARTS = ENVS.unwrapped.state_slices
 
 
 def run(weights: np.ndarray, seeds: list[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Return each copy's mean reward and last success, with weights (N, 7, 4)."""
+    """Return the mean reward and last success of each copy, for weights (N, 7, 4)."""
     state, info = ENVS.reset(seed=seeds)
     total, bias = np.zeros(N), np.full((N, 1), 0.5)
     for _ in range(STEPS):
@@ -36,7 +36,7 @@ def run(weights: np.ndarray, seeds: list[int]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def success_rate(weights: np.ndarray) -> float:
-    """Return how often a policy reaches goals that it was not trained on."""
+    """Return the success rate of a policy for goals that were not in its training."""
     seeds = list(range(10_000, 10_000 + N))
     return float(run(np.tile(weights, (N, 1, 1)), seeds)[1].mean())
 

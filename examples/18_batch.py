@@ -1,4 +1,4 @@
-"""A batch: 16 copies lift cubes of different masses with different forces."""
+"""A batch in which 16 copies lift cubes of different masses with different forces."""
 
 import numpy as np
 
@@ -14,12 +14,12 @@ with tool0.Batch(16, control=ready, scene="table_and_cubes") as batch:
     cube = batch.object_names.index("red cube")
     low = batch.object_position[:, cube, 2]
 
-    # Close the grippers around the cubes, each with its own force.
+    # Close the grippers around the cubes.  Each copy uses its own force.
     batch.move_gripper(0.02, speed=0.1, force=forces)
     batch.run(1.0)
     print(f"forces on the pads of copy 5: {batch.pad_forces()[5].round(0)} N")
 
-    # Lift: all arms get one target, in the order of batch.arm_joints.
+    # Lift the cubes.  Each arm gets one target, in the order of batch.arm_joints.
     columns = [batch.joint_names.index(joint) for joint in batch.arm_joints]
     target = batch.position[:, columns]
     target[:, batch.arm_joints.index("shoulder_lift_joint")] -= 0.4
@@ -33,6 +33,6 @@ with tool0.Batch(16, control=ready, scene="table_and_cubes") as batch:
     position, quat_wxyz = batch.tcp_pose()
     print("shapes:", batch.position.shape, position.shape, quat_wxyz.shape)
 
-    # Every copy has its own time: reset those that dropped the cube.
+    # Every copy has its own time.  Reset only the copies that dropped the cube.
     batch.reset(~lifted)
     print("times after the reset:", np.unique(batch.time), "s")

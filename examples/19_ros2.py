@@ -1,6 +1,6 @@
 """A robot in ROS 2, moved by an action client of rclpy.
 
-The client runs in a process of its own, under the Python of ROS 2, without tool0.
+The client runs in a separate process, under the Python of ROS 2, without tool0.
 """
 
 import subprocess
@@ -10,7 +10,7 @@ GOAL = {"shoulder_lift_joint": -1.2, "elbow_joint": 1.4}  # [rad]
 
 
 def move() -> None:
-    """Send a goal with plain rclpy."""
+    """Send a goal with rclpy only."""
     import rclpy
     from builtin_interfaces.msg import Duration
     from control_msgs.action import FollowJointTrajectory

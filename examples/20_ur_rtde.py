@@ -1,7 +1,7 @@
-"""An arm moved by ur_rtde, as a real one: `pip install ur-rtde`.
+"""Move an arm with ur_rtde, like a real arm: `pip install ur-rtde`.
 
-The program runs in a process of its own, and knows nothing of tool0.  Instead of the
-end of this file, you can run `tool0 bringup --ur --arm ur5e` in another terminal.
+The program runs in a separate process and contains no tool0 code.  Instead of the end
+of this file, you can run `tool0 bringup --ur --arm ur5e` in another terminal.
 """
 
 import subprocess
@@ -11,7 +11,7 @@ HOST = "127.0.0.20"
 
 
 def program() -> None:
-    """Move joints and the tool."""
+    """Move the joints and the tool."""
     from rtde_control import RTDEControlInterface
     from rtde_receive import RTDEReceiveInterface
 
@@ -20,14 +20,14 @@ def program() -> None:
     q[0] += 0.3
     print("moveJ:", control.moveJ(q, 1.05, 1.4))  # [rad], [rad/s], [rad/s²]
 
-    # A path: the tool does not stop at the first two corners.
-    x, y, z, *rotation = state.getActualTCPPose()  # in the base [m, rad]
+    # Follow a path.  The tool does not stop at the first two corners.
+    x, y, z, *rotation = state.getActualTCPPose()  # in the base frame [m, rad]
     corners = [(0.0, 0.1, 0.02), (0.1, 0.1, 0.02), (0.1, 0.0, 0.0)]
     path = [[x, y + b, z - a, *rotation, 0.4, 1.5, r] for a, b, r in corners]
     print("moveL:", control.moveL(path))
     print("down by", round(z - state.getActualTCPPose()[2], 3), "m")
 
-    # A move that the program does not wait for.
+    # Start a motion without waiting for its end.
     q[5] += 1.0
     control.moveJ(q, 1.05, 1.4, True)
     while control.getAsyncOperationProgress() >= 0:

@@ -1,4 +1,4 @@
-"""URScript to port 30002, and questions to the dashboard server, by plain sockets."""
+"""Send URScript to port 30002, and requests to the dashboard server, by sockets."""
 
 import socket
 import subprocess
@@ -25,7 +25,7 @@ end
 def ask(question: str) -> str:
     with socket.create_connection((HOST, 29999)) as dashboard:
         lines = dashboard.makefile("rw")
-        lines.readline()  # its greeting
+        lines.readline()  # the server's greeting
         print(question, file=lines, flush=True)
         return lines.readline().strip()
 

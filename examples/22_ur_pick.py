@@ -1,21 +1,21 @@
-"""A pick by ur_rtde and the gripper's socket alone, as in a real cell."""
+"""Pick with ur_rtde and the gripper's socket only, like in a real cell."""
 
 import socket
 import subprocess
 import sys
 
 HOST = "127.0.0.22"
-DOWN = (3.14159265, 0.0, 0.0)  # a rotation vector
-CUBE, BIN = (-0.5487, -0.1091), (-0.50, 0.32)  # in the robot's base [m]
+DOWN = (3.14159265, 0.0, 0.0)  # rotation vector [rad]
+CUBE, BIN = (-0.5487, -0.1091), (-0.50, 0.32)  # in the base frame of the robot [m]
 
 
 class Gripper:
-    """The socket of Robotiq's URCap: SET and GET in ASCII."""
+    """The socket of Robotiq's URCap, with the commands SET and GET in ASCII."""
 
     def __init__(self) -> None:
         self.socket = socket.create_connection((HOST, 63352))
         self.ask("SET ACT 1 GTO 1 SPE 255 FOR 50")
-        while self.ask("GET STA") != "STA 3":  # activated
+        while self.ask("GET STA") != "STA 3":  # 3 means activated
             pass
 
     def ask(self, line: str) -> str:
@@ -23,8 +23,8 @@ class Gripper:
         return self.socket.recv(100).decode().strip()
 
     def move(self, count: int) -> str:
-        self.ask(f"SET POS {count}")  # answered by: ack
-        while (found := self.ask("GET OBJ")) == "OBJ 0":  # moving
+        self.ask(f"SET POS {count}")  # the answer is "ack"
+        while (found := self.ask("GET OBJ")) == "OBJ 0":  # 0 means moving
             pass
         return found
 
@@ -33,7 +33,7 @@ def program() -> None:
     from rtde_control import RTDEControlInterface
 
     gripper, arm = Gripper(), RTDEControlInterface(HOST)
-    arm.setTcp([0.0, 0.0, 0.1418, 0.0, 0.0, 0.0])  # between the pads
+    arm.setTcp([0.0, 0.0, 0.1418, 0.0, 0.0, 0.0])  # the point between the pads
     arm.moveJ_IK([*CUBE, 0.15, *DOWN], 1.5, 3.0)
     arm.moveL([*CUBE, 0.0025, *DOWN], 0.5, 1.5)
     print(gripper.move(255), "is an object between the fingers")

@@ -1,9 +1,9 @@
-"""Grip a cube through the socket of Robotiq's URCap, as programs do with a real UR.
+"""Grip a cube through the socket of Robotiq's URCap, like a program for a real UR.
 
     tool0 bringup --ur
     python 23_robotiq_socket.py 127.0.0.1
 
-The client needs nothing of tool0.  Without an address, it brings a robot up itself.
+The client does not use tool0.  Without an address, the script brings up a robot.
 """
 
 import socket
@@ -45,7 +45,7 @@ else:
     import tool0
     from tool0.scene import Box
 
-    options = tool0.UrOptions(host="127.20.0.1")  # beside a robot at 127.0.0.1
+    options = tool0.UrOptions(host="127.20.0.1")  # a robot may already use 127.0.0.1
     with (
         tool0.bringup(initial_pose="ready") as robot,
         tool0.UrController(robot, options) as ur,

@@ -1,4 +1,4 @@
-"""A program of steps: from a file, with a loop, run, paused and exported."""
+"""Check, run, pause, resume and export a program of steps from a file."""
 
 import tempfile
 from pathlib import Path
@@ -33,7 +33,7 @@ with (
     file = Path(folder, "pick.yaml")
     file.write_text(PICK)
 
-    # Nothing moves before every step was checked.
+    # The program is checked before the arm moves.
     for problem in robot.programs.check(file).problems:
         print(problem)
 

@@ -1,4 +1,4 @@
-"""Record a motion to a file, and read it back as arrays and events."""
+"""Record a motion to a file, and read the file as arrays and events."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory

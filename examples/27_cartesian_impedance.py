@@ -51,7 +51,7 @@ if sys.argv[1:] == ["program"]:
 else:
     import tool0
 
-    with (  # at a quarter of the speed: the program has 8 ms for each answer
+    with (  # At a quarter of the speed, the program has 8 ms for each answer.
         tool0.bringup(arm="ur5e", initial_pose="ready", speed=0.25) as robot,
         tool0.UrController(robot, tool0.UrOptions(host=HOST)) as ur,
     ):

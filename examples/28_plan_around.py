@@ -1,16 +1,18 @@
-"""Move around obstacles: check a motion, plan a way, carry an object along it."""
+"""Move around obstacles: check a motion, plan a path, and carry an object along it."""
 
 import math
 
 import tool0
 from tool0.scene import Pose
 
-between_pads = Pose(xyz=(0.0, 0.0, 0.1418))  # in tool0, 45 mm apart
+# in the tool0 frame, with the pads 45 mm apart
+between_pads = Pose(xyz=(0.0, 0.0, 0.1418))
 
 with tool0.bringup(scene="shelf", realtime=False) as robot:
     arm, gripper = robot.arm, robot.gripper
 
-    # The shelf is on the left: z of the tool points into it, the pads are level.
+    # The shelf is on the left.  The tool's z axis points into the shelf, and the pads
+    # are level.
     x, y, z = robot.scene.pose("cube").position
     into_shelf = (-math.pi / 2, math.pi / 2, 0.0)
     before = Pose(xyz=(x, y - 0.15, z), rpy=into_shelf)
@@ -22,7 +24,7 @@ with tool0.bringup(scene="shelf", realtime=False) as robot:
         out = Pose(xyz=(x, y + dy, z + dz), rpy=into_shelf)
         arm.move_linear(out, tool=between_pads, speed=0.2).wait()
 
-    # A wall is between it and the bin: the straight way is refused, with the reason.
+    # A wall separates the cube from the bin.  The straight motion is refused.
     above_bin = Pose(xyz=(0.48, -0.34, 0.2), rpy=(math.pi, 0.0, math.pi / 2))
     checked = arm.check(above_bin, tool=between_pads)
     print(f"free: {checked.is_free}; {checked.reason}")
@@ -31,7 +33,7 @@ with tool0.bringup(scene="shelf", realtime=False) as robot:
     except tool0.CollisionError as error:
         print("refused:", error)
 
-    # The way around, with the cube, 10 mm from everything, and not where a person is.
+    # Plan a path with the cube, 10 mm from all obstacles, that avoids a person's area.
     plan = arm.plan(
         above_bin,
         tool=between_pads,
@@ -45,7 +47,7 @@ with tool0.bringup(scene="shelf", realtime=False) as robot:
     print(f"least: {1e3 * plan.clearance:.1f} mm, {plan.nearest}")
     print(arm.execute(plan).wait())
 
-    # In one call: any posture that reaches the target, and back without the cube.
+    # Plan and move back to the shelf in one call, in any posture, without the cube.
     gripper.move(opening=0.085).wait()
     robot.run(0.5)
     print("in the bin:", robot.scene.pose("cube").position[2] < 0.1)

@@ -14,7 +14,7 @@ STEPS, CHUNK, WIDTH = 2500, 10, 256
 
 
 def pairs(folder: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Return states, and for each one the expert's next ten actions."""
+    """Return the states, and the expert's next ten actions for each state."""
     states, chunks = [], []
     for path in sorted(folder.glob("data/*/*.parquet")):
         table = pq.read_table(path, columns=["observation", "action"])
@@ -26,7 +26,7 @@ def pairs(folder: Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 def layers(x: np.ndarray, weights: list[np.ndarray]) -> list[np.ndarray]:
-    """Return the values of a network's layers, the input's first."""
+    """Return the values of a network's layers, with the input layer first."""
     values = [x]
     for matrix in weights[:-1]:
         values.append(np.maximum(values[-1] @ matrix, 0.0))
@@ -42,7 +42,7 @@ if __name__ == "__main__":
     ends = list(pairwise([x.shape[1], WIDTH, WIDTH, WIDTH, y.shape[1]]))
     w = [(2 / a) ** 0.5 * rng.standard_normal((a, b), np.float32) for a, b in ends]
     m, v = [0.0 * one for one in w], [0.0 * one for one in w]
-    for n in range(STEPS):  # Adam
+    for n in range(STEPS):  # Adam optimizer
         rows = rng.integers(len(x), size=256)
         *values, found = layers(x[rows], w)
         slope = np.clip((found - y[rows]) / 0.05, -1.0, 1.0) / len(rows)

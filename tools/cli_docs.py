@@ -1,4 +1,4 @@
-"""Write the commands in ``docs/reference/cli.md``, from signatures and docstrings."""
+"""Write the commands in ``docs/reference/cli.md`` from signatures and docstrings."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _FLAG: Final = re.compile(r"(?<![\w-])(--[a-z][\w-]*)")
 
 
 def document() -> str:
-    """Return the text of the page: what a person wrote, and the commands."""
+    """Return the text of the page: the manually written part, and the commands."""
     named = [name for names in SUBJECTS.values() for name in names]
     assert sorted(named) == sorted(COMMANDS), "each command has one subject"
     written = DOCUMENT.read_text(encoding="utf-8").split(START)[0]
@@ -59,7 +59,7 @@ def _overview(command: str) -> str:
 
 
 def _forms(command: str) -> Iterator[tuple[str, Form]]:
-    """Yield the functions of a command by their words."""
+    """Yield the functions of a command, each with the words that select it."""
     form, _ = form_and_readers(command)
     if isinstance(form, Mapping):
         yield from ((f"{command} {name}", item) for name, item in form.items())
@@ -109,7 +109,7 @@ def _parameters(words: str, form: Form) -> list[Parameter]:
 
 @cache
 def _shared_groups() -> dict[Form, list[Parameter]]:
-    """Return the groups of options that several functions have, with their options."""
+    """Return the groups of options that several functions share, with their options."""
     found: dict[Form, list[Parameter]] = {}
     n_forms: Counter[Form] = Counter()
     for command in COMMANDS:
@@ -128,7 +128,7 @@ def _shared(owner: Form) -> str:
 
 
 def _title(owner: Form) -> str:
-    """Return the first words of a group's docstring, which are its heading."""
+    """Return the heading of a group, which is the start of the group's docstring."""
     return re.split(r":|, a |\.$", summary_of(owner))[0]
 
 
@@ -169,7 +169,7 @@ def _paragraphs(text: str) -> str:
 
 
 def _marked(text: str) -> str:
-    """Return a help text as Markdown: options as code, and pages as links."""
+    """Return a help text as Markdown, with options as code and with pages as links."""
     parts = re.split(r"(`[^`]*`)", text)
     parts[::2] = [_plain(part) for part in parts[::2]]
     return "".join(parts)

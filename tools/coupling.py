@@ -1,7 +1,8 @@
-"""Print the share of package pairs that are coupled by an import, and check its bound.
+"""Print the share of package pairs that imports couple, and check its bound.
 
-Packages are the direct children of ``tool0``.  Two are coupled if a module of one
-imports from the other: also inside a function, and only for annotations.
+Packages are the direct children of ``tool0``.  Two packages are coupled if a module of
+one package imports from the other package.  Imports inside functions, and imports that
+are only for annotations, are included.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from pathlib import Path
 
 SOURCE = Path(__file__).parent.parent / "src" / "tool0"
 BOUND = 0.39
-"""Largest share of coupled pairs.  Lower it when couplings have been removed."""
+"""Largest allowed share of coupled pairs.  Reduce the bound when couplings have been
+removed."""
 _NO_PACKAGES = ("__init__", "__main__", "ros_packages")
 
 
@@ -26,7 +28,7 @@ def packages(source: Path) -> list[str]:
 
 
 def coupled_pairs(source: Path) -> list[tuple[str, str]]:
-    """Return the pairs of packages, each in alphabetical order, that are coupled."""
+    """Return the pairs of coupled packages.  Each pair is in alphabetical order."""
     imports = {
         (name, imported)
         for name in packages(source)
@@ -41,7 +43,7 @@ def coupled_pairs(source: Path) -> list[tuple[str, str]]:
 
 
 def report(source: Path, bound: float) -> tuple[str, int]:
-    """Return the line to print, and the exit status: 1 above the bound."""
+    """Return the line to print, and the exit status, which is 1 above the bound."""
     n, n_packages = len(coupled_pairs(source)), len(packages(source))
     n_all = n_packages * (n_packages - 1) // 2
     text = f"coupled package pairs: {n} of {n_all} ({n / n_all:.0%})"
@@ -56,7 +58,7 @@ def _files(source: Path, package: str) -> Iterator[Path]:
 
 
 def _imported(file: Path, root: str) -> Iterator[str]:
-    """Yield the first name below ``root`` of everything that a file imports."""
+    """Yield the name directly below ``root`` of each module that a file imports."""
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]

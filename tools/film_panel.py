@@ -1,9 +1,10 @@
-"""Film the panel while a person works with it: jogging, teaching, planning.
+"""Film the panel while it is used for jogging, teaching and planning.
 
 usage: python tools/film_panel.py {jog,teach,plan} docs/images/jog.webp
 
-The film is an animated WebP in real time.  A dot shows where the pointer is.  Needs
-Chromium (tools/setup-browser).  On a machine without a GPU, leave it alone meanwhile.
+The film is an animated WebP in real time.  A dot shows the position of the pointer.
+The tool needs Chromium (tools/setup-browser).  On a machine without a GPU, run no other
+programs during the recording.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from tool0.scene import Box
 
 WIDTH, HEIGHT = 1280, 800
 SCALE = 0.625
-"""Size of the film, as a part of that of the page."""
+"""Size of the film, as a fraction of the page's size."""
 FRAME_RATE = 6  # [Hz]
 ENCODER = {"quality": "45", "compression_level": "6"}
 _POINTER = """() => {
@@ -49,13 +50,13 @@ _POINTER = """() => {
 
 
 class Film:
-    """The pictures that a page draws, each with its time."""
+    """The pictures of a page, each with its time."""
 
     def __init__(self, page: Page) -> None:
         self._session: CDPSession = page.context.new_cdp_session(page)
         self._session.on("Page.screencastFrame", self._keep)
         self.frames: list[tuple[float, bytes]] = []
-        """Time [s] and JPEG."""
+        """Time [s] and JPEG data of each picture."""
 
     def start(self) -> None:
         settings = {"format": "jpeg", "quality": 90, "everyNthFrame": 1}
@@ -71,7 +72,7 @@ class Film:
         self._session.send("Page.screencastFrameAck", {"sessionId": event["sessionId"]})
 
     def write(self, path: Path) -> None:
-        """Write it at a constant rate, repeated for ever."""
+        """Write the film at a constant rate.  It repeats endlessly."""
         width, height = round(WIDTH * SCALE), round(HEIGHT * SCALE)
         start, end = self.frames[0][0], self.frames[-1][0]
         with av.open(str(path), "w", format="webp", options={"loop": "0"}) as container:
@@ -98,7 +99,7 @@ def _decoded(jpeg: bytes) -> Any:
 
 
 class Person:
-    """Uses the page as a person does: moves the pointer, holds, clicks, waits."""
+    """Uses the page like a person does: moves the pointer, holds, clicks and waits."""
 
     def __init__(self, page: Page, robot: tool0.Robot) -> None:
         self.page, self.robot = page, robot
@@ -138,7 +139,7 @@ class Person:
 
 
 def jog(person: Person) -> None:
-    """Move the tool by buttons, then the gripper."""
+    """Move the tool with buttons, and then the gripper."""
     person.clicks("enable-toggle")
     person.clicks("tool-toggle")
     for button in ("jog-z-minus", "jog-y-plus", "jog-z-plus"):
@@ -147,7 +148,7 @@ def jog(person: Person) -> None:
 
 
 def teach(person: Person) -> None:
-    """Add waypoints where the arm is, and run the program."""
+    """Add waypoints at the arm's current positions, and run the program."""
     person.clicks("enable-toggle")
     for lift in (-1.4, -1.75, -1.57):
         person.clicks("tab-motion")
@@ -155,7 +156,7 @@ def teach(person: Person) -> None:
         person.waits(1.0)
         person.clicks("tab-program")
         person.clicks("program-add-move_joint")
-    person.clicks("program-run")  # the arm is not where the program begins
+    person.clicks("program-run")  # the arm is not at the start of the program
     person.points("program-approach")
     person.page.mouse.down()
     person.get("program-away").wait_for(state="hidden")
@@ -166,7 +167,10 @@ def teach(person: Person) -> None:
 
 
 def plan(person: Person) -> None:
-    """Send the tool behind a wall: the page shows the way around before it moves."""
+    """Move the tool to a position behind a wall.
+
+    The page shows the planned path before the arm moves.
+    """
     person.clicks("enable-toggle")
     person.clicks("tool-toggle")
     person.clicks("tool-frame-world")
@@ -199,7 +203,7 @@ FILMS: Final[dict[str, tuple[Callable[[], tool0.Robot], Callable[[Person], None]
 
 
 def main() -> None:
-    """Make the film that the arguments name."""
+    """Make the film that the arguments specify."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("film", choices=FILMS)
     parser.add_argument("output", type=Path)

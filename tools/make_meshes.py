@@ -1,8 +1,8 @@
 """Write the visual meshes and the collision primitives of arms and grippers.
 
-Run ``python tools/make_meshes.py`` after changing a shape, an arm's appearance.yaml or
-its kinematics. Give ``--output`` to write elsewhere, or folders of arms of your own:
-their meshes are written into the folder.
+Run ``python tools/make_meshes.py`` after you change a shape, or an arm's
+appearance.yaml or kinematics.  Use ``--output`` to write to another folder.  If you
+give folders of your own arms, the meshes of each arm are written into the arm's folder.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def _natural(folder: Path) -> tuple[int, str]:
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Write the models that the command line asks for."""
+    """Write the models that the command line specifies."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folders", nargs="*", type=Path, help="arms of your own")
     parser.add_argument("--output", type=Path, default=PACKAGE)

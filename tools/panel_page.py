@@ -13,7 +13,7 @@ from playwright.sync_api import Page, sync_playwright
 _RIGS = Path(__file__).resolve().parent.parent / "tests/rigs"
 _QUALITY = 88
 _SLOW = 120_000
-"""Longest wait for software GL at its best quality [ms]."""
+"""Longest wait for software GL at the best quality [ms]."""
 
 
 @contextmanager
@@ -29,12 +29,12 @@ def panel_page(
     """Open the panel at ``url``, and wait until its scene is drawn.
 
     Args:
-        url: As the panel prints it.
-        width: Of the window [px].
-        height: Of the window [px].
-        theme: light or dark.
-        language: en or zh.
-        quality: low or high.
+        url: Address of the panel, in the form in which the panel prints it.
+        width: Width of the window [px].
+        height: Height of the window [px].
+        theme: Color theme, ``light`` or ``dark``.
+        language: Language of the page, ``en`` or ``zh``.
+        quality: Quality of the drawing, ``low`` or ``high``.
     """
     sys.path.insert(0, str(_RIGS))
     from browser import find_chromium, launch  # noqa: PLC0415  # beside the tests
@@ -58,14 +58,17 @@ def panel_page(
 
 
 def picture(page: Page) -> bytes:
-    """Return a picture of the page as WebP, a sixth of the size of a PNG."""
+    """Return a picture of the page as WebP, with a sixth of the size of a PNG."""
     browser = page.context.new_cdp_session(page)
     settings = {"format": "webp", "quality": _QUALITY}
     return base64.b64decode(browser.send("Page.captureScreenshot", settings)["data"])
 
 
 def wait_for_frames(page: Page, count: int) -> None:
-    """Wait until the scene was drawn some more times, or has nothing new to draw."""
+    """Wait until the scene has been drawn ``count`` more times.
+
+    The wait also ends after 10 s, because there may be nothing new to draw.
+    """
     frames = "Number(document.querySelector('[data-testid=scene]').dataset.frames)"
     start = page.evaluate(frames)
     end = page.evaluate("performance.now()") + 10_000
@@ -76,7 +79,10 @@ def wait_for_frames(page: Page, count: int) -> None:
 
 
 def wait_for_real_time(page: Page) -> None:
-    """Wait until drawing no longer slows the simulation down, on most machines."""
+    """Wait until the simulation runs in real time, or for at most 30 s.
+
+    On most machines, drawing slows down the simulation at first.
+    """
     factor = "parseFloat(document.querySelector('[data-testid=sim-rtf]').textContent)"
     end = page.evaluate("performance.now()") + 30_000
     page.wait_for_function(

@@ -1,4 +1,4 @@
-"""Write ``web/protocol.schema.json``: the protocol of connections, for TypeScript."""
+"""Write ``web/protocol.schema.json``, the protocol of connections for TypeScript."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SCHEMA = Path(__file__).parent.parent / "web" / "protocol.schema.json"
 def schema_text() -> str:
     """Return the schema of ``Requests``, ``Responses`` and ``ServerMessage``.
 
-    The first two are objects whose keys are the methods.
+    ``Requests`` and ``Responses`` are objects whose keys are the methods.
     """
     rows = dict(sorted(contract().items()))
     responses = [wire_type(response_type(request)) for request in rows.values()]
@@ -28,7 +28,8 @@ def schema_text() -> str:
     refs, components = msgspec.json.schema_components(
         [*rows.values(), *responses, *messages],
         ref_template="#/$defs/{name}",
-        schema_hook=lambda kind: {"title": kind.__name__},  # no plain data
+        # for types that are not plain data
+        schema_hook=lambda kind: {"title": kind.__name__},
     )
     count = len(rows)
     for title, found in (
@@ -64,8 +65,8 @@ def schema_text() -> str:
     )
 
 
-def _without_indents(part: Any) -> Any:  # Any: JSON
-    """Return JSON with docstrings as they read, not as they are indented."""
+def _without_indents(part: Any) -> Any:  # Any: JSON value
+    """Return JSON in which docstrings have no indentation."""
     if isinstance(part, dict):
         return {
             key: inspect.cleandoc(item)

@@ -1,6 +1,7 @@
-"""Render all built-in arms side by side, at one scale, for docs/reference/robots.md.
+"""Render all built-in arms side by side at one scale, for docs/reference/robots.md.
 
-python tools/render_arms.py OUTPUT.webp; MUJOCO_GL=egl or osmesa without a display.
+Usage: python tools/render_arms.py OUTPUT.webp.  Without a display, set MUJOCO_GL to egl
+or osmesa.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any  # MuJoCo's objects
+from typing import Any  # Any: objects of MuJoCo
 
 import mujoco
 import numpy as np
@@ -30,22 +31,22 @@ POSE = {
 }
 PIXELS_PER_METRE = 263
 SAMPLES = 3
-"""Rendered pixels for each of the picture's, in both directions."""
+"""Number of rendered pixels for each pixel of the picture, in both directions."""
 WIDTH = 1560
 YAW = 0.55
-"""By which every arm turns towards the camera [rad]."""
+"""Angle by which every arm is turned toward the camera [rad]."""
 ELEVATION = 14.0
-"""Of the camera above the horizon [deg]."""
+"""Elevation of the camera above the horizon [deg]."""
 ABOVE, BELOW = 0.08, 0.34
-"""Margins above an arm and below its foot, with the label [m]."""
+"""Margins above an arm, and below its foot including the label [m]."""
 INK = (0.20, 0.24, 0.28)
-"""Colour of the labels."""
+"""Color of the labels."""
 
 Image = NDArray[np.uint8]
 
 
 def rows() -> list[list[str]]:
-    """Return the arms in two rows, by generation and size."""
+    """Return the arms in two rows, sorted by generation and size."""
     series = sorted(arms(), key=_order)
     half = (len(series) + 1) // 2
     return [series[:half], series[half:]]
@@ -58,7 +59,7 @@ def _order(name: str) -> tuple[int, int]:
 
 
 def scene(names: Sequence[str], places: Sequence[float]) -> Any:
-    """Return the MuJoCo model of arms at ``places`` [m] along y, and its data."""
+    """Return the MuJoCo model and data of arms at ``places`` [m] along y."""
     macros = "\n".join(
         f'<xacro:ur_arm prefix="{name}_" parent="world" model="{name}">'
         f'<origin xyz="0 {y} 0" rpy="0 0 {YAW - 1.5708}"/></xacro:ur_arm>'
@@ -84,7 +85,7 @@ def scene(names: Sequence[str], places: Sequence[float]) -> Any:
 
 
 def _furnish(spec: Any) -> None:
-    """Add a white floor, a white sky and light from above."""
+    """Add a white floor, a white sky and a light from above."""
     spec.visual.global_.offwidth = WIDTH * SAMPLES
     spec.visual.global_.offheight = 2000
     spec.visual.global_.orthographic = 1
@@ -111,7 +112,7 @@ def _furnish(spec: Any) -> None:
 
 
 def extent(name: str) -> tuple[float, float, float]:
-    """Return how far an arm at the origin reaches along ±y, and up [m]."""
+    """Return the lowest y, the highest y and the height of an arm at the origin [m]."""
     model, data = scene([name], [0.0])
     corners = []
     for geom in np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_MESH):
@@ -125,7 +126,7 @@ def extent(name: str) -> tuple[float, float, float]:
 
 
 def render(names: Sequence[str]) -> Image:
-    """Return one row with its labels."""
+    """Return the picture of one row of arms, with labels."""
     extents = [extent(name) for name in names]
     width = WIDTH / PIXELS_PER_METRE
     gap = (width - sum(high - low for low, high, _ in extents)) / len(names)

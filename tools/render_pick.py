@@ -22,13 +22,14 @@ CAMERA = Camera(
     field_of_view=math.radians(36.0),
     far=20.0,
 )
-WIDTH, HEIGHT = CAMERA.width // 2, CAMERA.height // 2  # half of it: smooth edges
+# half of the camera's size, for smooth edges
+WIDTH, HEIGHT = CAMERA.width // 2, CAMERA.height // 2
 FRAME_RATE = 12  # [Hz]
 ENCODER = {"quality": "55", "compression_level": "6"}
 
 
 def render(path: str) -> None:
-    """Write a pick as an animated WebP, in real time and repeated for ever."""
+    """Write a pick as an animated WebP in real time.  It repeats endlessly."""
     recorder = FrameRecorder(FRAME_RATE)
     simulation = tool0.SimulationConfig(
         scene="table_and_bin", cameras=(CAMERA,), realtime=False

@@ -1,6 +1,7 @@
 """Render the picture of the README: python tools/render_picture.py OUTPUT.webp [POSE].
 
-By its robot's own camera: see docs/how-to/cameras.md for what that needs.
+The picture is rendered with the robot's own camera.  See docs/how-to/cameras.md for the
+requirements.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ CAMERA = Camera(
 
 
 def render(pose: str) -> bytes:
-    """Return the default robot in ``pose``, as WebP."""
+    """Return a picture of the default robot in ``pose``, as WebP."""
     simulation = tool0.SimulationConfig(cameras=(CAMERA,), realtime=False)
     with tool0.bringup(initial_pose=pose, simulation=simulation) as robot:
         return encode_webp(robot.camera(CAMERA.name).image().rgb)

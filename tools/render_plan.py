@@ -1,7 +1,8 @@
 """Render docs/images/plan.webp: python tools/render_plan.py OUTPUT.webp.
 
-An arm carries a cube from a shelf over a wall: its poses along one planned motion, over
-each other.  By its robot's own camera: see docs/how-to/cameras.md for what that needs.
+The picture shows an arm that carries a cube from a shelf over a wall.  Several poses on
+one planned motion are drawn over each other.  The picture is rendered with the robot's
+own camera.  See docs/how-to/cameras.md for the requirements.
 """
 
 from __future__ import annotations
@@ -31,19 +32,19 @@ CAMERA = Camera(
 )
 WIDTH, HEIGHT = 960, 640
 POSES = 5
-"""Drawn along the way."""
+"""Number of poses that are drawn along the path."""
 OTHERS = 14
-"""Pictures of the whole task, for what stands behind the arm."""
+"""Number of pictures of the whole task from which the background is computed."""
 FAINT, SOLID = 0.35, 0.8
-"""Opacity of the poses on the way, and of the first and the last one."""
+"""Opacity of the intermediate poses, and of the first and last pose."""
 MOVED = 12
-"""Difference of colour from which a pixel shows something that moves."""
+"""Difference of color above which a pixel shows a moving part."""
 
 Image = NDArray[np.uint8]
 
 
 def pictures() -> tuple[list[Image], Image]:
-    """Return the way from the shelf to the bin at equal times, and the background."""
+    """Return pictures of the path at equal time intervals, and the background."""
     simulation = tool0.SimulationConfig(
         scene="shelf", cameras=(CAMERA,), realtime=False
     )
@@ -68,7 +69,7 @@ def pictures() -> tuple[list[Image], Image]:
 
 
 def over_each_other(way: list[Image], behind: Image) -> Image:
-    """Return pictures in one: what moves in them is drawn over what stands."""
+    """Return one picture in which moving parts are drawn over the background."""
     drawn = behind.astype(np.float64)
     for number, picture in enumerate(way):
         is_end = number in {0, len(way) - 1}
@@ -79,7 +80,7 @@ def over_each_other(way: list[Image], behind: Image) -> Image:
 
 
 def write(path: str, picture: Image) -> None:
-    """Write a WebP of half the size: smooth edges."""
+    """Write a WebP of half the size, for smooth edges."""
     with av.open(path, "w", format="webp") as container:
         stream: Any = container.add_stream("libwebp", 1, options={"quality": "80"})
         stream.width, stream.height, stream.pix_fmt = WIDTH, HEIGHT, "yuv420p"

@@ -1,4 +1,4 @@
-"""Write ``docs/reference/requests.md``: every request of the contract."""
+"""Write ``docs/reference/requests.md``, with every request of the contract."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ def _json(value: object) -> str:
 
 
 def _field_docs(kind: type) -> dict[str, str]:
-    """Return what stands below each field in the source of its class, or of a base."""
+    """Return the docstring of each field, from the source of its class or of a base."""
     found: dict[str, str] = {}
     for parent in reversed(kind.__mro__):
         if not parent.__module__.startswith("tool0."):
@@ -169,7 +169,7 @@ def _text(text: str | None) -> str:
 
 
 def _shown(hint: Any) -> str:
-    """Return a type as people read it."""
+    """Return a type in a readable form."""
     origin, args = get_origin(hint), get_args(hint)
     if origin is typing.Annotated:
         bounds = [
@@ -225,7 +225,7 @@ def _shown(hint: Any) -> str:
 
 @cache
 def _structs() -> tuple[type, ...]:
-    """Return the values that requests and responses are made of, by name."""
+    """Return the types of the values in requests and responses, by name."""
     found: dict[str, type] = {}
 
     def visit(hint: Any) -> None:

@@ -1,7 +1,8 @@
-"""Write what the ROS 2 node shares with tool0: definitions, and those that they need.
+"""Write copies of the definitions that the ROS 2 node shares with tool0.
 
-The node runs under another Python, without tool0's packages.  So that an address and a
-joint's motion are written once, it gets copies, word by word.
+The node runs under another Python, without tool0's packages.  The node gets exact
+copies, so that the code of an address and of a joint's motion is written only once.
+Definitions on which the copied definitions depend are also copied.
 """
 
 from __future__ import annotations
@@ -21,9 +22,10 @@ COPIED: Final = (
     ("tool0.description.model", ("Mimic",)),
     ("tool0.description.forward_kinematics", ("joint_transform",)),
 )
-"""By module."""
+"""Names of the copied definitions, by module."""
 OWN: Final = {"TransportError": "errors", "Joint": "kinematics"}
-"""What the node defines itself, by its module; a Joint is only an annotation."""
+"""Names that the node itself defines, with their modules.  A Joint is only an
+annotation."""
 HEAD: Final = '''\
 """Definitions that the node shares with tool0.
 
@@ -35,7 +37,10 @@ from __future__ import annotations
 
 
 class _Copies:
-    """Definitions, each after those that it needs."""
+    """Copied definitions.
+
+    Each definition comes after the definitions that it needs.
+    """
 
     def __init__(self) -> None:
         self.texts: dict[tuple[str, str], str] = {}
@@ -43,7 +48,7 @@ class _Copies:
         self.imports_for_types: set[str] = set()
 
     def add(self, module: str, name: str) -> None:
-        """Add a definition of a module, and whatever it names."""
+        """Add a definition of a module, and all definitions that it names."""
         if (module, name) in self.texts:
             return
         source, tree = _read(module)
@@ -51,7 +56,7 @@ class _Copies:
             if name in _defined(statement):
                 self._add_definition(module, name, statement, source)
             self._add_import(statement, name, self.imports)
-            if isinstance(statement, ast.If):  # TYPE_CHECKING
+            if isinstance(statement, ast.If):  # this is an ``if TYPE_CHECKING``
                 for inner in statement.body:
                     self._add_import(inner, name, self.imports_for_types)
 
@@ -105,7 +110,10 @@ def _defined(statement: ast.stmt) -> set[str]:
 
 
 def _names(item: ast.AST) -> set[str]:
-    """Return the names in a node, those in the text of a type variable included."""
+    """Return the names in a node.
+
+    Names in the text of a type variable are included.
+    """
     if isinstance(item, ast.Name):
         return {item.id}
     if not (isinstance(item, ast.Call) and ast.unparse(item.func) == "TypeVar"):
@@ -120,10 +128,10 @@ def _names(item: ast.AST) -> set[str]:
 
 
 def _is_left_out(statement: ast.stmt) -> bool:
-    """Return whether a method is not for the node.
+    """Return whether a method is omitted from the copies.
 
-    It may need NumPy, which the node's Python may lack, or check values that people
-    give: the node gets checked ones.
+    A method is omitted if it needs NumPy, which the node's Python may lack, or if it
+    checks values from users.  The node gets only checked values.
     """
     return isinstance(statement, ast.FunctionDef) and (
         statement.name == "__post_init__"
@@ -135,14 +143,14 @@ def _is_left_out(statement: ast.stmt) -> bool:
 
 
 def _lines(statement: ast.stmt) -> range:
-    """Return the numbers of the lines of a definition with its decorators."""
+    """Return the line numbers of a definition, including its decorators."""
     first = [statement, *getattr(statement, "decorator_list", [])]
     assert statement.end_lineno is not None
     return range(min(item.lineno for item in first), statement.end_lineno + 1)
 
 
 def module_text() -> str:
-    """Return the text of the module."""
+    """Return the text of the module with the copies."""
     copies = _Copies()
     for module, names in COPIED:
         for name in names:

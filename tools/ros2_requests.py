@@ -1,8 +1,8 @@
-"""Write the ROS 2 node's requests: the part of the contract that the node uses.
+"""Write the ROS 2 node's requests, which are the part of the contract that it uses.
 
-The node runs under another Python, without tool0's packages.  Its module ``requests``
-has a function for each request and a TypedDict for each value, so that mypy compares
-the node with the contract.
+The node runs under another Python, without tool0's packages.  The node's module
+``requests`` contains a function for each request and a TypedDict for each value, so
+that mypy can compare the node with the contract.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ REQUESTS: tuple[type[Request[Any]], ...] = (
     sensors.ReadForceTorqueSamples,
     sensors.TareForceTorque,
 )
-"""What the node asks for."""
+"""Requests that the node sends."""
 MESSAGES: Mapping[str, tuple[Any, ...]] = {
     "Hello": (codec.Hello,),
     "Outcome": (codec.Outcome,),
@@ -114,7 +114,8 @@ MESSAGES: Mapping[str, tuple[Any, ...]] = {
         *get_args(codec.EventMessage),
     ),
 }
-"""What it receives besides responses: the first message, how a goal ended, the rest."""
+"""Values that the node receives in addition to responses: the first message, the
+outcome of a goal, and all other messages."""
 UNREAD: tuple[type, ...] = (
     robot.LimitsInfo,
     objects.ObjectInfo,
@@ -127,7 +128,7 @@ UNREAD: tuple[type, ...] = (
     SourceLocation,
     Transform,
 )
-"""Values that it does not look into."""
+"""Types of values that the node receives but does not read."""
 
 HEAD = f'''\
 """Requests to a bring-up, and the values that it answers with, as JSON has them.
@@ -159,20 +160,23 @@ class Request(Generic[Response]):
 
 
 class _Values:
-    """The TypedDicts of what is received and sent."""
+    """The TypedDicts of the values that are received and sent."""
 
     def __init__(self) -> None:
         self._found: dict[type, str] = {}
         self.received: set[type] = set()
 
     def texts(self) -> Iterator[str]:
-        """Yield their definitions, those that others need first."""
+        """Yield the definitions.
+
+        A definition uses only definitions that precede it.
+        """
         yield from self._found.values()
 
     def shown(self, hint: Any, *, is_sent: bool = False) -> str:
-        """Return the type of a value as JSON has it.
+        """Return the type that a value has in JSON.
 
-        What is sent may be of any type that is encoded like it.
+        A value that is sent may have any type with the same encoding.
         """
         origin, args = get_origin(hint), get_args(hint)
         if origin is typing.Annotated:
@@ -188,7 +192,7 @@ class _Values:
             return f"Mapping[{key}, {value}]" if is_sent else f"dict[str, {value}]"
         if origin is not None:
             return self._list([item for item in args if item is not ...], is_sent)
-        if isinstance(hint, type) and issubclass(hint, tuple):  # a NamedTuple
+        if isinstance(hint, type) and issubclass(hint, tuple):  # this is a NamedTuple
             return self._list(list(typing.get_type_hints(hint).values()), is_sent)
         return self._plain(hint, is_sent)
 
@@ -212,7 +216,7 @@ class _Values:
         return str(hint.__name__)
 
     def _add(self, kind: Any, is_sent: bool) -> None:
-        """Define the TypedDict of a struct or a dataclass, after those in it."""
+        """Define the TypedDict of a struct or a dataclass, after its fields' types."""
         if not is_sent:
             self.received.add(kind)
         if kind in self._found:
@@ -235,14 +239,14 @@ class _Values:
 
 
 def _may_be_absent(kind: Any, hint: Any) -> bool:
-    """Return whether a field with a default is left out of what is encoded."""
+    """Return whether the encoding may omit a field that has a default."""
     config = getattr(kind, "__struct_config__", None)
     omits_defaults = config is not None and config.omit_defaults
     return omits_defaults or msgspec.UnsetType in get_args(hint)
 
 
 def _typed_dict(name: str, always: list[str], perhaps: list[str]) -> str:
-    """Return a definition; Python 3.10 has no NotRequired."""
+    """Return a definition.  Python 3.10 has no NotRequired."""
     if not perhaps:
         return "\n".join([f"class {name}(TypedDict):", *always])
     if not always:
@@ -252,7 +256,7 @@ def _typed_dict(name: str, always: list[str], perhaps: list[str]) -> str:
 
 
 def module_text() -> str:
-    """Return the text of the module."""
+    """Return the text of the module with the requests."""
     values = _Values()
     names = {
         name: [values.shown(kind) for kind in kinds] for name, kinds in MESSAGES.items()
@@ -270,7 +274,7 @@ def module_text() -> str:
 
 
 def _function(kind: type[Request[Any]], values: _Values) -> str:
-    """Return the function that makes a request."""
+    """Return the function that creates a request."""
     hints = typing.get_type_hints(kind, include_extras=True)
     parameters = [
         f"{item.name}: {values.shown(hints[item.name], is_sent=True)}"
@@ -287,7 +291,7 @@ def _function(kind: type[Request[Any]], values: _Values) -> str:
 
 
 def formatted(text: str, path: Path) -> str:
-    """Return the text of a module at ``path`` as ruff formats it, imports sorted."""
+    """Return a module's text after formatting by ruff, with sorted imports."""
     options = ["--stdin-filename", str(path), "-"]
     for command in (["check", "--select=I", "--fix", "--quiet"], ["format"]):
         text = subprocess.run(

@@ -1,9 +1,10 @@
-"""Take a picture of Gazebo's own window with the robot in it.
+"""Take a picture of Gazebo's window with the robot in it.
 
 usage: python tools/screenshot_gazebo.py docs/images/gazebo.webp [--width 1280] …
 
-It brings the example's scene up in Gazebo, on a screen of its own (Xvfb), moves the arm
-and waits until the window has drawn it.  Needs `tool0 gazebo install --gui`.
+The tool brings up the example's scene in Gazebo on a separate screen (Xvfb), moves the
+arm, and waits until the window has drawn the scene.  The tool needs `tool0 gazebo
+install --gui`.
 """
 
 from __future__ import annotations
@@ -27,11 +28,12 @@ SCENE = "table_and_cubes"
 _TIMEOUT = 300.0
 """Longest wait for the window [wall s]."""
 _SAME_FRAMES = 15
-"""How often the window must look the same: it is drawn for the last time then."""
+"""Number of successive pictures that must be equal before the window is considered
+complete."""
 
 
 def main() -> None:
-    """Take the picture that the arguments describe."""
+    """Take the picture that the arguments specify."""
     sys.path.insert(0, str(ROOT / "tests/rigs"))
     from screen import Pixels, Screen  # noqa: PLC0415  # beside the tests
 
@@ -54,7 +56,7 @@ def main() -> None:
                 if looks and not np.array_equal(looks[-1], pixels):
                     looks.clear()
                 looks.append(pixels)
-                # The splash screen leaves most of the screen black.
+                # While the splash screen is shown, most of the screen is black.
                 covers = np.mean(pixels.any(axis=-1)) > 0.9
                 return len(looks) > _SAME_FRAMES and bool(covers)
 
@@ -66,7 +68,7 @@ def main() -> None:
 
 @contextmanager
 def _home(width: int, height: int) -> Iterator[None]:
-    """Give gzclient a HOME in which its window is as large as the screen."""
+    """Set HOME to a folder with settings for a full-screen gzclient window."""
     os.environ["XDG_CACHE_HOME"] = str(cache_folder().parent)
     os.environ["XDG_DATA_HOME"] = str(data_folder().parent)
     with tempfile.TemporaryDirectory() as home:

@@ -1,9 +1,9 @@
-"""Take a picture of the panel as a browser shows it.
+"""Take a picture of the panel in a browser.
 
 usage: python tools/screenshot_panel.py docs/images/panel.webp [--width 1440] …
 
-It brings the example's scene up, or a cell (``--robots``), moves the arms with the
-plots open, and waits until the page has drawn it.  Needs Chromium
+The tool brings up the example's scene or a cell (``--robots``), moves the arms while
+the plots are open, and waits until the page has drawn them.  The tool needs Chromium
 (tools/setup-browser).
 """
 
@@ -22,7 +22,7 @@ SCENE = "table_and_cubes"
 
 
 def main() -> None:
-    """Take the picture that the arguments describe."""
+    """Take the picture that the arguments specify."""
     options = _options()
     with (
         _robot(options.robots) as robot,

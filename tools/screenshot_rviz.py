@@ -2,9 +2,9 @@
 
 usage: python tools/screenshot_rviz.py docs/images/rviz.webp [--width 1280] …
 
-It starts a roscore, the robot and RViz on a screen of its own (Xvfb), moves the arm as
-any client of ROS would, and waits until RViz has followed and stands still.  Needs
-`tool0 ros1 install --rviz`.
+The tool starts a roscore, the robot and RViz on a separate screen (Xvfb).  The tool
+moves the arm like any client of ROS does, and waits until the picture in RViz no longer
+changes.  The tool needs `tool0 ros1 install --rviz`.
 """
 
 from __future__ import annotations
@@ -20,9 +20,11 @@ ROOT = Path(__file__).resolve().parent.parent
 _TIMEOUT = 60.0
 """Longest wait for the window [wall s]."""
 _SAME_FRAMES = 15
-"""How often the world must look the same: the robot stands still then."""
+"""Number of successive pictures that must be equal before the robot is considered at
+rest."""
 _JITTER = 0.002
-"""Part of the world that may look different: the edges of what holds a pose."""
+"""Fraction of the pixels that may differ.  At rest, the edges of the robot still change
+slightly."""
 _JOINTS = (
     "[elbow_joint, shoulder_lift_joint, shoulder_pan_joint, "
     "wrist_1_joint, wrist_2_joint, wrist_3_joint]"
@@ -31,7 +33,7 @@ _POSE = "[1.5, -1.7, -0.4, -1.37, -1.57, 0.0]"
 
 
 def main() -> None:
-    """Take the picture that the arguments describe."""
+    """Take the picture that the arguments specify."""
     sys.path.insert(0, str(ROOT / "tests/rigs"))
     from in_rviz import black, blue, start_rviz, view  # noqa: PLC0415  # of the tests
     from ros import Ros  # noqa: PLC0415

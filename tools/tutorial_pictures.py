@@ -2,8 +2,8 @@
 
 usage: PYTHONPATH=tests/rigs python tools/tutorial_pictures.py [NAME …]
 
-Each picture is a function below; without names, all are made.  Needs Chromium
-(tools/setup-browser) and OpenGL (tools/setup-gl).
+Each picture is made by a function below.  Without names, all pictures are made.  The
+tool needs Chromium (tools/setup-browser) and OpenGL (tools/setup-gl).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ TUTORIALS = ROOT / "docs/tutorials"
 FOLDER = ROOT / "docs/images/tutorials"
 SAVED = ("python", "xml", "yaml")
 WIDTH, HEIGHT = 1280, 800
-"""Of a window with the panel [px]."""
+"""Size of a window with the panel [px]."""
 DOWN = (math.pi, 0.0, 0.0)
 PADS = Pose(xyz=(0.0, 0.0, 0.1418))
 
@@ -45,7 +45,7 @@ PICTURES: dict[str, Maker] = {}
 
 
 def named(name: str) -> Callable[[Maker], Maker]:
-    """Register the maker of ``name``.webp."""
+    """Register the function that makes ``name``.webp."""
 
     def register(maker: Maker) -> Maker:
         PICTURES[name] = maker
@@ -69,13 +69,13 @@ def driven_page(robot: tool0.Robot) -> Iterator[Page]:
 
 
 def drawn(page: Page) -> bytes:
-    """Return a picture of the page, with the newest state drawn."""
+    """Return a picture of the page after the newest state is drawn."""
     wait_for_frames(page, 4)
     return picture(page)
 
 
 def rendered(robot: tool0.Robot, camera: str) -> bytes:
-    """Return the image of a camera as WebP, in half of its size: smooth edges."""
+    """Return a camera's image as WebP, in half of its size for smooth edges."""
     return encode_webp(robot.camera(camera).image().rgb, reduction=2)
 
 
@@ -86,7 +86,7 @@ def files_of(page: str) -> dict[str, str]:
 
 
 def followed(robot: tool0.Robot, page: str, program: str) -> None:
-    """Run a program of a tutorial on a robot of this process."""
+    """Run a program from a tutorial on a robot in this process."""
 
     @contextmanager
     def connect() -> Iterator[tool0.Robot]:
@@ -100,7 +100,7 @@ def followed(robot: tool0.Robot, page: str, program: str) -> None:
 def seen_from(
     eye: tuple[float, float, float], at: tuple[float, float, float]
 ) -> tool0.SimulationConfig:
-    """Return a simulation without real time, with a camera ``docs``."""
+    """Return a simulation that runs without real time and has a camera ``docs``."""
     camera = Camera(
         name="docs",
         pose=looking(eye, at),
@@ -128,7 +128,7 @@ def first_panel() -> bytes:
 
 @named("first-jog")
 def first_jog() -> bytes:
-    """Return a picture of the panel after a jog."""
+    """Return a picture of the panel after jogging."""
     with (
         tool0.bringup(scene="table_and_cubes") as robot,
         driven_page(robot) as page,
@@ -181,7 +181,7 @@ def first_replay() -> bytes:
 
 @contextmanager
 def own_files() -> Iterator[Path]:
-    """Yield a folder with the files of the page."""
+    """Yield a folder with the files from the page."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for title, text in files_of("your-own-robot.md").items():
@@ -192,7 +192,7 @@ def own_files() -> Iterator[Path]:
 
 @contextmanager
 def own_robot() -> Iterator[tool0.Robot]:
-    """Bring up the robot of the page above its part."""
+    """Bring up the robot from the page above its part."""
     start = {"shoulder_lift_joint": -1.57, "elbow_joint": 1.57, "wrist_1_joint": -1.57}
     with own_files() as folder:
         simulation = replace(
@@ -264,7 +264,7 @@ def ur_controller() -> Iterator[tool0.Robot]:
 
 
 def control_box(robot: tool0.Robot) -> bytes:
-    """Return a picture of the panel's tab I/O."""
+    """Return a picture of the panel's I/O tab."""
     with driven_page(robot) as page:
         page.get_by_role("tab", name="I/O").click()
         page.get_by_test_id("ur-program").wait_for()
@@ -296,7 +296,7 @@ def ur_stop() -> bytes:
 
 @named("plan-panel")
 def plan_panel() -> bytes:
-    """Return a picture of a planned way around the wall."""
+    """Return a picture of a planned path around the wall."""
     with tool0.bringup(scene="shelf") as robot, driven_page(robot) as page:
         page.get_by_test_id("tool-toggle").click()
         for number, value in enumerate(("480", "-340", "350")):
@@ -327,7 +327,7 @@ def real_arm() -> bytes:
 
 
 def main(names: list[str]) -> None:
-    """Make the pictures of these names, or all."""
+    """Make the pictures with these names, or all pictures."""
     unknown = set(names) - PICTURES.keys()
     if unknown:
         sys.exit(f"unknown: {', '.join(unknown)}; there are {', '.join(PICTURES)}")

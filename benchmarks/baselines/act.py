@@ -1,7 +1,7 @@
-"""Behaviour cloning with LeRobot's ACT, trained by LeRobot's own program.
+"""Behavior cloning with LeRobot's ACT, trained by LeRobot's own program.
 
-It needs an environment with LeRobot (docs/how-to/policies.md), and writes one row per
-checkpoint.
+This module needs an environment with LeRobot (docs/how-to/policies.md).  The module
+writes one row for each checkpoint.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ ACT = (
     "--policy.n_action_steps=10 --policy.optimizer_lr=3e-4 --batch_size=64 "
     "--num_workers=0 --wandb.enable=false"
 )
-"""A small one, which a processor trains in minutes."""
+"""Options of a small network, which a CPU trains in minutes."""
 
 
 def run(task: str, seed: int, given: argparse.Namespace) -> None:

@@ -1,6 +1,7 @@
-"""Behaviour cloning with NumPy: a small network predicts chunks of actions.
+"""Behavior cloning with NumPy.  A small network predicts chunks of actions.
 
-As ``examples/30_clone_expert.py``: three hidden layers, Adam, Huber's loss.
+The method is the same as in ``examples/30_clone_expert.py``: three hidden layers, Adam,
+and Huber's loss.
 """
 
 from __future__ import annotations
@@ -20,11 +21,13 @@ from benchmarks.successes import Act, rate
 from tool0.collect import collect
 
 CHUNK = 10
-"""Actions that one answer predicts, and that are executed before the next one."""
+"""Number of actions that one prediction contains.  All these actions are executed
+before the next prediction."""
 WIDTH, LAYERS = 256, 3
 BATCH, RATE = 256, 1e-3
 BEND = 0.05
-"""Error from which the loss grows linearly, part of half an action's range."""
+"""Error above which the loss grows linearly, as a fraction of half an action's
+range."""
 
 Array = NDArray[np.float32]
 
@@ -38,12 +41,12 @@ class Clone:
     weights: list[Array]
 
     def __call__(self, states: NDArray[np.float64]) -> Array:
-        """Return chunks of actions for states (n, m), shape (n, CHUNK, k)."""
+        """Return chunks of actions, shape (n, CHUNK, k), for states of shape (n, m)."""
         x = _normalised(states, self.mean, self.spread)
         return _layers(x, self.weights)[-1].reshape(len(states), CHUNK, -1)
 
     def begin(self, env: gymnasium.vector.VectorEnv) -> Act:
-        """Return a function that executes whole chunks, from the first step on."""
+        """Return a function that executes whole chunks, from the first step."""
         rest: list[Array] = []
 
         def act(states: NDArray[np.float64]) -> Array:
@@ -55,7 +58,7 @@ class Clone:
 
 
 def pairs(folder: Path) -> tuple[NDArray[np.float64], Array]:
-    """Return the states of a data set, and the chunks of actions that follow."""
+    """Return the states of a data set, and the chunk of actions after each state."""
     states, chunks = [], []
     for path in sorted(folder.glob("data/*/*.parquet")):
         table = pq.read_table(path, columns=["observation", "action"])
@@ -67,14 +70,17 @@ def pairs(folder: Path) -> tuple[NDArray[np.float64], Array]:
 
 
 def train(states: NDArray[np.float64], y: Array, steps: int, seed: int) -> Clone:
-    """Return a network that predicts ``y`` from states, after so many steps."""
+    """Return a network that predicts ``y`` from ``states``.
+
+    The network is trained for ``steps`` steps.
+    """
     rng = np.random.default_rng(seed)
     mean, spread = states.mean(axis=0), states.std(axis=0) + 1e-3
     x = _normalised(states, mean, spread)
     ends = list(pairwise([x.shape[1], *[WIDTH] * LAYERS, y.shape[1]]))
     w = [(2 / a) ** 0.5 * rng.standard_normal((a, b), np.float32) for a, b in ends]
     m, v = [0.0 * one for one in w], [0.0 * one for one in w]
-    for n in range(steps):  # Adam, with a rate that falls to 0
+    for n in range(steps):  # Adam, with a rate that decreases to 0
         rows = rng.integers(len(x), size=BATCH)
         *values, found = _layers(x[rows], w)
         slope = np.clip((found - y[rows]) / BEND, -1.0, 1.0) / BATCH
@@ -86,7 +92,7 @@ def train(states: NDArray[np.float64], y: Array, steps: int, seed: int) -> Clone
 
 
 def run(task: str, seed: int, given: argparse.Namespace) -> None:
-    """Collect the expert's episodes, train on them, and evaluate.
+    """Collect the expert's episodes, train on them, and evaluate the policy.
 
     All seeds learn from the same episodes.
     """
@@ -113,12 +119,12 @@ def run(task: str, seed: int, given: argparse.Namespace) -> None:
 def _normalised(
     states: NDArray[np.float64], mean: NDArray[np.float64], spread: NDArray[np.float64]
 ) -> Array:
-    """Return inputs of the network: the states' deviations, and a 1 for the bias."""
+    """Return the inputs of the network: normalized states, and a 1 for the bias."""
     return np.insert((states - mean) / spread, 0, 1.0, axis=1).astype(np.float32)
 
 
 def _layers(x: Array, weights: list[Array]) -> list[Array]:
-    """Return the values of a network's layers, the input's first."""
+    """Return the values of a network's layers, with the input layer first."""
     values = [x]
     for matrix in weights[:-1]:
         values.append(np.maximum(values[-1] @ matrix, 0.0))

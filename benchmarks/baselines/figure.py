@@ -1,4 +1,4 @@
-"""Learning curves of reinforcement learning as a picture."""
+"""Draws the learning curves of reinforcement learning."""
 
 from __future__ import annotations
 
@@ -15,11 +15,14 @@ from matplotlib import pyplot as plt
 
 COLOURS = {"ppo": "#1f6fb4", "sac": "#d1580b"}
 POINTS = 200
-"""Of the mean over the seeds."""
+"""Number of points of the mean over the seeds."""
 
 
 def draw(folder: Path, path: Path) -> None:
-    """Write the curves of a folder: a panel for each task, a line for each seed."""
+    """Write the curves of a folder.
+
+    Each task has a panel, and each seed has a line.
+    """
     found = curves(folder)
     tasks = sorted({task for task, _ in found})
     columns = min(3, len(tasks))
@@ -56,7 +59,7 @@ def _plot(
     method: str,
     colour: str,
 ) -> None:
-    """Plot the seeds of one method, and their mean as far as all of them go."""
+    """Plot the curves of one method's seeds, and their mean over the common range."""
     lines = [np.array(points).T for points in by_seed.values()]
     for actions, success in lines:
         ax.plot(actions / 1e3, success, color=colour, alpha=0.35, linewidth=0.9)

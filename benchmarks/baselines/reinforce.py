@@ -1,7 +1,7 @@
-"""Reinforcement learning with Stable-Baselines3: PPO and SAC.
+"""Reinforcement learning with PPO and SAC from Stable-Baselines3.
 
-Training has physics steps of 2 ms, and many copies in one vector environment; the
-evaluation has the task as it is.
+Training uses physics steps of 2 ms, and many copies in one vector environment.  The
+evaluation uses the unchanged task.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from benchmarks.successes import Act, rate
 DT = 0.002
 """Physics step in training [s]."""
 EVERY = 2_000
-"""Actions between two points of a curve."""
+"""Number of actions between two points of a curve."""
 METHODS: dict[str, tuple[type[BaseAlgorithm], int, dict[str, Any]]] = {
     "ppo": (
         PPO,
@@ -54,14 +54,17 @@ METHODS: dict[str, tuple[type[BaseAlgorithm], int, dict[str, Any]]] = {
         },
     ),
 }
-"""The algorithm, the number of copies, and keywords of the algorithm."""
+"""The algorithm, the number of copies, and the algorithm's keyword arguments."""
 
 
 class Curve(BaseCallback):
-    """Writes success rate and mean return of the last hundred episodes."""
+    """Writes the success rate and mean return of the last hundred episodes."""
 
     def __init__(self, folder: Path, run: tuple[str, str, int], first: int) -> None:
-        """Write for a run, (method, task, seed), from ``first`` actions on."""
+        """Write the curve of a run, which is given as (method, task, seed).
+
+        The first point is written after ``first`` actions.
+        """
         super().__init__()
         self._folder = folder
         self._run = run
@@ -91,7 +94,8 @@ def run(task: str, seed: int, given: argparse.Namespace) -> None:
     many = Copies(f"tool0/{task}-v0", copies, dt=DT, threads=1)
     env = VecNormalize(VecMonitor(many), norm_reward=False)
     model = algorithm("MlpPolicy", env, seed=seed, device="cpu", **keywords)
-    # The first episodes to end are successes, until each copy has ended one.
+    # Until every copy has ended an episode, the ended episodes are mainly successes, so
+    # that the success rate is biased.
     first = max(EVERY, copies * many.env.spec.max_episode_steps)
     curve = Curve(given.folder, (given.method, task, seed), first)
     model.learn(given.actions, callback=curve)

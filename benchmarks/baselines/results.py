@@ -1,4 +1,4 @@
-"""Runs of methods: their rows and learning curves in two files, and a table of them."""
+"""Stores runs of methods and their learning curves in two files, and makes a table."""
 
 from __future__ import annotations
 
@@ -15,13 +15,16 @@ from tool0.policy.report import wilson
 
 RUNS, CURVES = "runs.jsonl", "curves.csv"
 CURVE = ("method", "task", "seed", "actions", "success", "reward", "cpu_seconds")
-"""Columns of the curves: actions of all copies together, success rate and mean return
-of the last hundred episodes, and processor time so far [s]."""
+"""Columns of the curves.  The columns contain the number of actions of all copies
+together, the success rate and mean return of the last hundred episodes, and the
+processor time since the start [s]."""
 PROGRAMS = ("tool0", "mujoco", "gymnasium", "numpy", "torch", "stable-baselines3")
 FIRST_START = 100_000
-"""Seed of the first episode of an evaluation; ``collect`` hashes its seeds."""
+"""Seed of the first episode of an evaluation.  This seed differs from the seeds of
+``collect``, which are hashed."""
 APART = 10_000
-"""Between the evaluations of two runs, which have other starts."""
+"""Difference between the first seeds of two evaluations, so that runs have different
+start states."""
 
 
 def starts(seed: int, n: int) -> range:
@@ -31,13 +34,13 @@ def starts(seed: int, n: int) -> range:
 
 
 def cpu_seconds() -> float:
-    """Return the processor time of this process and of its children that ended [s]."""
+    """Return the processor time of this process and of its ended children [s]."""
     times = os.times()
     return times.user + times.system + times.children_user + times.children_system
 
 
 def write_run(folder: Path, row: dict[str, Any]) -> None:
-    """Append one run, with date and versions, to those of a folder, and print it."""
+    """Append one run with date and versions to a folder's runs, and print the run."""
     row = {**row, "date": datetime.datetime.now(datetime.UTC).date().isoformat()}
     row["versions"] = {name: _version(name) for name in PROGRAMS if _version(name)}
     with (folder / RUNS).open("a") as file:
@@ -46,7 +49,7 @@ def write_run(folder: Path, row: dict[str, Any]) -> None:
 
 
 def write_point(folder: Path, *values: object) -> None:
-    """Append one point of a curve: values of the columns ``CURVE``."""
+    """Append one point of a curve, with values for the columns ``CURVE``."""
     path = folder / CURVES
     is_new = not path.exists()
     with path.open("a", newline="") as file:
@@ -57,7 +60,10 @@ def write_point(folder: Path, *values: object) -> None:
 
 
 def runs(folder: Path) -> dict[tuple[str, str], list[dict[str, Any]]]:
-    """Return the runs by task and method, each with its last evaluation only."""
+    """Return the runs by task and method.
+
+    Only the last evaluation of a run is included.
+    """
     last: dict[tuple[str, str, int], dict[str, Any]] = {}
     with (folder / RUNS).open() as file:
         for line in file:
@@ -70,7 +76,7 @@ def runs(folder: Path) -> dict[tuple[str, str], list[dict[str, Any]]]:
 
 
 def curves(folder: Path) -> dict[tuple[str, str], dict[int, list[tuple[float, float]]]]:
-    """Return points (actions, success) by task and method, then by seed."""
+    """Return the points (actions, success) by task and method, and then by seed."""
     found: dict[tuple[str, str], dict[int, list[tuple[float, float]]]]
     found = defaultdict(lambda: defaultdict(list))
     with (folder / CURVES).open(newline="") as file:
@@ -81,7 +87,7 @@ def curves(folder: Path) -> dict[tuple[str, str], dict[int, list[tuple[float, fl
 
 
 def table(folder: Path) -> str:
-    """Return a Markdown table of the runs: one row for each task and method."""
+    """Return a Markdown table of the runs, with a row for each task and method."""
     lines = [
         "| task | method | success by seed | all | actions in the task | CPU min |",
         "| --- | --- | --- | --- | --- | --- |",
@@ -102,7 +108,7 @@ def table(folder: Path) -> str:
 
 
 def _range(values: list[float], form: str) -> str:
-    """Return the least and the largest value as text, or the only one."""
+    """Return the range of the values as text, or the value if there is only one."""
     low, high = (
         format(end, form).replace(",", " ") for end in (min(values), max(values))
     )

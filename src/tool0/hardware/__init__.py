@@ -1,1 +1,4 @@
-"""The interface between control and physics: joint states in, efforts out."""
+"""The interface between control and physics.
+
+The inputs of control are joint states; its outputs are efforts.
+"""

@@ -1,4 +1,7 @@
-"""The dynamics that drives assume: those of the description and declared payloads."""
+"""The dynamics that drives assume.
+
+The dynamics are computed from the description and from declared payloads.
+"""
 
 from __future__ import annotations
 
@@ -32,11 +35,14 @@ class DriveDynamics:
         dt: float,
         gravity: Vector3,
     ) -> None:
-        """Start without declared payloads; for the arguments, see ``RobotHardware``."""
+        """Start without declared payloads.
+
+        For the arguments, see ``RobotHardware``.
+        """
         self._model, self._gravity_vector, self._dt = model, gravity, dt
         self._payloads: dict[str, Payload] = {}
         self.own = self._declared = JointDynamics(model, gravity)
-        """Dynamics without and with the declared payloads."""
+        """Dynamics without declared payloads and dynamics with declared payloads."""
         index = {name: i for i, name in enumerate(joint_names)}
         self.to_model = tuple(index[joint.name] for joint in model.movable_joints)
         """Engine index of each of the model's movable joints."""
@@ -45,7 +51,7 @@ class DriveDynamics:
             joint.name: float(inertia)
             for joint, inertia in zip(model.movable_joints, inertias, strict=True)
         }
-        """Inertia at each joint in the zero pose, by joint name [kg·m² | kg]."""
+        """Inertia at each joint in the zero pose [kg·m² | kg], by joint name."""
         carriers = [
             model.joint_by_name[name]
             for name in sorted(_joints_before_flanges(model))
@@ -57,8 +63,8 @@ class DriveDynamics:
             )
             for joint in carriers
         }
-        """Integral rates of the servos of joints that carry a payload, by joint name
-        [1/s]."""
+        """Integral rate [1/s] of the servo of each joint that carries a payload, by
+        joint name."""
         self._expected_loads = {
             index[joint.name]: expected_load(joint.limits.effort) for joint in carriers
         }
@@ -69,7 +75,10 @@ class DriveDynamics:
         return self._payloads
 
     def set_payload(self, flange: str, payload: Payload | None) -> None:
-        """Declare the payload at ``flange``; None for the tool in the description."""
+        """Declare the payload at ``flange``.
+
+        None selects the tool in the description.
+        """
         self._payloads.pop(flange, None)
         if payload is not None:
             self._payloads[flange] = payload
@@ -81,11 +90,11 @@ class DriveDynamics:
 
     @property
     def table(self) -> DynamicsTable:
-        """The constants of the computation in ``gravity``."""
+        """The constants with which compiled code computes ``gravity``."""
         return self._declared.table
 
     def gravity(self, state: JointState) -> list[float]:
-        """Return the effort that balances gravity [N·m | N], shape (n_joints,)."""
+        """Return the efforts that balance gravity [N·m | N], shape (n_joints,)."""
         position = [state.position[i] for i in self.to_model]
         ordered = [0.0] * len(position)
         loads = self._declared.static_effort(position)
@@ -96,7 +105,8 @@ class DriveDynamics:
     def masses(self, joints: Sequence[int], state: JointState) -> Matrix:
         """Return the mass matrix of ``joints`` for servos [kg·m² | kg], shape (n, n).
 
-        The effect of declared payloads is bounded; see module ``servo_masses``.
+        The effect of declared payloads on the matrix is bounded; see module
+        ``servo_masses``.
         """
         position = [state.position[i] for i in self.to_model]
         declared = self._declared.mass_matrix(position)[None]
@@ -111,7 +121,7 @@ class DriveDynamics:
         """Return ``masses`` of ``joints`` in k states, shape (k, n, n).
 
         Args:
-            joints: The n joints, by the engine's indices.
+            joints: Engine indices of the n joints.
             declared: The mass matrices of the model's joints with declared payloads,
                 shape (k, n_joints, n_joints).
             positions: Positions of the model's joints [rad | m], shape (k, n_joints);
@@ -130,10 +140,11 @@ class DriveDynamics:
     def mobility(
         self, joints: Sequence[int], state: JointState, rotors: Mapping[int, float]
     ) -> Matrix:
-        """Return the velocity changes of ``joints`` in a step, per unit of effort.
+        """Return the velocity changes of ``joints`` in one step, per unit of effort.
 
-        The result has shape (n, n) [rad/s/(N·m)].  It is computed from the masses of
-        the description and the inertias of the ``rotors``, by joint [kg·m²].
+        The result has shape (n, n) [rad/s/(N·m)].  The mobility is computed from the
+        masses in the description and from the inertias of the ``rotors`` [kg·m²], which
+        are given by joint index.
         """
         position = [state.position[i] for i in self.to_model]
         own = self.own.mass_matrix(position)[None]
@@ -148,7 +159,7 @@ class DriveDynamics:
     ) -> Matrix:
         """Return the ``mobility`` of ``joints`` in k states, shape (k, n, n).
 
-        ``declared`` and ``positions`` are as for ``servo_masses``.
+        ``declared`` and ``positions`` have the same meaning as in ``servo_masses``.
         """
         own = declared
         if self._payloads:

@@ -14,11 +14,11 @@ from tool0.errors import ConfigError, DivergenceError, EngineError, did_you_mean
 
 
 class JointState(NamedTuple):
-    """The measured state of every movable joint at one instant.
+    """Measured state of all movable joints at one instant.
 
-    Lists have shape (n_joints,), ordered as the engine's ``joint_names``.  This is a
-    named tuple of plain lists because the tick creates one a thousand times a second,
-    and plain floats are fastest in Python.
+    The lists have shape (n_joints,) and are ordered like the engine's ``joint_names``.
+    This class is a named tuple of plain lists, because the tick creates an instance a
+    thousand times a second, and plain floats are fastest in Python.
     """
 
     time: float
@@ -32,13 +32,15 @@ class JointState(NamedTuple):
 
 
 JointSelector = Callable[[list[float]], Sequence[float]]
-"""Selects some joints from a list of all joints."""
+"""Function that selects the values of some joints from a list of the values of all
+joints."""
 
 
 def joint_selector(indices: Sequence[int]) -> JointSelector:
     """Return the function that selects ``indices`` from a list.
 
-    The function runs in C; it is a slice if the joints are contiguous, as usual.
+    The function runs in C.  The function takes a slice if the indices are contiguous,
+    which is the usual case.
     """
     run = as_slice(indices)
     if run is not None:
@@ -56,23 +58,26 @@ def as_slice(indices: Sequence[int]) -> slice | None:
 
 @final
 class RecordedObjects(Sequence[ObjectState]):
-    """The states of objects at one instant, computed upon the first read.
+    """The states of objects at one instant, which are computed on the first read.
 
-    The result never changes, and any thread may read it.
+    The states never change, and any thread may read the states.
     """
 
     __slots__ = ("_compute", "_states")
 
     def __init__(self, compute: Callable[[], tuple[ObjectState, ...]]) -> None:
-        """``compute`` must depend only on data recorded at that instant."""
+        """Prepare a record of the states that ``compute`` returns.
+
+        ``compute`` must depend only on data recorded at that instant.
+        """
         self._compute = compute
         self._states: tuple[ObjectState, ...] | None = None
 
     @property
     def states(self) -> tuple[ObjectState, ...]:
-        """The states, as a tuple."""
+        """The states as a tuple."""
         if self._states is None:
-            self._states = self._compute()  # two threads compute the same
+            self._states = self._compute()  # two threads compute the same value
         return self._states
 
     @overload
@@ -101,11 +106,12 @@ class RecordedObjects(Sequence[ObjectState]):
 
 
 Wrench = tuple[Vector3, Vector3]
-"""Force [N] at a body's centre of mass, and torque [N·m], in the root's axes."""
+"""Force [N] at a body's center of mass and torque [N·m], in the axes of the robot's
+root."""
 
 
 class World(Protocol):
-    """The objects around the robot: state, spawning, attachments and contacts.
+    """The objects around the robot: their states, spawning, attachments and contacts.
 
     An engine has a single world for its whole lifetime.  Only the thread that owns the
     tick may use the world.
@@ -117,87 +123,98 @@ class World(Protocol):
 
     @property
     def ground(self) -> float | None:
-        """Height of the ground in the robot's root [m]; None if unknown."""
+        """Height of the ground in the root's frame [m]; None if it is unknown."""
 
     def object_states(self) -> Sequence[ObjectState]:
-        """Return a record of the current state of each object, spawned objects last."""
+        """Return a record of the current state of each object.
+
+        Spawned objects are last.
+        """
 
     def spawn(self, item: SceneObject) -> None:
-        """Add an object at rest without changing the state of anything else.
+        """Add an object at rest without changing the state of any other object.
 
-        Nothing has changed if this fails.
+        If the call fails, the world is unchanged.
 
         Raises:
-            ModelError: If the engine does not support such an object.
-            EngineError: If the name is taken, or the engine refuses.
+            ModelError: If the engine does not support objects of this kind.
+            EngineError: If the name is taken, or if the engine refuses the object.
         """
 
     def delete(self, name: str) -> None:
-        """Remove an object, or raise EngineError if there is no such object."""
+        """Remove the object named ``name``, or raise EngineError if there is none."""
 
     def place(self, state: ObjectState) -> None:
-        """Set the pose and velocity of an object; the quaternion must be normalised.
+        """Set the pose and velocity of an object; the quaternion must be normalized.
 
-        A reset returns the object to its pose at the start, or where it was spawned.
+        A reset returns the object to its pose at the start of the simulation, or to the
+        pose where it was spawned.
 
         Raises:
-            EngineError: If there is no such object, or a velocity is given for an
-                object without mass.
+            EngineError: If there is no object of this name, or if a velocity is given
+                for an object without mass.
         """
 
     def contacts(self) -> tuple[Contact, ...]:
-        """Return the contacts of the last step, one per pair of bodies.
+        """Return the contacts of the last step, one for each pair of bodies in contact.
 
-        An attachment counts as a contact.  The result is empty before the first step
-        after a reset.  An engine may start recording contacts upon the first call,
-        whose result is then empty.
+        An attachment is reported as a contact.  The result is empty before the first
+        step after a reset.  An engine may start to record contacts only when this
+        method is called for the first time; the result of that call is then empty.
         """
 
     def is_touched(self, links: frozenset[str]) -> bool:
-        """Return whether one of ``links`` touches anything, or is attached.
+        """Return whether one of ``links`` touches anything or is attached to an object.
 
-        Faster than ``contacts``; may also return True for links that only almost touch.
+        This method is faster than ``contacts``.  The result may also be True for links
+        that only almost touch another body.
         """
 
     def center_of_mass(self, name: str) -> Vector3:
-        """Return the centre of mass of the body of a link or object [m].
+        """Return the center of mass of the body that contains a link or object [m].
 
-        It is in the robot's root.  Links that are fixed to each other are one body.
+        The point is given in the frame of the robot's root.  Links that are fixed to
+        each other form one body.
 
         Raises:
-            EngineError: If there is no such link or object, or if it cannot move.
+            EngineError: If there is no link or object of this name, or if the link or
+                object cannot move.
         """
 
     def hold_wrenches(self, wrenches: Mapping[str, Wrench]) -> None:
-        """Replace all applied wrenches by these, by link or object.
+        """Replace all applied wrenches by ``wrenches``, given by link or object.
 
-        Wrenches on links of the same body add up.  A reset removes all wrenches.
+        Wrenches on links of the same body are added.  A reset removes all wrenches.
 
         Raises:
-            EngineError: As for ``center_of_mass``; nothing has changed then.
+            EngineError: If ``center_of_mass`` raises an error for one of the links or
+                objects.  The applied wrenches are then unchanged.
         """
 
     def attach(self, name: str, link: str) -> None:
         """Fix a movable object to a link at its current pose, until it is detached.
 
-        This is not physical, and only for ``--grasp-assist``.  Resetting, deleting or
-        placing the object detaches it.
+        An attachment is not physical; it is used only for ``--grasp-assist``.
+        Resetting, deleting or placing the object detaches it.
 
         Raises:
-            ModelError: If there is no such link.
-            EngineError: If there is no such object, it has no mass, or it is already
-                attached.
+            ModelError: If the robot has no link of this name.
+            EngineError: If there is no object of this name, if the object has no mass,
+                or if the object is already attached.
         """
 
     def detach(self, name: str) -> None:
-        """Release an object, if it is attached."""
+        """Release an object if it is attached."""
 
 
 class Engine(Protocol):
-    """Physics engine, as the control loop uses it: read, write and step, in this order.
+    """Physics engine as the control loop uses it.
 
-    Every sequence has shape (n_joints,), ordered as ``joint_names``, which has all
-    movable joints of the robot, including mimic joints.  ``world`` has everything else.
+    The loop reads, writes and steps, in this order.
+
+    Every sequence has shape (n_joints,) and is ordered like ``joint_names``, which
+    contains all movable joints of the robot, including mimic joints.  ``world``
+    contains the objects.
     """
 
     @property
@@ -216,16 +233,19 @@ class Engine(Protocol):
         """The objects around the robot."""
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
-        """Reset joints to ``position`` [rad | m], at rest, and objects to their start.
+        """Reset joints to ``position`` [rad | m] at rest, and objects to their start.
 
         Set simulated time to ``time`` [s].
         """
 
     def read(self) -> JointState:
-        """Return a copy of the measured state, never a view into the engine.
+        """Return a copy of the measured state.
+
+        The copy never refers to the engine's memory.
 
         Raises:
-            DivergenceError: If the state is not finite, or a velocity is absurd.
+            DivergenceError: If the state is not finite, or if a velocity is absurdly
+                large.
         """
 
     def write(self, effort: Sequence[float]) -> None:
@@ -236,11 +256,13 @@ class Engine(Protocol):
         """
 
     def set_brakes(self, torques: Mapping[int, float]) -> None:
-        """Engage the brakes of these joints, by number, and release all others.
+        """Engage the brakes of the given joints, and release all other brakes.
 
-        A brake acts as dry friction of at most this torque [N·m | N]: it slows the
-        joint, and holds it at rest against any smaller load.  The joint's state does
-        not change, and a reset does not affect the brakes.
+        ``torques`` maps the index of a joint to the largest torque of its brake
+        [N·m | N].  A brake acts as dry friction of at most its largest torque.  The
+        brake slows the joint, and holds the joint at rest against any smaller load.
+        This call does not change the state of a joint, and a reset does not affect the
+        brakes.
         """
 
     @property
@@ -248,10 +270,11 @@ class Engine(Protocol):
         """Whether the engine supports ``set_rotors``."""
 
     def set_rotors(self, inertias: Mapping[int, float]) -> None:
-        """Set the added rotor inertia of these joints, by number; others get none.
+        """Set the rotor inertia of the given joints, by index; other joints have none.
 
-        The inertia is reflected to the joint [kg·m² | kg].  The joint's state does not
-        change, and a reset does not affect the rotors.
+        The inertia is reflected to the joint [kg·m² | kg], and it is added to the
+        joint's own inertia.  This call does not change the state of a joint, and a
+        reset does not affect the rotors.
         """
 
     def step(self) -> None:
@@ -261,70 +284,74 @@ class Engine(Protocol):
     def stepper(self) -> NativeStepper | None:
         """Addresses for compiled code; None if only ``step`` can step the engine.
 
-        It is a new object whenever addresses change.
+        The result is a new object whenever an address has changed.
         """
 
     def close(self) -> None:
-        """End the engine and its processes; closing twice is allowed."""
+        """End the engine and its processes.  A second call has no effect."""
 
 
 class NativeStepper(NamedTuple):
-    """Addresses with which compiled code steps an engine in this process.
+    """Addresses with which compiled code steps an engine in the same process.
 
-    The joints come first in ``position`` and ``velocity``, in the engine's order.
+    In ``position`` and ``velocity``, the joints come first, in the engine's order.
     """
 
     step: int
     """Address of a C function ``void step(const void *model, void *data)``."""
     on_error: int
     """Address of the variable that holds the C function ``void on_error(const char
-    *)``, which the engine calls on an error; 0 if there is no such variable."""
+    *)``.  The engine calls this function when an error occurs.  The address is 0 if the
+    engine has no variable for this function."""
     clock: int
     """Address of the variable that holds the C function ``double clock(void)``, with
-    which the engine times its parts; 0 if there is no such variable.  It returns 0
-    while compiled code steps the engine, which takes less time."""
+    which the engine measures the time of its parts.  Compiled code that steps the engine
+    replaces this function by a function that returns 0.  The address is 0 if the engine
+    has no variable for this function."""
     model: int
     data: int
     position: int
     """Address of the measured positions [rad | m]."""
     velocity: int
-    """Address of the velocities, including those of objects [rad/s | m/s]."""
+    """Address of the velocities, including the velocities of objects [rad/s | m/s]."""
     n_velocities: int
     motors: int
     """Address of the efforts that the engine applies [N·m | N]."""
     motor_joints: tuple[int, ...]
-    """The joint that each motor drives."""
+    """Index of the joint that each motor drives."""
     brakes: tuple[int, ...]
-    """The joints with engaged brakes.  A joint that is slower than ``BRAKE_STANDSTILL``
-    after a step is at rest: it keeps its position from before the step, with velocity
-    0."""
+    """Indices of the joints with engaged brakes.  A joint that is slower than
+    ``BRAKE_STANDSTILL`` after a step is at rest: it keeps its position from before the
+    step, and its velocity is 0."""
     steps: Callable[[], int]
-    """Returns the number of steps of the engine since its time was 0."""
+    """Function that returns the number of steps of the engine since its time was 0."""
     note_steps: Callable[[int, list[float]], None]
-    """Tells the engine the number of steps since its time was 0, and the last
-    efforts."""
+    """Function that sets the number of steps since the engine's time was 0, and the
+    last efforts."""
 
 
 BRAKE_STANDSTILL = 3e-4
-"""Speed below which a joint with an engaged brake is at rest [rad/s | m/s].
+"""Speed below which a joint with an engaged brake is considered to be at rest
+[rad/s | m/s].
 
-Friction that a solver regularises creeps; in MuJoCo with rated payloads, at no more
-than 1e-4 rad/s.  With steps of 1 ms, moving a joint from rest takes 0.3 rad/s² beyond
-its friction.
+A solver regularizes friction, so that a braked joint creeps.  In MuJoCo with rated
+payloads, the speed of a braked joint is at most 1e-4 rad/s.  With steps of 1 ms, a
+joint starts to move from rest only if the load beyond its friction accelerates it by
+0.3 rad/s² or more.
 """
 LARGEST_VELOCITY = 1e4
-"""Speed above which a simulation counts as diverged [rad/s | m/s].  Drives and falling
-objects stay far below it, and diverging values pass it some steps before they become
-infinite."""
+"""Speed above which a simulation is considered to have diverged [rad/s | m/s].  Drives
+and falling objects remain far below this speed.  Diverging values exceed this speed
+some steps before they become infinite."""
 
 
 def has_diverged(velocity: Sequence[float]) -> bool:
-    """Return whether a velocity is not finite, or absurdly large [rad/s | m/s]."""
-    return not math.hypot(*velocity) < LARGEST_VELOCITY  # NaN, too
+    """Return whether a velocity is not finite or is absurdly large [rad/s | m/s]."""
+    return not math.hypot(*velocity) < LARGEST_VELOCITY  # also true for NaN
 
 
 def fastest(velocity: Sequence[float]) -> int:
-    """Return the index of the first non-finite velocity, or else of the largest."""
+    """Return the index of a non-finite velocity, if any, or of the largest velocity."""
     sizes = [abs(v) if math.isfinite(v) else math.inf for v in velocity]
     return sizes.index(max(sizes))
 
@@ -338,13 +365,13 @@ def check_dt(dt: float) -> None:
 def effort_divergence(
     joint_names: Sequence[str], effort: Sequence[float], time: float
 ) -> DivergenceError:
-    """Return the error for efforts with a non-finite sum [N·m | N]."""
+    """Return the error for efforts whose sum is not finite [N·m | N]."""
     worst = next((i for i, u in enumerate(effort) if not math.isfinite(u)), 0)
     return DivergenceError(joint_names[worst], time, "effort")
 
 
 def check_new_name(objects: Mapping[str, SceneObject], name: str) -> None:
-    """Raise EngineError if an object ``name`` already exists."""
+    """Raise EngineError if an object named ``name`` already exists."""
     if name in objects:
         raise EngineError(
             f"there is already an object '{name}'; remove it first, or use another name"
@@ -352,7 +379,7 @@ def check_new_name(objects: Mapping[str, SceneObject], name: str) -> None:
 
 
 def find_object(objects: Mapping[str, SceneObject], name: str) -> SceneObject:
-    """Return the object ``name``, or raise EngineError if there is none."""
+    """Return the object named ``name``, or raise EngineError if there is none."""
     if name not in objects:
         hint = did_you_mean(name, set(objects))
         raise EngineError(f"there is no object '{name}'{hint}")
@@ -360,7 +387,7 @@ def find_object(objects: Mapping[str, SceneObject], name: str) -> SceneObject:
 
 
 def check_attachable(objects: Mapping[str, SceneObject], name: str) -> None:
-    """Raise EngineError unless the object ``name`` exists and can move."""
+    """Raise EngineError unless the object named ``name`` exists and can move."""
     if find_object(objects, name).mass is None:
         raise EngineError(
             f"object '{name}' has no mass and is static; only a movable object can be "
@@ -369,12 +396,12 @@ def check_attachable(objects: Mapping[str, SceneObject], name: str) -> None:
 
 
 def immovable(name: str) -> EngineError:
-    """Return the error for a wrench on something immovable."""
+    """Return the error for a wrench on a link or object that cannot move."""
     return EngineError(f"'{name}' is fixed: forces do not move it")
 
 
 def check_placement(objects: Mapping[str, SceneObject], state: ObjectState) -> None:
-    """Raise EngineError unless the object of ``state`` can have that velocity."""
+    """Raise EngineError if ``state`` gives a velocity to an object without mass."""
     item = find_object(objects, state.name)
     if item.mass is None and any((*state.linear, *state.angular)):
         raise EngineError(

@@ -1,18 +1,21 @@
-"""Joint limits, enforced like in ros_control.
+"""Joint limits, which are enforced like in ros_control.
 
 Saturation follows ``EffortJointSaturationHandle`` and ``EffortJointSoftLimitsHandle``
 of joint_limits_interface (ros_control noetic, ``joint_limits_interface.h``): the effort
 is clamped, a joint beyond a position limit gets no outward effort, and a joint above
-its speed limit gets no accelerating effort.  There are three intentional differences:
+its speed limit gets no accelerating effort.  tool0's limits differ intentionally from
+ROS in three ways:
 
 * A drive whose rotor inertia is known, or whose effort could take the joint beyond its
-  speed limit within one step, holds the speed limit (``SpeedLimiter``).  There, ROS
-  switches the whole effort on and off, and a light joint then runs far above its limit.
-* The speed of any other joint is governed (``hardware/speed_governor.py``): with ROS's
-  rule, the joints of an arm fling each other to five times their speed limits.
-* ``k_velocity = 0`` means "no soft limit on effort".  ROS uses a window of width zero,
-  so an effort-controlled arm is limp with ``safety_limits:=true`` in the UR
-  description.
+  speed limit within one step, uses a ``SpeedLimiter``, which holds the joint at its
+  speed limit.  In ROS, the whole effort of a drive is switched on and off at the speed
+  limit, so that a light joint runs far above its limit.
+* The speed of a joint without a ``SpeedLimiter`` is governed
+  (``hardware/speed_governor.py``).  With ROS's rule, the joints of an arm would
+  accelerate each other to five times their speed limits.
+* ``k_velocity = 0`` means "no soft limit on effort".  ROS instead uses a window of
+  width zero, so that an effort-controlled arm is limp with ``safety_limits:=true`` in
+  the UR description.
 """
 
 from __future__ import annotations
@@ -27,17 +30,17 @@ from tool0.description.model import JointLimits, SafetyController
 from tool0.hardware.engine import JointState
 
 STOP_TOLERANCE = 1e-4
-"""Penetration of a stop at which outward effort is cut [rad | m].
+"""Depth of penetration into a stop beyond which outward effort is cut [rad | m].
 
-A stop is a contact, and contacts yield a little.  Without this margin, the effort of a
-joint held at its stop would switch on and off a thousand times a second.
+A stop is simulated as a contact, and contacts yield a little.  Without a margin, the
+effort of a joint held at its stop would switch on and off a thousand times a second.
 """
 
 
 PUSHING = 0.9
-"""Fraction of its effort limit from which a drive counts as pushing at the limit; a
-servo limits the accelerations of coupled joints together, so efforts stay slightly
-below."""
+"""Fraction of its effort limit above which a drive is considered to push at its limit.
+The fraction is less than 1, because a servo scales down the accelerations of coupled
+joints together, so that an effort may stay slightly below its limit."""
 
 
 @final
@@ -49,15 +52,16 @@ class EffortLimits:
     soft: SafetyController | None = None
     inertia: float = 0.0
     """Rotor inertia reflected to the joint, or the inertia of a light joint
-    [kg·m² | kg]; 0 if neither applies."""
+    [kg·m² | kg]; 0 for any other joint."""
     is_light: bool = False
-    """Whether the drive could exceed the speed limit within one step.  Such a joint
-    gets no outward effort within one step's travel of its stop, because the stop acts
-    only after the joint has passed it."""
+    """Whether the drive could exceed the speed limit within one step.  The joint of a
+    drive that could exceed the limit gets no outward effort if the joint is closer to
+    its stop than the distance that it travels in one step.  The reason is that the stop
+    acts only after the joint has passed the stop."""
 
 
 class DriveBounds(NamedTuple):
-    """Constants of one drive for the limiter."""
+    """Constants that the limiter uses for one drive."""
 
     joint: int
     """Index of the joint."""
@@ -70,11 +74,11 @@ class DriveBounds(NamedTuple):
     upper: float
     """Position above which the joint presses into its stop [rad | m]."""
     rotor: float
-    """Inertia divided by the step length, used to hold the speed limit [N·m·s/rad |
-    N·s/m]; infinite if the inertia is unknown."""
+    """Inertia divided by the step length [N·m·s/rad | N·s/m], used to hold the speed
+    limit; infinite if the inertia is unknown."""
     ease: float
-    """Largest reduction of the effort per step when a goal's limits decrease [N·m |
-    N]."""
+    """Largest reduction of the effort per step when the limits of a goal decrease
+    [N·m | N]."""
     hard: JointLimits
     soft: SafetyController | None
     """Soft limits, or None if they do not limit the effort."""
@@ -97,12 +101,12 @@ class EffortLimiter:
 
     @property
     def drive_limits(self) -> Mapping[int, DriveLimits]:
-        """The limits set by goals, by the joint's index."""
+        """The limits set by goals, by joint index."""
         return self._drive_limits
 
     @property
     def velocities(self) -> dict[int, float | None]:
-        """State of the speed limiters, by the joint's index."""
+        """State of the speed limiters, by joint index."""
         return {i: limiter.before for i, limiter in self._speed_limiters.items()}
 
     def restore(
@@ -110,7 +114,7 @@ class EffortLimiter:
         drive_limits: Mapping[int, DriveLimits],
         velocities: Mapping[int, float | None],
     ) -> None:
-        """Continue with these limits of goals and ``velocities`` of the last step."""
+        """Restore the limits of goals and the ``velocities`` of the last step."""
         if drive_limits != self._drive_limits:
             for i in self._drive_limits.keys() | drive_limits.keys():
                 self.set_drive_limits(i, drive_limits.get(i))
@@ -118,7 +122,10 @@ class EffortLimiter:
             limiter.before = velocities[i]
 
     def set_drive_limits(self, index: int, limits: DriveLimits | None) -> None:
-        """Limit a drive more tightly than its joint; None removes these limits."""
+        """Limit a drive more tightly than its joint.
+
+        None removes the drive's limits.
+        """
         if limits == self._drive_limits.get(index):
             return
         if limits is None:
@@ -135,12 +142,12 @@ class EffortLimiter:
         self._rows = list(self._saturated())
 
     def leave_speeds(self, governed: frozenset[int]) -> None:
-        """Leave limiting the speeds of these joints to the governor."""
+        """Leave the limitation of the speeds of joints to the governor."""
         self._governed = governed
         self._rows = list(self._saturated())
 
     def add_inertias(self, inertias: Mapping[int, float]) -> None:
-        """Expect these inertias at joints, by index, in addition to the known ones."""
+        """Add ``inertias``, by joint index, to the known inertias of the joints."""
         self._added = inertias
         for i in self._speed_limiters:
             limiter = self._speed_limiter(self._drives[i], inertias.get(i, 0.0))
@@ -148,7 +155,7 @@ class EffortLimiter:
             self._speed_limiters[i] = limiter
 
     def restart(self) -> None:
-        """Remove the limits of goals, and the velocity history of the rotors."""
+        """Remove the limits of goals, and clear the speed limiters' last velocities."""
         self._drive_limits.clear()
         self._speed_limiters = {
             i: self._speed_limiter(drive, self._added.get(i, 0.0))
@@ -160,10 +167,10 @@ class EffortLimiter:
     def saturate(
         self, effort: list[float], state: JointState, gravity: Sequence[float]
     ) -> None:
-        """Bound ``effort`` [N·m | N] in place.
+        """Limit ``effort`` [N·m | N] in place.
 
-        ``gravity`` is the part of ``effort`` that compensates gravity, for joints with
-        ``drive_limits``; both have shape (n_joints,).
+        For joints with ``drive_limits``, ``gravity`` is the part of ``effort`` that
+        compensates gravity.  ``effort`` and ``gravity`` have shape (n_joints,).
         """
         _, position, velocity, applied = state
         for i, limiter in self._speed_limiters.items():
@@ -177,7 +184,7 @@ class EffortLimiter:
                 and -speed <= velocity[i] <= speed
                 and lower <= position[i] <= upper
             ):
-                continue  # nearly always: no limit applies
+                continue  # usual case: no limit applies
             if u > 0.0:
                 is_over = position[i] > upper or velocity[i] > speed
                 effort[i] = 0.0 if is_over else min(u, most)
@@ -192,9 +199,9 @@ class EffortLimiter:
         return SpeedLimiter(drive.hard, inertia=inertia, dt=self._dt)
 
     def _saturated(self) -> Iterator[tuple[int, float, float, float, float]]:
-        """Yield the constants that ``saturate`` needs, joint by joint."""
+        """Yield the constants that ``saturate`` needs, for one joint after another."""
         for i, effort, velocity, lower, upper, *_ in self.bounds:
-            # The drive's speed limiter, or the governor, holds the speed.
+            # The drive's speed limiter or the governor holds the speed of this joint.
             is_kept = i in self._speed_limiters or i in self._governed
             speed = math.inf if is_kept else velocity
             yield i, effort, lower, upper, speed
@@ -219,7 +226,7 @@ class EffortLimiter:
 def velocity_window(
     position: float, hard: JointLimits, soft: SafetyController | None
 ) -> tuple[float, float]:
-    """Return the range of velocities at ``position``; soft limits reduce it early."""
+    """Return the allowed velocities at ``position``, which soft limits narrow early."""
     most = hard.velocity
     if soft is None:
         return -most, most
@@ -243,10 +250,10 @@ def _soften(
 
 
 EASE = 0.05
-"""Shortest time in which a drive removes all its effort when its limits decrease [s]:
-several oscillation periods of rotor and pads on a squeezed object (13 ms for a 2F-85),
-so that a weakening grip does not drop the object.  This is an estimate: no datasheet
-gives a value."""
+"""Shortest time in which a drive removes all its effort when its limits decrease [s].
+This time is several oscillation periods of the rotor and pads on a squeezed object
+(13 ms for a 2F-85), so that a weakening grip does not drop the object.  The value is an
+estimate, because no datasheet gives it."""
 
 
 @final
@@ -254,16 +261,16 @@ class SpeedLimiter:
     """Limits the effort of one drive so that the joint does not exceed its speed limit.
 
     A rotor of known inertia gets at most the effort that brings it to the largest speed
-    within the step, plus the resistance in the last step.  It therefore holds the speed
-    against friction, does not exceed it when suddenly unloaded, and presses against an
-    obstacle with its full effort.
+    within the step, plus the resistance in the last step.  The rotor therefore holds
+    the speed against friction, does not exceed the speed when the rotor is suddenly
+    unloaded, and presses against an obstacle with its full effort.
     """
 
     def __init__(self, hard: JointLimits, *, inertia: float, dt: float) -> None:
         """Start with no resistance at the rotor.
 
-        ``inertia`` is the rotor's inertia reflected to the joint [kg·m²], 0 if unknown;
-        ``dt`` is the length of a step [s].
+        ``inertia`` is the rotor's inertia reflected to the joint [kg·m²], or 0 if it is
+        unknown.  ``dt`` is the length of a step [s].
         """
         self._effort = hard.effort
         self._speed = hard.velocity
@@ -272,9 +279,9 @@ class SpeedLimiter:
         self.ease = hard.effort * dt / EASE
         """Largest reduction of the effort per step when limits decrease [N·m | N]."""
         self.before: float | None = None
-        """Velocity in the last step [rad/s | m/s]; None unless a limit was close."""
+        """Velocity in the last step [rad/s | m/s]; None if no limit was close."""
         self.drive_limits: DriveLimits | None = None
-        """Limits of the goal; None for the joint's own limits."""
+        """Limits of the goal; if None, only the joint's limits apply."""
 
     def limit(
         self,
@@ -290,7 +297,7 @@ class SpeedLimiter:
             effort: The requested effort.
             applied: The effort applied in the last step.
             gravity: The part of ``effort`` that compensates gravity; the limits of a
-                goal do not apply to it.
+                goal do not apply to this part.
             position: Position of the joint [rad | m].
             velocity: Velocity of the joint [rad/s | m/s].
         """
@@ -301,10 +308,10 @@ class SpeedLimiter:
             and abs(velocity) + abs(effort) / self.rotor <= speed
         ):
             self.before = None
-            return effort  # nearly always: no limit applies
+            return effort  # usual case: no limit applies
         if self.drive_limits is not None:
             grip, fastest = self.drive_limits.at(position)
-            # A stronger grip is released step by step.
+            # An effort that exceeds new limits is reduced step by step.
             lowest = min(gravity - grip, applied + self.ease)
             highest = max(gravity + grip, applied - self.ease)
             effort = min(max(effort, lowest), highest)
@@ -317,7 +324,8 @@ class SpeedLimiter:
         held_back = 0.0
         if before is not None:
             held_back = applied - (velocity - before) * self.rotor
-        # To slow down, it reduces the effort, but never drops the weight.
+        # The limiter reduces the effort to slow the joint, but the effort always
+        # carries the weight.
         if effort > gravity:
             room = (speed - velocity) * self.rotor + held_back
             return min(effort, max(room, min(0.0, gravity)))

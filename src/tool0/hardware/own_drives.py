@@ -1,7 +1,8 @@
-"""Drives of a real robot, which follow motions on their own.
+"""Drives of a real robot, which execute motions without tool0's servos.
 
-An engine with such drives takes no efforts.  In each tick, it gets the desired motion
-from then on, and it reports the state of the robot's own controller.
+An engine with the drives of a real robot takes no efforts.  In each tick, the engine
+gets the desired motion starting at that tick, and the engine reports the state of the
+robot's own controller.
 """
 
 from __future__ import annotations
@@ -28,28 +29,29 @@ from tool0.protocol.state import ArmSetpoint
 
 @final
 class WantedMotion(NamedTuple):
-    """Motion for an arm to follow from now on, until replaced."""
+    """Motion that an arm follows until the motion is replaced."""
 
     at: Callable[[float], ArmSetpoint]
-    """Returns the positions, velocities and accelerations of the arm's joints at a time
-    [s]."""
+    """Function that returns the positions, velocities and accelerations of the arm's
+    joints at a time [s]."""
     is_streamed: bool = False
-    """Whether the motion is known only until the end of this tick; the robot then
-    assumes constant velocities."""
+    """Whether the motion is known only until the end of this tick.  If True, the robot
+    assumes constant velocities after the tick."""
     target: tuple[float, ...] = ()
     """Final joint positions [rad]; empty for a stream."""
     key: tuple[object, ...] = ()
-    """Identifies the motion: equal keys mean the same motion, at whatever speed."""
+    """Identifier of the motion.  Two motions with equal keys are the same motion, even
+    if their speeds differ."""
 
 
 @final
 class WantedGrip(NamedTuple):
-    """Grip that the controllers command."""
+    """Grip that the controllers command to a gripper."""
 
     position: float
     """Final position of the driven joint [rad | m]."""
     limits: DriveLimits | None
-    """Limits of speed and force; None for the gripper's own."""
+    """Limits of speed and force; if None, the gripper's own limits apply."""
 
 
 @final
@@ -59,25 +61,25 @@ class Wanted(NamedTuple):
     now: JointState
     """The measured state at the start of the tick."""
     arm: WantedMotion | None
-    """Motion of the arm; None if no controller moves or holds the arm, which then comes
-    to rest."""
+    """Motion of the arm; None if no controller moves or holds the arm, so that the arm
+    comes to rest."""
     grips: Mapping[str, WantedGrip]
-    """Commanded grips by gripper; grippers that no controller commands are left
-    alone."""
+    """Commanded grips, by gripper.  Grippers that no controller commands are not in the
+    mapping and receive no command."""
 
 
 @final
 class RobotReport(Struct, frozen=True, kw_only=True):
-    """State of a robot's controller, apart from the motion."""
+    """State of a robot's controller, without the motion of the joints."""
 
     link: RobotLink
     robot_mode: RobotMode
     safety_mode: SafetyMode
     program: ProgramState
-    """State of tool0's program on the controller; unless it runs, nothing can move the
-    arm."""
+    """State of tool0's program on the robot's controller.  The arm can be moved only
+    while this program runs."""
     motion_failure: str = ""
-    """Reason why the arm came to rest on its own; empty if it did not."""
+    """Reason why the arm came to rest without a command; empty if it did not."""
     speed_slider: float
     speed_scaling: float
     digital_inputs: tuple[bool, ...]
@@ -91,7 +93,7 @@ class RobotReport(Struct, frozen=True, kw_only=True):
     payload_mass: float
     """Mass of the payload [kg]."""
     payload_center: tuple[float, float, float]
-    """Centre of gravity of the payload in the flange frame [m]."""
+    """Center of gravity of the payload in the flange frame [m]."""
     tcp: Pose6
 
 
@@ -105,7 +107,7 @@ class OwnDrives(abc.ABC):
     @property
     @abc.abstractmethod
     def start_delay(self) -> float:
-        """Lead time that the robot needs for a motion from rest [s]."""
+        """Time that the robot needs to start a motion from rest [s]."""
 
     @property
     @abc.abstractmethod
@@ -115,17 +117,17 @@ class OwnDrives(abc.ABC):
     @property
     @abc.abstractmethod
     def report(self) -> RobotReport:
-        """The newest report; the object stays the same until something changes."""
+        """The newest report.  The same object is returned until a value changes."""
 
     @property
     @abc.abstractmethod
     def wrench(self) -> Wrench:
-        """Measured external force and torque on the tool, in the flange's axes."""
+        """Measured external force and torque on the tool, in the axes of the flange."""
 
     @property
     @abc.abstractmethod
     def currents(self) -> tuple[float, ...]:
-        """Measured currents of the arm's motors [A], base to flange."""
+        """Measured currents of the arm's motors [A], from base to flange."""
 
     @property
     @abc.abstractmethod
@@ -134,15 +136,21 @@ class OwnDrives(abc.ABC):
 
     @abc.abstractmethod
     def set_digital_outputs(self, pins: Mapping[int, bool]) -> None:
-        """Set pins; TransportError if the robot cannot be reached."""
+        """Set digital outputs.
+
+        Raises TransportError if the robot cannot be reached.
+        """
 
     @abc.abstractmethod
     def set_analog_output(self, pin: int, value: float, *, is_voltage: bool) -> None:
-        """Set a pin to a fraction of its range, 0 … 1; raises TransportError."""
+        """Set an analog output to a fraction of its range, 0 … 1.
+
+        Raises TransportError.
+        """
 
     @abc.abstractmethod
     def set_speed_slider(self, fraction: float) -> None:
-        """Set the speed slider, 0.01 … 1; raises TransportError."""
+        """Set the speed slider to a fraction, 0.01 … 1.  Raises TransportError."""
 
     @abc.abstractmethod
     def start_force_mode(
@@ -153,7 +161,7 @@ class OwnDrives(abc.ABC):
         kind: int,
         limits: Sequence[float],
     ) -> None:
-        """Push with a force, like URScript's ``force_mode``; raises TransportError."""
+        """Start force mode, like URScript's ``force_mode``.  Raises TransportError."""
 
     @abc.abstractmethod
     def end_force_mode(self) -> None:
@@ -161,7 +169,7 @@ class OwnDrives(abc.ABC):
 
     @abc.abstractmethod
     def start_freedrive(self, axes: Sequence[bool], frame: Pose6) -> None:
-        """Start freedrive; raises TransportError."""
+        """Start freedrive.  Raises TransportError."""
 
     @abc.abstractmethod
     def end_freedrive(self) -> None:
@@ -169,8 +177,8 @@ class OwnDrives(abc.ABC):
 
     @abc.abstractmethod
     def forgive(self) -> None:
-        """Follow motions again after the arm came to rest on its own."""
+        """Follow motions again after the arm came to rest without a command."""
 
     @abc.abstractmethod
     def brake(self) -> None:
-        """Bring the arm to rest at once; any thread may call this."""
+        """Bring the arm to rest immediately; any thread may call this method."""

@@ -1,15 +1,15 @@
-"""Converts joint commands to joint efforts: interfaces, servos, limits and brakes.
+"""Converts joint commands to joint efforts, with interfaces, servos, limits and brakes.
 
-A joint is driven in one of two ways: by the effort of its controller, or by the
-position or velocity of its controller, through a servo.  If no controller claims the
-joint, or in an emergency stop, the joint's drive is off, and the engine holds it with
-its brake under any load.  A drive may offer several command interfaces; the claim
-selects one of them.
+A joint is driven either by the effort of its controller, or by the position or velocity
+of its controller, through a servo.  If no controller claims the joint, or in an
+emergency stop, the joint's drive is off, and the engine holds the joint with its brake
+under any load.  A drive may offer several command interfaces; the claim selects the
+interface.
 
 Without gains, Gazebo's position interface sets the joint position directly; tool0's
-never does.  The effort of a servo is gravity compensation, plus a PD law scaled by the
-inertia, so that every joint has the same response for any load, plus a slow integral
-that compensates payloads.
+position interface never does.  The effort of a servo is the sum of three terms: gravity
+compensation; a PD law scaled by the inertia, so that every joint has the same response
+under any load; and a slow integral that compensates payloads.
 """
 
 from __future__ import annotations
@@ -64,13 +64,13 @@ from tool0.hardware.speed_governor import (
 )
 
 POSE_PERIOD = 64
-"""Steps between updates of values that depend only on the pose and need not be exact:
-the mass matrix of servos, and gravity compensation.  In 64 ms, the fastest wrist turns
-0.2 rad."""
+"""Number of steps between updates of the values that depend only on the pose and need
+not be exact.  The values are the mass matrix of the servos, and gravity compensation.
+In 64 ms, the fastest wrist turns 0.2 rad."""
 
 
 EffortLaw = Callable[[JointState, float], Sequence[float]]
-"""Returns joint efforts [N·m | N] for a state and the length of a step [s]."""
+"""Function that returns joint efforts [N·m | N] for a state and a step length [s]."""
 
 
 class DriveTable(NamedTuple):
@@ -83,13 +83,13 @@ class DriveTable(NamedTuple):
     dynamics: DynamicsTable
     bounds: tuple[DriveBounds, ...]
     compensated: tuple[int, ...]
-    """Joints whose drives compensate gravity."""
+    """Indices of the joints whose drives compensate gravity."""
     steps_per_command: int
     """Number of steps in which a position servo reaches a command."""
 
 
 class DriveSetup(NamedTuple):
-    """Data that rarely change: upon requests, and with the mass matrix."""
+    """Data that change rarely: upon requests, and when the mass matrix is updated."""
 
     drive_limits: Mapping[int, DriveLimits]
     """Limits of goals, by joint index."""
@@ -97,9 +97,11 @@ class DriveSetup(NamedTuple):
     """Largest torque of each engaged brake, by joint index [N·m | N]."""
     governor: GovernorSetup
     servos: tuple[tuple[int, ServoLaw], ...]
-    """Joints with servos, and the servos' laws, in the order of the mass matrix."""
+    """Joints with servos, by index, and their servo laws, in the order of the mass
+    matrix."""
     masses: tuple[list[float], ...]
-    """Rows of the mass matrix of the joints with servos; empty until computed."""
+    """Rows of the mass matrix of the joints with servos; empty until the matrix is
+    computed."""
     fastest: list[float]
     """Largest acceleration of each joint with a servo [rad/s² | m/s²]."""
 
@@ -108,13 +110,13 @@ class DriveState(NamedTuple):
     """Data that change in each step."""
 
     steps: int
-    """Steps since the last restart."""
+    """Number of steps since the last restart."""
     gravity: list[float]
     """The part of the effort that compensates gravity, for drives with limits of a goal
     [N·m | N], shape (n_joints,)."""
     compensation: list[float]
-    """Gravity compensation of the drives that have it; empty until computed [N·m |
-    N]."""
+    """Gravity compensation [N·m | N] of the drives that compensate gravity; empty until
+    it is computed."""
     velocities: Mapping[int, float | None]
     """State of the speed limiters, by joint index."""
     governor: GovernorState
@@ -122,7 +124,7 @@ class DriveState(NamedTuple):
 
 
 class SavedDrives(NamedTuple):
-    """State of the drives at one instant, with claims and commands."""
+    """State of the drives at one instant, including claims and commands."""
 
     setup: DriveSetup
     state: DriveState
@@ -134,7 +136,7 @@ class SavedDrives(NamedTuple):
 class RobotHardware:
     """The interface through which controllers use the robot's drives.
 
-    Every sequence has shape (n_joints,), ordered as ``joint_names``.
+    Every sequence has shape (n_joints,) and is ordered like ``joint_names``.
     """
 
     def __init__(
@@ -147,8 +149,8 @@ class RobotHardware:
     ) -> None:
         """Build the drives of the engine's ``joint_names`` for steps of ``dt`` [s].
 
-        ``limits``, by joint, replace the limits in the URDF; ``gravity`` [m/s²] is in
-        the axes of the robot's root.
+        The ``limits`` of a joint, by joint name, replace the limits in the URDF.
+        ``gravity`` [m/s²] is in the axes of the robot's root.
         """
         overrides = dict(limits or {})
         for name in overrides:
@@ -162,7 +164,8 @@ class RobotHardware:
             for name in self.joint_names
             if name in model.transmission_by_joint
         }
-        """The command interfaces of each driven joint, the preferred one first."""
+        """The command interfaces of each driven joint, with the preferred interface
+        first."""
         self._armatures = {
             name: model.transmission_by_joint[name].armature for name in self.interfaces
         }
@@ -170,11 +173,11 @@ class RobotHardware:
         self.speed_scaling = {
             flange.removesuffix(FLANGE): 1.0 for flange in model.flanges
         }
-        """Prefix of each arm → factor by which scaled trajectories are slowed down; a
-        controller reads it once per tick."""
+        """Factor by which the trajectories of each arm are slowed down, by the arm's
+        prefix.  A controller reads the factor once per tick."""
         self.gripper_delay = 0.0
         """Longest delay until a gripper's state reflects a command [s]."""
-        # ROS's rule applies to joints that others mimic, to match the recordings.
+        # ROS's speed rule applies to joints that others mimic, to match the recordings.
         masters = {joint.mimic.joint for joint in model.movable_joints if joint.mimic}
         self._drives = {
             name: _effort_limits(
@@ -196,7 +199,7 @@ class RobotHardware:
         self._is_stopped = False
         self._steps = 0
         self._masses: list[tuple[int, list[float]]] = []
-        """Joints with servos, with their rows of the mass matrix."""
+        """Joints with servos, by index, and their rows of the mass matrix."""
         self._fastest: list[float] = []
         """Largest acceleration of each joint with a servo [rad/s² | m/s²]."""
         self._servos: dict[int, Servo] = {}
@@ -212,7 +215,7 @@ class RobotHardware:
             for name, drive in self._drives.items()
             if not self._armatures[name] and name not in masters
         ]
-        """Drives that can only hold their speed limits if the moved mass is known."""
+        """Drives that can hold their speed limits only if the moved mass is known."""
         self._governor = SpeedGovernor()
         self._compensated = [
             self.index[name]
@@ -225,7 +228,8 @@ class RobotHardware:
         """The part of the effort that compensates gravity, for drives with limits of a
         goal [N·m | N]."""
         self._effort_laws: tuple[tuple[list[int], EffortLaw], ...] = ()
-        """Joints, by index, with the law that drives them in place of commands."""
+        """Effort laws that replace commands, with the indices of the joints that each
+        law drives."""
         self._claimed: dict[str, Interface] = {}
         """The interface through which each claimed joint is commanded."""
         for name in self.interfaces:
@@ -234,7 +238,7 @@ class RobotHardware:
         self._steps_per_command = 1
 
     def set_steps_per_command(self, n_steps: int) -> None:
-        """Expect a new command of each controller every ``n_steps`` from a restart on.
+        """Expect a command of each controller every ``n_steps`` after a restart.
 
         A position servo moves at constant velocity between commands, like a real drive.
         """
@@ -248,25 +252,26 @@ class RobotHardware:
 
     @property
     def brakes(self) -> Mapping[int, float]:
-        """Largest torque of each engaged brake, by joint, for the engine [N·m | N].
+        """Largest torque of each engaged brake [N·m | N], by index, for the engine.
 
-        It equals the drive's largest torque, because no datasheet gives the brake's:
-        the brake can hold any load that the drive can move.  The mapping is the same
-        object until a brake changes.
+        The torque of a brake equals its drive's largest torque, because no datasheet
+        gives a brake's torque.  The brake can therefore hold any load that the drive
+        can move.  The mapping is the same object until a brake changes.
         """
         return self._brakes
 
     @property
     def rotors(self) -> Mapping[int, float]:
-        """Rotor inertia that joints feel, by joint, for the engine [kg·m²].
+        """Rotor inertia that joints feel [kg·m²], by joint index, for the engine.
 
-        Servos hide this inertia; an effort law does not.  It adds to the armature in
-        the description.  The mapping is the same object until a claim changes it.
+        Servos hide this inertia; an effort law does not.  The inertia is added to the
+        armature in the description.  The mapping is the same object until a claim
+        changes it.
         """
         return self._rotors
 
     def restart(self, state: JointState) -> None:
-        """Reset servos, and hold ``state`` from now on."""
+        """Reset servos, and hold the joint positions in ``state``."""
         self._steps = 0
         self._limiter.restart()
         for name in self.interfaces:
@@ -274,17 +279,20 @@ class RobotHardware:
 
     @property
     def claimed(self) -> Mapping[str, Interface]:
-        """The claimed joints, with the interface through which each is commanded."""
+        """The interface through which each claimed joint is commanded, by name."""
         return self._claimed
 
     def claim(
         self, joints: Sequence[str], interface: Interface, state: JointState
     ) -> None:
-        """Claim ``joints`` for a controller; they hold still until its first command.
+        """Claim ``joints`` for a controller.
+
+        The joints stay at rest until the controller's first command.
 
         Raises:
             ControlError: If a drive does not offer ``interface``.
-            ClaimError: If a joint is already claimed; nothing has changed then.
+            ClaimError: If a joint is already claimed.  After this error, no claim has
+                changed.
         """
         for name in joints:
             offered = self.interfaces.get(name, ())
@@ -296,7 +304,8 @@ class RobotHardware:
 
         Raises:
             ControlError: If a joint has no drive.
-            ClaimError: If a joint is already claimed; nothing has changed then.
+            ClaimError: If a joint is already claimed.  After this error, no claim has
+                changed.
         """
         for name in joints:
             offered = (Interface.POSITION,) if name in self.interfaces else ()
@@ -313,12 +322,13 @@ class RobotHardware:
     ) -> None:
         """Claim ``joints`` for an effort law, whatever interfaces their drives offer.
 
-        Commands to these joints are ignored.  The kernel cannot run such a law.
-        ``with_rotors`` adds the rotors' inertia to the joints.
+        Commands to the claimed joints are ignored.  The kernel cannot run an effort
+        law.  ``with_rotors`` adds the rotors' inertia to the joints.
 
         Raises:
             ControlError: If a joint has no drive.
-            ClaimError: If a joint is already claimed; nothing has changed then.
+            ClaimError: If a joint is already claimed.  After this error, no claim has
+                changed.
         """
         for name in joints:
             offered = (Interface.EFFORT,) if name in self.interfaces else ()
@@ -355,14 +365,14 @@ class RobotHardware:
             )
 
     def _hold(self, name: str, state: JointState) -> None:
-        """Command the joint to hold its position, or to apply no effort."""
+        """Command the joint's current position, or zero velocity or effort."""
         i = self.index[name]
         holds_position = self._claimed.get(name) is Interface.POSITION
         self.command[i] = state.position[i] if holds_position else 0.0
         self._select_servo(name, state.position[i])
 
     def rotor_inertia(self, joint: str) -> float:
-        """Return a joint's rotor inertia beyond the described armature [kg·m² | kg]."""
+        """Return the rotor inertia that a joint's description omits [kg·m² | kg]."""
         return 0.0 if self._armatures[joint] else ROTOR_INERTIA
 
     def _use_rotors(self, rotors: Mapping[int, float]) -> None:
@@ -376,7 +386,7 @@ class RobotHardware:
         return self.index[joint] in self._compensated
 
     def release(self, joints: Sequence[str], state: JointState) -> None:
-        """Release the claims of ``joints``; the brakes hold them."""
+        """Release the claims of ``joints``.  The brakes then hold the joints."""
         indices = {self.index[name] for name in joints}
         self._effort_laws = tuple(
             item for item in self._effort_laws if indices.isdisjoint(item[0])
@@ -388,18 +398,24 @@ class RobotHardware:
             self._select_servo(name, state.position[self.index[name]])
 
     def set_stopped(self, engaged: bool, state: JointState) -> None:
-        """Brake every joint, even if claimed, or return the joints to control."""
+        """Brake every joint, even if it is claimed, or return the joints to control."""
         self._is_stopped = engaged
         self.restart(state)
 
     @property
     def drive_limits(self) -> Mapping[str, DriveLimits]:
-        """The current limits of drives, tighter than their joints', by joint."""
+        """Current limits of the drives that goals limit more tightly than their joints.
+
+        The limits are given by joint name.
+        """
         found = self._limiter.drive_limits
         return {self.joint_names[i]: limits for i, limits in found.items()}
 
     def set_drive_limits(self, joint: str, limits: DriveLimits | None) -> None:
-        """Limit a drive more tightly than its joint; None removes these limits."""
+        """Limit a drive more tightly than its joint.
+
+        None removes the drive's limits.
+        """
         i = self.index[joint]
         self._limiter.set_drive_limits(i, limits)
         servo = self._servos.get(i)
@@ -432,14 +448,20 @@ class RobotHardware:
         return self._dynamics.payloads
 
     def set_payload(self, flange: str, payload: Payload | None) -> None:
-        """Declare the payload at ``flange``; None for the tool in the description."""
+        """Declare the payload at ``flange``.
+
+        None selects the tool in the description.
+        """
         self._dynamics.set_payload(flange, payload)
         self._table = None
         self._masses, self._compensation = [], []
 
     @property
     def table(self) -> DriveTable:
-        """Data that change only when a payload is declared: one object until then."""
+        """Data that change only when a payload is declared.
+
+        The same object is returned until a payload is declared.
+        """
         if self._table is None:
             self._table = DriveTable(
                 self._dt,
@@ -458,7 +480,7 @@ class RobotHardware:
 
     @property
     def setup(self) -> DriveSetup:
-        """Data that rarely change."""
+        """Data that change rarely."""
         return DriveSetup(
             dict(self._limiter.drive_limits),
             self._brakes,
@@ -484,7 +506,7 @@ class RobotHardware:
         return tuple((i, servo.law) for i, servo in self._servos.items())
 
     def restore(self, setup: DriveSetup, state: DriveState) -> None:
-        """Continue from ``setup`` and ``state``; claims and commands do not change."""
+        """Continue from ``setup`` and ``state``.  Claims and commands do not change."""
         self._brakes = setup.brakes
         self._governor.setup, self._governor.state = setup.governor, state.governor
         if setup.servos != self._servo_laws():
@@ -520,7 +542,7 @@ class RobotHardware:
         self._governor.setup, self._governor.state = setup.governor, state.governor
 
     def _select_servo(self, name: str, position: float) -> None:
-        """Select the servo for the joint's claim and interface, or engage its brake."""
+        """Select the servo for the joint's claim and interface, or engage the brake."""
         i, interface = self.index[name], self._claimed.get(name)
         drive, rates = self._drives[name], self._dynamics.integral_rates
         self._servos.pop(i, None)
@@ -544,7 +566,7 @@ class RobotHardware:
         self._choose_governed()
 
     def _add_gravity_compensation(self, effort: list[float], state: JointState) -> None:
-        """Add gravity compensation to the efforts of the drives that have it."""
+        """Add gravity compensation to the efforts of the compensating drives."""
         if not self._compensation or self._steps % POSE_PERIOD == 0:
             gravity = self._dynamics.gravity(state)
             self._compensation = [(i, gravity[i]) for i in self._compensated]
@@ -556,7 +578,7 @@ class RobotHardware:
     def weights_of(self, joints: Sequence[str], state: JointState) -> list[float]:
         """Return the efforts that hold ``joints`` against gravity [N·m | N].
 
-        They are 0 for joints whose drives compensate gravity themselves.
+        The effort is 0 for a joint whose drive compensates gravity.
         """
         weights = self._dynamics.gravity(state)
         for i in self._compensated:
@@ -566,16 +588,17 @@ class RobotHardware:
     def masses_of(self, joints: Sequence[str], state: JointState) -> Matrix:
         """Return the mass matrix of ``joints`` [kg·m² | kg], shape (n, n).
 
-        A declared payload counts only as far as a control law that is scaled by the
-        matrix would remain stable without the payload.
+        The effect of a declared payload is bounded, so that a control law that is
+        scaled by the matrix remains stable without the payload.
         """
         return self._dynamics.masses([self.index[name] for name in joints], state)
 
     def _run_servos(self, effort: list[float], state: JointState) -> None:
         """Set the efforts for the accelerations that the servos request.
 
-        The mass matrix couples all joints: in some poses (straight up), the coupling is
-        so strong that servos with separate inertias would vibrate.
+        The mass matrix couples all joints.  In some poses, for example with the arm
+        straight up, the coupling is so strong that servos with separate inertias would
+        vibrate.
         """
         if not self._masses or self._steps % POSE_PERIOD == 0:
             self._masses = self._servo_masses(state)
@@ -594,11 +617,14 @@ class RobotHardware:
             if isinstance(limited, PositionServo):
                 _, limited.speed = limits.at(state.position[i])
         for i, masses in self._masses:
-            # Not sum(): since Python 3.12, it uses compensated summation.
+            # Do not use sum(): since Python 3.12, it uses compensated summation.
             effort[i] = gravity[i] + reduce(add, map(mul, masses, wanted), 0.0)
 
     def _choose_governed(self) -> None:
-        """Choose the joints for the governor: those that no brake holds."""
+        """Select the joints for the governor.
+
+        The governor controls the joints that no brake holds.
+        """
         drives = [d for d in self._governable if d.joint not in self._brakes]
         joints = (self.index[name] for name in self.interfaces)
         free = [joint for joint in joints if joint not in self._brakes]
@@ -627,7 +653,7 @@ class RobotHardware:
     ) -> tuple[Matrix, Matrix]:
         """Return masses and largest accelerations of the servos in k states.
 
-        Their shapes are (k, n, n) and (k, n); for the arguments, see
+        The shapes of the two results are (k, n, n) and (k, n).  For the arguments, see
         ``DriveDynamics.servo_masses``.
         """
         matrices = self._dynamics.servo_masses(list(self._servos), declared, positions)
@@ -639,17 +665,17 @@ class RobotHardware:
         declared: Matrix,
         positions: Sequence[Sequence[float]],
     ) -> Matrix:
-        """Return the mobilities of free joints for the governor in k states.
+        """Return the mobilities of free joints in k states, for the governor.
 
-        The shape is (k, n, n); for the arguments, see ``DriveDynamics.mobilities``.
+        The shape is (k, n, n).  For the arguments, see ``DriveDynamics.mobilities``.
         """
         return self._dynamics.mobilities(joints, declared, positions, self._rotors)
 
     def _fastest_with(self, masses: Matrix) -> Matrix:
         """Return the largest acceleration of each servo's drive.
 
-        It is computed per joint, because other drives must not compensate for a drive
-        at its limit.
+        The acceleration is computed for each joint separately, because other drives
+        must not compensate for a drive at its limit.
         """
         efforts = [self.limits[self.joint_names[i]].effort for i in self._servos]
         inertia = np.diagonal(masses, axis1=-2, axis2=-1)
@@ -663,7 +689,7 @@ def _effort_limits(
     inertia: float,
     dt: float,
 ) -> EffortLimits:
-    """Return the limits of a drive; ``inertia`` is used only for a light joint."""
+    """Return the limits of a drive.  ``inertia`` is used only for a light joint."""
     hard, commands, armature = (
         limits or joint.limits,
         drive.command_limits,

@@ -1,7 +1,8 @@
-"""Mass matrices and gravity loads of a robot in many poses at once.
+"""Computes mass matrices and gravity loads of a robot in many poses in one call.
 
-``bodies.JointDynamics`` computes the same for one pose in the tick.  Here, each joint
-takes one pass over all poses: a thousand poses of an arm take a few milliseconds.
+``bodies.JointDynamics`` computes the same quantities for one pose in the tick.  In this
+module, each joint is processed once for all poses.  For a thousand poses of an arm, the
+computation takes a few milliseconds.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ def sample_dynamics(
         tensor = rotations[k] @ inertia.tensor @ rotations[k].transpose(0, 2, 1)
         linear, angular = np.zeros((n, m, 3)), np.zeros((n, m, 3))
         joint = k
-        while joint >= 0:  # the body's motion per joint velocity
+        while joint >= 0:  # motion of the body per unit of joint velocity
             if bodies[joint].joint.type is JointType.PRISMATIC:
                 linear[:, joint] = axes[:, joint]
             else:

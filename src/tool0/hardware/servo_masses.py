@@ -1,16 +1,18 @@
-"""The masses by which servos are scaled, bounded so that wrong payloads stay stable.
+"""The masses that scale servos, bounded so that servos are stable with wrong payloads.
 
 A servo of natural frequency ω and damping ratio ζ is scaled by a mass matrix Mₛ, where
-the joints have M.  With Mₛ = r M its gains are r times too large.  In continuous time
-proportional and derivative gains are stable for every r > 0; two bounds remain:
+the mass matrix of the joints is M.  With Mₛ = r M, the servo's gains are r times too
+large.  In continuous time, proportional and derivative gains are stable for every
+r > 0.  Two bounds remain:
 
-* In steps of dt, the derivative gain must remain below 2 ζ ω r dt = 2.  The joints have
-  at least the masses of the description, whatever payload is declared, so that Mₛ may
-  exceed these by a limited factor only.  A light joint with a strong drive (wrist_3 of
-  a bare arm has 1e-4 kg·m²) uses this margin, so that it is stiff under an undeclared
-  load.
-* The integral of rate k needs r > k / (2 ζ ω) (Routh's criterion).  The joints may
-  carry more than was declared, so that k is limited by the largest load of the drive.
+* In steps of dt, the derivative gain must remain below 2 ζ ω r dt = 2.  Whatever
+  payload is declared, the joints have at least the masses of the description.  Mₛ may
+  therefore exceed the description's masses only by a limited factor.  A light joint
+  with a strong drive (wrist_3 of a bare arm has 1e-4 kg·m²) uses this margin, so that
+  the joint is stiff under an undeclared load.
+* An integral of rate k requires r > k / (2 ζ ω) (Routh's criterion).  The joints may
+  carry more than the declared payload, so that k is limited by the largest load of the
+  drive.
 """
 
 from __future__ import annotations
@@ -26,15 +28,17 @@ from tool0.hardware.servos import BANDWIDTH, DAMPING_RATIO, INTEGRAL_RATE
 _RATE: Final = 2.0 * DAMPING_RATIO * BANDWIDTH
 """Decay rate of velocities [1/s]."""
 _STEP_GAIN: Final = 0.8
-"""Largest 2 ζ ω r dt; a servo becomes unstable at 2."""
+"""Largest value of 2 ζ ω r dt.  A servo becomes unstable at 2."""
 _INTEGRAL_SHARE: Final = 0.25
 """Largest integral rate, as a fraction of the rate at which it becomes unstable."""
 _LEVER: Final = 0.2
-"""Distance of the largest load from the joint [m]: the load is as heavy as the drive
-can just carry there.  It is of the order of the offsets in UR's payload diagrams."""
+"""Distance of the largest load from the joint [m].  At this distance, the drive can
+just carry the largest load.  The value is of the order of the offsets in UR's payload
+diagrams."""
 _EXPECTED_SHARE: Final = 0.02
-"""Inertia that a servo expects without a payload, as a fraction of the largest load's:
-it makes the wrists of a UR stiffer, and makes little difference to the other joints."""
+"""Inertia that a servo expects without a payload, as a fraction of the inertia of the
+largest load.  The expected inertia makes the wrists of a UR stiffer, and makes little
+difference to the other joints."""
 
 
 def largest_ratio(dt: float) -> float:
@@ -45,9 +49,9 @@ def largest_ratio(dt: float) -> float:
 def bounded_masses(own: Matrix, declared: Matrix, ratio: float) -> Matrix:
     """Return the mass matrix ``declared``, limited to 1 … ``ratio`` times ``own``.
 
-    Both have shape (…, n, n); ``own`` is that of the description, which is positive
-    definite.  The ratio is limited along each of the generalised eigenvectors: the
-    light direction of a wrist does not limit the shoulder.
+    Both matrices have shape (…, n, n).  ``own`` is the mass matrix of the description,
+    which is positive definite.  The ratio is limited along each of the generalized
+    eigenvectors, so that the light direction of a wrist does not limit the shoulder.
     """
     lower = np.linalg.cholesky(own)
     inverse = np.linalg.inv(lower)

@@ -1,4 +1,4 @@
-"""Servos, which compute the acceleration of one joint towards its command."""
+"""Servos, which compute the acceleration of one joint toward its command."""
 
 from __future__ import annotations
 
@@ -10,29 +10,30 @@ from tool0.description.model import JointLimits, SafetyController
 from tool0.hardware.limits import velocity_window
 
 BANDWIDTH = 80.0
-"""Natural frequency of a servo [rad/s]; its time constant is 12 steps of 1 ms."""
+"""Natural frequency of a servo [rad/s].  The time constant is 12 steps of 1 ms."""
 DAMPING_RATIO = 1.0
 STIFF_BANDWIDTH = 200.0
-"""Natural frequency where a known rotor inertia dominates, whatever the load [rad/s]; a
-gripper grips with its full force if it is stopped 5 mm or more from its target."""
+"""Natural frequency of a servo whose inertia is mainly a known rotor inertia, whatever
+the load [rad/s].  A gripper grips with its full force if it is stopped 5 mm or more
+from its target."""
 STOPPED = 0.005
-"""Lag from which a stiff servo counts as blocked [rad | m]."""
+"""Lag above which a stiff servo is considered blocked [rad | m]."""
 INTEGRAL_RATE = 4.0
 """Rate at which the integral compensates a constant disturbance [1/s]."""
 BLOCKED = 0.02
-"""Lag at a standstill from which any servo counts as blocked [rad | m]: more than a
-load causes."""
+"""Lag at a standstill above which any servo is considered blocked [rad | m].  A load
+causes less lag."""
 STANDSTILL = 0.02
-"""Velocity below which a lagging joint counts as blocked [rad/s | m/s]."""
+"""Velocity below which a lagging joint is considered blocked [rad/s | m/s]."""
 
 
 class ServoKind(IntEnum):
     """The kinds of servos."""
 
     POSITION = 0
-    """Moves the joint to the controller's position."""
+    """Servo that moves the joint to the controller's position."""
     VELOCITY = 1
-    """Moves the joint at the controller's velocity."""
+    """Servo that moves the joint at the controller's velocity."""
 
 
 class ServoLaw(NamedTuple):
@@ -43,24 +44,24 @@ class ServoLaw(NamedTuple):
     soft: SafetyController | None
     is_stiff: bool = False
     integral_rate: float = INTEGRAL_RATE
-    """Integral rate [1/s]."""
+    """Rate at which the integral compensates a constant disturbance [1/s]."""
 
 
 class ServoState(NamedTuple):
-    """The memory of a servo between two steps."""
+    """Values that a servo keeps from one step to the next."""
 
     target: float
-    """Position that the servo tracks, moving within the speed limit [rad | m]; 0 for a
-    velocity servo."""
+    """Position that the servo tracks, which moves within the speed limit [rad | m].
+    For a velocity servo, the value is 0."""
     integral: float
     """Integral of the error, as an acceleration [rad/s² | m/s²]."""
     speed: float
-    """Speed limit of a goal [rad/s | m/s]; infinite for a velocity servo."""
+    """Speed limit set by a goal [rad/s | m/s]; infinite for a velocity servo."""
 
 
 @final
 class PositionServo:
-    """Drives one joint to a position within its speed limit."""
+    """Moves one joint to a position within the joint's speed limit."""
 
     def __init__(
         self,
@@ -78,13 +79,14 @@ class PositionServo:
         self._is_stiff = is_stiff
         self._bandwidth = STIFF_BANDWIDTH if is_stiff else BANDWIDTH
         self._target = limits.clamp(position)
-        self._integral = 0.0  # [1/s²], an acceleration
+        self._integral = 0.0  # acceleration [rad/s² | m/s²]
         self.speed = math.inf
-        """Speed limit of a goal, in addition to the joint's [rad/s | m/s]."""
+        """Speed limit set by a goal, in addition to the joint's speed limit
+        [rad/s | m/s]."""
 
     @property
     def state(self) -> ServoState:
-        """State between steps."""
+        """Values that the servo keeps from one step to the next."""
         return ServoState(self._target, self._integral, self.speed)
 
     def restore(self, state: ServoState) -> None:
@@ -96,8 +98,8 @@ class PositionServo:
     ) -> float:
         """Return the acceleration for ``command`` [rad/s² | m/s²].
 
-        The target reaches ``command`` in ``left`` steps, when the next command is due;
-        between commands, the joint moves at constant velocity.
+        The target reaches ``command`` in ``left`` steps, when the next command is due.
+        Between commands, the joint moves at constant velocity.
         """
         previous = self._target
         lag = previous - position
@@ -112,7 +114,7 @@ class PositionServo:
         stiffness = self._bandwidth**2
         is_blocked = abs(lag) > BLOCKED and abs(velocity) < STANDSTILL
         if is_stopped or is_blocked:
-            self._integral = 0.0  # do not compensate an obstacle like a load
+            self._integral = 0.0  # an obstacle must not be compensated like a load
         else:
             self._integral += stiffness * self._integral_rate * error * dt
         speed_error = (target - previous) / dt - velocity
@@ -125,7 +127,7 @@ class PositionServo:
 
 @final
 class VelocityServo:
-    """Drives one joint at a velocity."""
+    """Moves one joint at a velocity."""
 
     def __init__(
         self, limits: JointLimits, soft: SafetyController | None = None
@@ -137,7 +139,7 @@ class VelocityServo:
 
     @property
     def state(self) -> ServoState:
-        """State between steps."""
+        """Values that the servo keeps from one step to the next."""
         return ServoState(0.0, self._integral, math.inf)
 
     def restore(self, state: ServoState) -> None:
@@ -158,7 +160,7 @@ Servo = PositionServo | VelocityServo
 
 
 def servo_of(law: ServoLaw) -> Servo:
-    """Return a servo with this law; the caller must restore its state."""
+    """Return a servo with this law.  The caller must restore the servo's state."""
     if law.kind is ServoKind.POSITION:
         return PositionServo(
             0.0,

@@ -1,13 +1,14 @@
-"""Keeps joints within their speed limits, like the drives of a real arm.
+"""Keeps joints within their speed limits, like the drives of a real arm do.
 
-The joints of an arm fling each other: the effort of one drive changes the speeds of all
-joints.  The governor predicts the velocities after the coming step from the
-accelerations in the last step and the changes of all efforts.  If one exceeds its
-limit, each drive chooses the effort closest to the request that keeps its joint within
-the limit (projected Gauss-Seidel); where a drive is too weak, all drives help.  The
-governor knows only the masses of the description: under a load, both the joints and the
-governor react more slowly.  (With the masses of a declared payload, it would fling
-joints that do not actually carry the payload.)
+The effort of one drive changes the speeds of all joints of an arm.  The governor
+predicts the velocities after the coming step from the accelerations in the last step
+and the changes of all efforts.  If a predicted velocity exceeds its limit, each drive
+uses the effort closest to the request that keeps its joint within the limit (projected
+Gauss-Seidel).  If a drive is too weak to keep the limit, all drives contribute.  The
+governor uses only the masses of the description.  Under a load, both the joints and the
+governor therefore react more slowly.  With the masses of a declared payload, the
+governor would accelerate joints beyond their limits if they did not actually carry the
+payload.
 """
 
 from __future__ import annotations
@@ -16,12 +17,12 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple, final
 
 FAST: Final = 0.5
-"""Fraction of its speed limit from which a joint is governed: from a lower speed, only
-the drive of a light joint could reach the limit within a step of 1 ms."""
+"""Fraction of its speed limit above which a joint is governed.  From a lower speed,
+only the drive of a light joint could reach the limit within a step of 1 ms."""
 SWEEPS: Final = 20
 """Largest number of sweeps over all joints."""
 TOLERANCE: Final = 1e-6
-"""Excess speed below which the sweeps end [rad/s | m/s]."""
+"""Excess speed below which the governor makes no more sweeps [rad/s | m/s]."""
 LARGEST_TURN: Final = 0.25
 """Motion of a joint after which the mobility is recomputed [rad | m]."""
 
@@ -33,20 +34,20 @@ class GovernedDrive(NamedTuple):
     speed: float
     """Largest speed [rad/s | m/s]."""
     fast: float
-    """Speed from which the joint is governed [rad/s | m/s]."""
+    """Speed above which the joint is governed [rad/s | m/s]."""
     effort: float
     """Largest effort of its drive [N·m | N]."""
 
 
 class GovernorSetup(NamedTuple):
-    """Data that change with claims and brakes, and while a joint is fast."""
+    """Data that change when claims or brakes change, and while a joint is fast."""
 
     drives: tuple[GovernedDrive, ...] = ()
     free: tuple[int, ...] = ()
-    """The joints that no brake holds, the governed ones first."""
+    """Indices of the joints that no brake holds, with the governed joints first."""
     mobility: tuple[tuple[float, ...], ...] = ()
     """Velocity changes of the free joints in a step, per unit of effort of each free
-    joint, by row [rad/s/(N·m)]; empty until computed."""
+    joint, by row [rad/s/(N·m)]; empty until they are computed."""
     posture: tuple[float, ...] = ()
     """Positions of the free joints at which ``mobility`` was computed [rad | m]."""
 
@@ -55,7 +56,8 @@ class GovernorState(NamedTuple):
     """Data that change in each step."""
 
     before: Sequence[float] = ()
-    """Velocity of each joint in the last step [rad/s | m/s]; empty before the first."""
+    """Velocity of each joint in the last step [rad/s | m/s]; empty before the first
+    step."""
 
 
 @final
@@ -67,7 +69,7 @@ class SpeedGovernor:
 
     @property
     def setup(self) -> GovernorSetup:
-        """Data that change with claims and brakes, and while a joint is fast."""
+        """Data that change when claims or brakes change, and while a joint is fast."""
         return self._setup
 
     @setup.setter
@@ -76,7 +78,7 @@ class SpeedGovernor:
         self._fast = [(drive.joint, drive.fast) for drive in setup.drives]
 
     def choose(self, drives: Sequence[GovernedDrive], free: Sequence[int]) -> None:
-        """Govern these drives from now on; brakes hold all joints except ``free``."""
+        """Govern ``drives``.  Brakes hold all joints that are not in ``free``."""
         governed = [drive.joint for drive in drives]
         others = [joint for joint in free if joint not in governed]
         self.setup = GovernorSetup(tuple(drives), (*governed, *others))
@@ -90,7 +92,7 @@ class SpeedGovernor:
         return False
 
     def is_mobility_due(self, position: Sequence[float]) -> bool:
-        """Return whether ``limit`` needs the mobility at new positions."""
+        """Return whether ``limit`` needs a mobility for new positions."""
         _, free, mobility, posture = self._setup
         return not mobility or any(
             abs(position[i] - q) > LARGEST_TURN
@@ -100,19 +102,19 @@ class SpeedGovernor:
     def update(
         self, mobility: Sequence[Sequence[float]], position: Sequence[float]
     ) -> None:
-        """Use a mobility of the free joints, computed at these joint positions."""
+        """Use ``mobility`` of the free joints, computed at the given positions."""
         posture = tuple(position[i] for i in self.setup.free)
         rows = tuple(map(tuple, mobility))
         self.setup = self.setup._replace(mobility=rows, posture=posture)
 
     def note(self, velocity: Sequence[float]) -> None:
-        """Remember the velocities of this step."""
+        """Store the velocities of this step [rad/s | m/s]."""
         self.state = GovernorState(velocity)
 
     def limit(
         self, effort: list[float], applied: Sequence[float], velocity: Sequence[float]
     ) -> None:
-        """Limit ``effort`` in place; ``applied`` is the previous effort [N·m | N]."""
+        """Limit ``effort`` in place.  ``applied`` is the previous effort [N·m | N]."""
         before = self.state.before
         if not before:
             return
@@ -144,10 +146,10 @@ class SpeedGovernor:
             effort[drive.joint] = used[k]
 
     def _share_excess(self, coming: list[float], used: list[float]) -> None:
-        """Share excess speed that a joint's own drive cannot brake among all drives.
+        """Distribute excess speed that a joint's drive cannot brake over all drives.
 
-        Each drive contributes according to its effect on that joint (Kaczmarz's
-        method).
+        The contribution of each drive depends on its effect on the joint with the
+        excess speed (Kaczmarz's method).
         """
         drives, _, mobility, _ = self.setup
         for _ in range(SWEEPS):
@@ -171,6 +173,6 @@ class SpeedGovernor:
 
 
 def _change(coming: list[float], row: Sequence[float], by: float) -> None:
-    """Add the effect of a change of one effort to the coming velocities."""
+    """Add the effect of a change of one effort to the predicted velocities."""
     for j, gain in enumerate(row):
         coming[j] += gain * by

@@ -1,12 +1,13 @@
-"""The wrench of a tool on its flange, by the Newton-Euler equations.
+"""Computes the wrench of a tool on its flange with the Newton-Euler equations.
 
-The acceleration in a physics step gives the total wrench on the rigid bodies beyond the
-flange.  Whatever is neither weight nor contact force acts through the flange.  Drives,
-linkages, springs and friction inside the tool act between its own parts and cancel.
+The accelerations in a physics step determine the total wrench on the rigid bodies
+beyond the flange.  The part of this wrench that is neither weight nor contact force
+acts through the flange.  Drives, linkages, springs and friction inside the tool act
+between parts of the tool, so that their forces cancel.
 
-A rotor inside the tool is part of the mass and inertia of its link.  The rotor's faster
-rotation is neglected, like in the engines: with an armature A behind a reduction N, its
-momentum is A q̇ / N.
+A rotor inside the tool is part of the mass and inertia of its link.  The faster
+rotation of the rotor is neglected, like in the engines.  With an armature A behind a
+reduction N, the neglected angular momentum is A q̇ / N.
 """
 
 from __future__ import annotations
@@ -44,26 +45,26 @@ _ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 
 class _BodyMotion(NamedTuple):
-    """Motion of a body, in the root's axes."""
+    """Motion of a body, in the axes of the robot's root."""
 
     angular_velocity: Vector3
     """Angular velocity [rad/s]."""
     angular_acceleration: Vector3
     """Angular acceleration [rad/s²]."""
     acceleration: Vector3
-    """Acceleration of the body's origin relative to free fall [m/s²]; it points up at
-    rest."""
+    """Acceleration of the body's origin relative to free fall [m/s²].  At rest, the
+    acceleration points up."""
 
 
 class ToolPart(NamedTuple):
     """Mass properties of the part of a body beyond the flange, in the body's frame."""
 
     body: int
-    """Number of the body; -1 for the world."""
+    """Index of the body; -1 for the world."""
     mass: float
     center: Vector3
     tensor: tuple[float, ...]
-    """Inertia about the centre of mass, 9 floats [kg·m²]."""
+    """Inertia about the center of mass, as 9 floats [kg·m²]."""
 
 
 class ToolForces(NamedTuple):
@@ -74,7 +75,7 @@ class ToolForces(NamedTuple):
     torque: Vector3
     """Torque about the flange [N·m]."""
     flange: Frame
-    """Pose of the flange in the root."""
+    """Pose of the flange in the frame of the robot's root."""
 
 
 class ToolTable(NamedTuple):
@@ -84,9 +85,9 @@ class ToolTable(NamedTuple):
     """All moving bodies of the robot, in the order of the model's joints."""
     parts: tuple[ToolPart, ...]
     carrier: int
-    """The body that the flange is part of; -1 for the world."""
+    """Index of the body that contains the flange; -1 for the world."""
     flange: Frame
-    """Pose of the flange in ``carrier``."""
+    """Pose of the flange in the frame of ``carrier``."""
     rise: Vector3
     """Acceleration of the root relative to free fall [m/s²]."""
 
@@ -98,13 +99,15 @@ class ToolDynamics:
     def __init__(
         self, model: RobotModel, link: str, gravity: Vector3 = STANDARD_GRAVITY
     ) -> None:
-        """Cut the robot just before ``link``; ``gravity`` [m/s²] is in the root's axes.
+        """Separate the links beyond the flange from the robot, just before ``link``.
+
+        ``gravity`` [m/s²] is in the axes of the robot's root.
 
         Raises:
-            ModelError: If there is no such link.
+            ModelError: If the model has no link named ``link``.
         """
         self.links = frozenset(model.links_from(link))
-        """``link`` and all links beyond it."""
+        """The names of ``link`` and all links beyond it."""
         self._model = model
         self._bodies = bodies = moving_bodies(model)
         self._dynamics = JointDynamics(model)
@@ -114,7 +117,7 @@ class ToolDynamics:
         self._prismatic = [b.joint.type is JointType.PRISMATIC for b in bodies]
         # The frames are rotated so that each joint acts along its z axis.
         turns = [turn_z_to(body.joint.axis) for body in bodies]
-        turns.append(np.eye(3))  # the last, -1, is the world's
+        turns.append(np.eye(3))  # the last element, at index -1, is for the world
         self._turns = turns
         self._carrier, frame = _find_body(model, bodies, link)
         back = turns[self._carrier].T
@@ -130,10 +133,10 @@ class ToolDynamics:
         self._payloads: list[ToolPart] = []
 
     def subtract(self, payloads: Mapping[str, BodyInertia]) -> None:
-        """Subtract the effect of bodies fixed to these links, from now on.
+        """Subtract the effect of bodies that are fixed to links.
 
-        The bodies are in the links' frames.  Bodies on links that the wrench does not
-        include are ignored.
+        The bodies are given in the frames of the links.  Bodies on links that the
+        wrench does not include are ignored.
         """
         self._payloads = []
         for link in payloads.keys() & self.links:
@@ -152,10 +155,11 @@ class ToolDynamics:
         """Return the force and torque on the flange, in the link's axes at its origin.
 
         Args:
-            position: Positions of the model's movable joints, in their order [rad | m].
+            position: Positions of the movable joints, in the model's order [rad | m].
             velocity: Velocities [rad/s | m/s].
             acceleration: Accelerations [rad/s² | m/s²].
-            contacts: All contacts at that instant; contacts of other links are ignored.
+            contacts: All contacts at that instant.  Contacts of other links are
+                ignored.
         """
         forces = self.forces(position, velocity, acceleration)
         return self.with_contacts(forces, contacts)
@@ -177,8 +181,8 @@ class ToolDynamics:
         velocity: Sequence[float],
         acceleration: Sequence[float],
     ) -> ToolForces:
-        """Return the wrench without contacts; for the arguments, see ``wrench``."""
-        # The kernel does the same (wrench.c).
+        """Return the wrench without contacts.  For the arguments, see ``wrench``."""
+        # The kernel computes the same values (wrench.c).
         frames = [*self._dynamics.frames(position), ROOT]
         motions = self._motions(frames, velocity, acceleration)
         flange = compose(frames[self._carrier], self._flange)
@@ -228,7 +232,7 @@ class ToolDynamics:
         velocity: Sequence[float],
         acceleration: Sequence[float],
     ) -> list[_BodyMotion]:
-        """Return the motion of each body, and last that of the world."""
+        """Return the motion of each body, followed by the motion of the world."""
         motions: list[_BodyMotion] = []
         still = self._world_motion
         for i, parent in enumerate(self._parent):
@@ -263,7 +267,7 @@ class ToolDynamics:
 
 
 def _acceleration_at(body: _BodyMotion, r: Vector3) -> Vector3:
-    """Return the acceleration of a body's point at offset ``r`` from its origin."""
+    """Return the acceleration of the point at offset ``r`` from a body's origin."""
     (wx, wy, wz), (ex, ey, ez), origin = body
     ax, ay, az = origin
     x, y, z = r
@@ -276,7 +280,7 @@ def _acceleration_at(body: _BodyMotion, r: Vector3) -> Vector3:
 
 
 def _inertial_torque(tensor: tuple[float, ...], w: Vector3, dw: Vector3) -> Vector3:
-    """Return the torque that accelerates a rotating body (Euler), in its axes."""
+    """Return the torque that accelerates a rotating body (Euler), in body axes."""
     a, b, c, d, e, f, g, h, i = tensor
     wx, wy, wz = w
     ex, ey, ez = dw
@@ -295,7 +299,10 @@ def _inertial_torque(tensor: tuple[float, ...], w: Vector3, dw: Vector3) -> Vect
 def _find_body(
     model: RobotModel, bodies: Sequence[MovingBody], link: str
 ) -> tuple[int, Matrix]:
-    """Return the body with ``link``, -1 for the world, and the link's frame in it."""
+    """Return the index of the body with ``link``, and the link's frame in the body.
+
+    The index is -1 for the world.
+    """
     for i, body in enumerate(bodies):
         for name, frame in body.links:
             if name == link:

@@ -1,4 +1,4 @@
-"""apt's progress and the causes of its failures, for both installers."""
+"""Reads apt's progress, and finds the causes of its failures, for both installers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Final
 from tool0.installation.child_process import last_lines
 
 ProgressCallback = Callable[[str, float], None]
-"""Called with the current activity and the completed fraction, 0 to 1."""
+"""Function that is called with the current activity and the completed fraction (0 to
+1)."""
 
 _OUTPUT_BY_CAUSE: Final = {
     "disk full": "no space left|enough free space|write error",
@@ -23,19 +24,20 @@ _OUTPUT_BY_CAUSE: Final = {
     "locked": "could not get lock",
     "broken": "unmet dependencies|broken packages|dpkg was interrupted",
 }
-"""Cause → pattern of apt's output; the first match applies."""
+"""Pattern of apt's output, by cause.  The first pattern that matches applies."""
 _COMPLAINTS: Final = ("E:", "Err:", "W:")
 
 
 def explain_failure(
     output: str, explanations: Mapping[str, str], *, otherwise: str
 ) -> str:
-    """Return why apt failed, and its last error messages.
+    """Return the reason why apt failed, and apt's last error messages.
 
     Args:
-        output: Output of apt.
-        explanations: Explanations by cause, the keys of the table above.
-        otherwise: Explanation if no cause matches.
+        output: The output of apt.
+        explanations: Explanations by cause.  The causes are the keys of the table
+            above.
+        otherwise: The explanation that is used if no cause matches.
     """
     fitting = (
         explanations[cause]

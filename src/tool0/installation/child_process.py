@@ -1,10 +1,10 @@
-"""Child processes that end with this process, even if it is killed by SIGKILL.
+"""Child processes that end with this process, even if SIGKILL ends this process.
 
-Each child runs in its own process group under a supervisor (``supervisor.py``), which
-ends the whole group when the connection to this process closes.  If the supervisor is
-killed, ``wait`` and ``close`` end the group.  A program that leaves its process group
-is not ended.  On Windows, programs run without a supervisor, and outlive a parent that
-is killed.
+Each child runs in its own process group under a supervisor (``supervisor.py``).  The
+supervisor ends the whole group when the connection to this process closes.  If the
+supervisor is killed, ``wait`` and ``close`` end the group.  A program that leaves its
+process group is not ended.  On Windows, programs run without a supervisor, and they
+continue to run if their parent is killed.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ _CHUNK: Final = 1 << 20
 
 
 class ChildProcessFailedError(Tool0Error):
-    """Work in a child process exceeded a limit, crashed, or failed otherwise."""
+    """Raised if work in a child process exceeded a limit, crashed or failed."""
 
 
 class ChildLimitExceededError(ChildProcessFailedError):
-    """Work in a child process took too long, or too much memory."""
+    """Raised if work in a child process took too long or used too much memory."""
 
 
 # --- programs ---
@@ -49,7 +49,7 @@ class ChildLimitExceededError(ChildProcessFailedError):
 
 @final
 class ChildProcess(AbstractContextManager["ChildProcess"]):
-    """A program that ends upon ``close`` or with this process, however that ends."""
+    """A program that ends when it is closed, or when this process ends in any way."""
 
     def __init__(
         self,
@@ -66,12 +66,14 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
 
         Args:
             command: The program and its arguments.
-            environment: Environment variables; if left out, those of this process.
-            folder: Working directory; if left out, that of this process.
-            log: File for the program's output and errors; if left out, both are kept
-                for ``completed`` and ``last_output``.
-            grace: Time between SIGINT and SIGKILL when the program is stopped [wall s];
-                0 for SIGKILL at once.
+            environment: Environment variables.  If omitted, the program inherits the
+                variables of this process.
+            folder: Working directory.  If omitted, the program runs in the working
+                directory of this process.
+            log: File for the program's output and errors.  If omitted, the output and
+                errors are stored for ``completed`` and ``last_output``.
+            grace: Time between SIGINT and SIGKILL when the program is stopped [wall s].
+                If the time is 0, SIGKILL is sent immediately.
         """
         make = tempfile.TemporaryFile
         self._files = [] if log is not None else [make(), make()]
@@ -98,7 +100,7 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
                 stdin=theirs.fileno(),
                 stdout=output,
                 stderr=errors,
-                start_new_session=True,  # Ctrl-C is for this process alone
+                start_new_session=True,  # Ctrl-C must interrupt only this process
             )
         request = {
             "command": list(command),
@@ -106,7 +108,8 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
             "folder": None if folder is None else str(folder),
             "grace": grace,
         }
-        with contextlib.suppress(OSError):  # it has ended; its status says so
+        # the program has already ended, and its status is read later
+        with contextlib.suppress(OSError):
             self._connection.sendall(json.dumps(request).encode() + b"\n")
 
     def __exit__(self, *_: object) -> None:
@@ -115,7 +118,7 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
 
     @property
     def pid(self) -> int:
-        """Process id of the program itself; 0 if it could not be started."""
+        """Process ID of the program; 0 if it could not be started."""
         if self._connection is None:
             return self._process.pid
         with self._reading:
@@ -130,7 +133,9 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
         return self._process.poll()
 
     def wait(self, timeout: float | None = None) -> int:
-        """Wait for the program to end; return its exit status, negative for a signal.
+        """Wait for the program to end, and return its exit status.
+
+        The status is negative if a signal ended the program.
 
         Raises:
             subprocess.TimeoutExpired: If the program still runs after ``timeout`` [wall
@@ -143,16 +148,19 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
     def completed(
         self, timeout: float | None = None
     ) -> subprocess.CompletedProcess[str]:
-        """Wait like ``wait``; return the program's exit status, output and errors."""
+        """Wait like ``wait``.  Return the program's exit status, output and errors."""
         status = self.wait(timeout)
         return subprocess.CompletedProcess(self._process.args, status, *self._texts())
 
     def last_output(self, n_lines: int = 8) -> str:
-        """Return the last lines of output and errors; empty if they go to a log."""
+        """Return the last lines of output and errors.
+
+        The text is empty if the output goes to a log.
+        """
         return last_lines("\n".join(self._texts()), n_lines)
 
     def close(self) -> None:
-        """End the program and its children, and wait; closing twice is allowed."""
+        """End the program and its children, and wait.  A second call has no effect."""
         if self._is_closed:
             return
         self._is_closed = True
@@ -169,10 +177,11 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
             file.close()
 
     def _end_orphans(self) -> None:
-        """End the processes that a killed supervisor left behind."""
+        """End the processes that are still running after the supervisor was killed."""
         if self._connection is None or self._process.returncode >= 0:
             return
-        with contextlib.suppress(OSError):  # it has ended, or was never started
+        # the group has already ended, or it was never started
+        with contextlib.suppress(OSError):
             if self.pid:
                 os.killpg(self.pid, signal.SIGKILL)
 
@@ -190,10 +199,10 @@ def run_program(
     timeout: float | None = None,
     while_running: Callable[[], None] | None = None,
 ) -> subprocess.CompletedProcess[str]:
-    """Run a program until it ends; the caller checks the exit status.
+    """Run a program until it ends.  The caller checks the exit status.
 
     Without ``environment``, the program's messages are in English.  ``while_running``
-    is called about ten times a second.
+    is called about ten times per second.
 
     Raises:
         subprocess.TimeoutExpired: If the program takes longer than ``timeout`` [wall
@@ -212,15 +221,16 @@ def run_program(
 
 
 def _connection_pair() -> tuple[socket.socket, socket.socket]:
-    """Return two connected blocking sockets, whatever the default timeout is."""
+    """Return two connected sockets that block, even if there is a default timeout."""
     ours, theirs = socket.socketpair()
-    ours.setblocking(True)  # rospy sets a default timeout, which makes them not block
+    # rospy sets a default timeout, and sockets with a timeout do not block
+    ours.setblocking(True)
     theirs.setblocking(True)
     return ours, theirs
 
 
 def last_lines(text: str, n_lines: int = 6) -> str:
-    """Return the last non-empty lines, indented for a message."""
+    """Return the last non-empty lines, indented for use in a message."""
     lines = [line for line in text.splitlines() if line.strip()]
     return "\n".join(f"  {line}" for line in lines[-n_lines:])
 
@@ -229,20 +239,23 @@ def last_lines(text: str, n_lines: int = 6) -> str:
 
 
 def call_in_child(work: Callable[[], R], *, timeout: float, memory: int) -> R:
-    """Run ``work`` in a child process, and return its result, which must be picklable.
+    """Run ``work`` in a child process, and return the result of ``work``.
 
-    Without fork (Windows), ``work`` runs in this process, without limits.
+    The result must be picklable.
+
+    Where fork is not available (Windows), ``work`` runs in this process without limits.
 
     Args:
-        work: Function to run in a copy of this process.
+        work: The function that runs in a copy of this process.
         timeout: Largest duration [wall s].
-        memory: Largest allocation beyond this process's memory [bytes].
+        memory: Largest amount of memory that ``work`` may allocate in addition to the
+            memory of this process [bytes].
 
     Raises:
         ChildLimitExceededError: If ``work`` exceeds a limit.
-        ChildProcessFailedError: If ``work`` crashes, or raises an error that cannot be
-            pickled.
-        Exception: Any exception that ``work`` raises.
+        ChildProcessFailedError: If ``work`` crashes, or if it raises an error that
+            cannot be pickled.
+        Exception: If ``work`` raises an exception.  The same exception is raised.
     """
     if sys.platform == "win32":
         return work()
@@ -260,7 +273,8 @@ def call_in_child(work: Callable[[], R], *, timeout: float, memory: int) -> R:
     if not packet:
         how = signal.Signals(-status).name if status < 0 else f"exit status {status}"
         raise ChildProcessFailedError(f"it crashed ({how})")
-    error, result = pickle.loads(packet)  # our own child wrote it
+    # the packet is trusted, because our own child wrote it
+    error, result = pickle.loads(packet)
     if error is not None:
         raise error
     value: R = result
@@ -280,14 +294,14 @@ def _receive(connection: socket.socket, timeout: float) -> bytes:
 
 
 def _fork_worker(work: _Work, connection: socket.socket, memory: int) -> NoReturn:
-    """Become the supervisor of a process that does the work."""
+    """Become the supervisor of a process that executes the work."""
     try:
-        os.setsid()  # Ctrl-C is for the parent alone
+        os.setsid()  # Ctrl-C must interrupt only the parent
         worker = os.fork()
         if not worker:
             os.setpgid(0, 0)
             _work(work, connection, memory)
-        with contextlib.suppress(OSError):  # the worker may be first
+        with contextlib.suppress(OSError):  # the worker may call setpgid first
             os.setpgid(worker, worker)
 
         def wait() -> int:
@@ -299,7 +313,7 @@ def _fork_worker(work: _Work, connection: socket.socket, memory: int) -> NoRetur
 
 
 def _work(work: _Work, connection: socket.socket, memory: int) -> NoReturn:
-    """Do the work, send the result, and exit."""
+    """Execute the work, send the result, and exit."""
     packet = b""
     try:
         _limit_memory(memory)
@@ -307,7 +321,7 @@ def _work(work: _Work, connection: socket.socket, memory: int) -> NoReturn:
     except MemoryError:
         limit = f"it takes more than {memory >> 20} MiB of memory"
         packet = pickle.dumps((ChildLimitExceededError(limit), None))
-    except BaseException as error:  # the parent raises it
+    except BaseException as error:  # the parent raises the error again
         packet = _pickled(error)
     finally:
         with contextlib.suppress(OSError):
@@ -319,7 +333,7 @@ def _limit_memory(memory: int) -> None:
     import faulthandler
     import resource
 
-    faulthandler.disable()  # the parent reports a crash
+    faulthandler.disable()  # the parent reports crashes
     with contextlib.suppress(OSError, ValueError):
         pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[0]
         limit = int(pages) * resource.getpagesize() + memory
@@ -330,7 +344,7 @@ def _pickled(error: BaseException) -> bytes:
     error.__traceback__ = error.__cause__ = error.__context__ = None
     with contextlib.suppress(Exception):
         packet: bytes = pickle.dumps((error, None))
-        pickle.loads(packet)  # some errors fail only here
+        pickle.loads(packet)  # some errors can be pickled but not unpickled
         return packet
     text = f"it failed: {type(error).__name__}: {error}"
     return pickle.dumps((ChildProcessFailedError(text), None))

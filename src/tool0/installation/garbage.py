@@ -8,19 +8,22 @@ from contextlib import contextmanager
 from typing import Final
 
 THRESHOLD: Final = 50_000
-"""Number of new, unfreed objects after which the collector searches for cycles.
+"""Number of new objects that are not freed before the collector searches for cycles.
 
-States and motions are freed when their last reference goes.  A stream at 500 Hz reaches
-the interpreter's default, 700, about once a second, and examining all objects in use
-then pauses every thread for 5 to 20 ms.
+States and motions are freed when their last reference is deleted.  A stream at 500 Hz
+reaches the interpreter's default threshold of 700 objects about once a second.  The
+collector then examines all objects in use, and pauses every thread for 5 to 20 ms.
 """
 
 
 @contextmanager
 def starting() -> Iterator[None]:
-    """Disable collection while a process starts, and restore all settings when it ends.
+    """Disable collection while a process starts.
 
-    Objects made at the start live on.  Call ``started`` when the start is complete.
+    Restore all settings when the process ends.
+
+    Objects that are created during the start are kept.  Call ``started`` when the start
+    is complete.
     """
     usual = gc.get_threshold()
     gc.disable()
@@ -33,17 +36,19 @@ def starting() -> Iterator[None]:
 
 
 def started() -> None:
-    """Exempt all existing objects permanently, and collect rarely from now on."""
+    """Exempt all existing objects permanently, and collect rarely after that."""
     gc.freeze()
     gc.set_threshold(THRESHOLD)
     gc.enable()
 
 
 def leave_alone() -> None:
-    """Collect once, then exempt all existing objects, in a program that uses tool0.
+    """Collect once, then exempt all existing objects from collection.
 
-    With the program's libraries, a full collection would pause each thread for 0.1 s or
-    more.
+    Use this function in a program that uses tool0.
+
+    With the program's libraries, a full collection would pause every thread for 0.1 s
+    or more.
     """
     gc.collect()
     gc.freeze()

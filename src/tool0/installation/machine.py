@@ -27,25 +27,26 @@ _INSTALL_COMMANDS: Final = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Machine:
-    """Root folder for probes; tests pass another one."""
+    """The machine that probes examine.  Tests pass another root folder."""
 
     root: Path = Path("/")
     environ: Mapping[str, str] = field(default_factory=lambda: os.environ)
     system: str = sys.platform
 
     def program(self, *names: str) -> str | None:
-        """Return the path of the first of these programs that is on PATH."""
+        """Return the path of the first program in ``names`` that is in PATH."""
         path = self.environ.get("PATH", "")
         found = (shutil.which(name, path=path) for name in names)
         return next((name for name in found if name), None)
 
     def install_command(self, apt: str, **others: str) -> str:
-        """Return the command that installs a package; empty if there is no command.
+        """Return the command that installs a package, or an empty text.
 
         Args:
-            apt: Name of the package on Debian and Ubuntu, and wherever ``others`` has
-                no name.
-            others: Package manager → name of the package there; empty if not packaged.
+            apt: Name of the package on Debian and Ubuntu.  The name is also used for
+                package managers that are not in ``others``.
+            others: Name of the package by package manager; empty if the package manager
+                does not offer the package.
         """
         for manager, command in _INSTALL_COMMANDS.items():
             if self.program(manager):
@@ -54,7 +55,7 @@ class Machine:
         return ""
 
     def has_desktop(self) -> bool:
-        """Return whether this user has a display for windows."""
+        """Return whether this user has a display on which windows can be opened."""
         if "SSH_CONNECTION" in self.environ and "DISPLAY" not in self.environ:
             return False
         if self.system in ("darwin", "win32"):
@@ -62,7 +63,7 @@ class Machine:
         return any(self.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
     def read(self, name: str) -> str:
-        """Return the text of a file; empty if there is no such file."""
+        """Return the text of a file, or an empty text if the file does not exist."""
         try:
             return (self.root / name).read_text(encoding="utf-8", errors="replace")
         except OSError:
@@ -83,7 +84,10 @@ class Machine:
         return f"{platform.system()} {platform.release()}"
 
     def codename(self) -> str:
-        """Return the release's codename, such as ``bookworm``; for Mint, Ubuntu's."""
+        """Return the codename of the release, such as ``bookworm``.
+
+        For Mint, the result is the codename of the underlying Ubuntu release.
+        """
         release = self.release()
         keys = ("UBUNTU_CODENAME", "DEBIAN_CODENAME", "VERSION_CODENAME")
         return next((release[key] for key in keys if key in release), "")
@@ -93,8 +97,12 @@ class Machine:
 
 
 def python_requirements() -> dict[str, str]:
-    """Return package → requirement (``mujoco>=3.3``); empty for a source folder."""
-    from importlib import metadata  # slow, and rarely needed
+    """Return the requirement of each package, such as ``mujoco>=3.3``, by package.
+
+    The result is empty if tool0 runs from a source folder.
+    """
+    # importing this module is slow, and it is rarely needed
+    from importlib import metadata
 
     try:
         stated = metadata.requires("tool0") or []
@@ -108,7 +116,7 @@ def python_requirements() -> dict[str, str]:
 
 
 def python_package_version(package: str) -> str | None:
-    """Return the installed version of a package, or None."""
+    """Return the installed version of a package; None if it is not installed."""
     from importlib import metadata
 
     try:
@@ -118,5 +126,5 @@ def python_package_version(package: str) -> str | None:
 
 
 def pip_install_command(*arguments: str) -> str:
-    """Return the command that installs packages for this Python."""
+    """Return the pip command that installs packages for this Python."""
     return shlex.join([sys.executable, "-m", "pip", "install", *arguments])

@@ -1,4 +1,4 @@
-"""Folders of software that tool0 installs, changed by one process at a time."""
+"""Folders of software that tool0 installs, with a lock for each folder."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from tool0.user_data import locked
 
 @contextmanager
 def exclusive(folder: Path, software: str, error: type[Tool0Error]) -> Iterator[None]:
-    """Make a folder, and prevent other processes from changing it.
+    """Create a folder, and prevent other processes from changing it.
 
     Args:
-        folder: The folder, in which a file ``lock`` is made.
-        software: Name of the software in the folder, for messages.
+        folder: The folder.  A file named ``lock`` is created in the folder.
+        software: Name of the software in the folder, for use in messages.
         error: Type of the exception to raise.
 
     Raises:
-        Tool0Error: An exception of type ``error``, if another process is changing the
-            folder, or files in the folder cannot be written.
+        Tool0Error: If another process is changing the folder, or if files in the folder
+            cannot be written.  The type of the exception is ``error``.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -40,15 +40,15 @@ def exclusive(folder: Path, software: str, error: type[Tool0Error]) -> Iterator[
 
 
 def removed(folder: Path, software: str, error: type[Tool0Error]) -> int:
-    """Remove a folder, if it exists, and return its size [bytes].
+    """Remove a folder if it exists, and return its size [bytes].
 
     Args:
         folder: The folder.
-        software: Name of the software in the folder, for messages.
+        software: Name of the software in the folder, for use in messages.
         error: Type of the exception to raise.
 
     Raises:
-        Tool0Error: As for ``exclusive``.
+        Tool0Error: If ``exclusive`` raises an error of type ``error``.
     """
     if not folder.is_dir():
         return 0
@@ -59,7 +59,7 @@ def removed(folder: Path, software: str, error: type[Tool0Error]) -> int:
 
 
 def size_on_disk(root: Path) -> int:
-    """Return the size of a folder [bytes]; hard links count once."""
+    """Return the size of a folder [bytes].  Hard links are counted once."""
     sizes: dict[int, int] = {}
     for folder, subfolders, files in os.walk(root):
         for name in (*subfolders, *files):

@@ -1,8 +1,8 @@
-"""The catkin packages of an arm with a gripper, for Noetic and Gazebo 11.
+"""Creates the catkin packages of an arm with a gripper, for Noetic and Gazebo 11.
 
-The files are the same that tool0 itself reads, with the chosen robot as the default of
-their arguments.  Only the controllers are generated for one robot, because their gains
-depend on it.
+The files are the same files that tool0 reads.  The chosen robot is the default of the
+arguments in these files.  Only the controllers are generated for one robot, because
+their gains depend on the robot.
 """
 
 from __future__ import annotations
@@ -19,17 +19,18 @@ from tool0.errors import ConfigError
 
 PACKAGES: Final = ("tool0_description", "tool0_gazebo")
 UPSTREAM_PACKAGES: Final = ("ur_description", "robotiq_2f_85_gripper_visualization")
-"""Packages whose meshes can replace tool0's."""
+"""Packages whose meshes can replace tool0's meshes."""
 _HOME: Final = "home"
 """Name of the start pose."""
 _NOT_WRITTEN: Final = re.compile(
     r"((native|started)_)?controllers(_gripper_action|_ros2)?\.yaml|gains\.yaml"
 )
-"""Configuration files that only tool0 reads: parts of controllers."""
+"""Configuration files that only tool0 reads.  These files contain parts of
+controllers."""
 _LAST_DEPENDENCY: Final = b"  <exec_depend>xacro</exec_depend>\n"
 
 Files = dict[PurePosixPath, bytes]
-"""Path below the folder of packages → content."""
+"""Content of each file, by path relative to the folder of packages."""
 
 
 def robot_packages(
@@ -42,15 +43,16 @@ def robot_packages(
     """Return the files of tool0_description and, for a single robot, tool0_gazebo.
 
     Args:
-        robots: The robot that launch files bring up by default, without prefix, or the
-            robots of a cell.
-        controllers: The ros_control YAML of the controllers.
-        action_controllers: The same YAML, but with the gripper driven by an action.
-        upstream_meshes: Whether the meshes of ``UPSTREAM_PACKAGES`` are the default,
-            and those packages are dependencies.
+        robots: The robot that launch files bring up by default, without a prefix, or
+            the robots of a cell.
+        controllers: The YAML of the controllers for ros_control.
+        action_controllers: The YAML of the controllers, but with a gripper that is
+            driven by an action.
+        upstream_meshes: Whether the meshes of ``UPSTREAM_PACKAGES`` are the default.
+            If the meshes are the default, the packages are dependencies.
 
     Raises:
-        ConfigError: If your own arm's or gripper's folder cannot be added to the
+        ConfigError: If the folder of your own arm or gripper cannot be added to the
             built-in folders.
     """
     robot = robots[0]
@@ -75,15 +77,16 @@ def described_packages(
     *,
     upstream_meshes: bool = False,
 ) -> Files:
-    """Return bundled packages, with the robots as defaults of their arguments.
+    """Return the files of packages, with the robots as default arguments.
 
     Args:
-        robots: One robot, or the robots of a cell, of which the first is the default.
-        packages: The names of the packages, ``tool0_description`` among them.
+        robots: One robot, or the robots of a cell.  The first robot of a cell is the
+            default.
+        packages: The names of the packages, including ``tool0_description``.
         upstream_meshes: Whether the meshes of ``UPSTREAM_PACKAGES`` are the default.
 
     Raises:
-        ConfigError: If your own arm's or gripper's folder cannot be added to the
+        ConfigError: If the folder of your own arm or gripper cannot be added to the
             built-in folders.
     """
     own = [_own_part(part) for robot in robots for part in robot.parts]
@@ -109,12 +112,15 @@ def described_packages(
 
 
 def gripper_name(robot: CatalogueRobot) -> str:
-    """Return the name of the gripper, or ``none``."""
+    """Return the name of the gripper, or ``none`` if there is no gripper."""
     return NO_GRIPPER if robot.gripper is None else robot.gripper.name
 
 
 def _files_in(folder: Path) -> list[Path]:
-    """Return the files of a package or a part of it, without files that tools left."""
+    """Return the files of a package or of a part of it.
+
+    Temporary files of tools are omitted.
+    """
     return [
         path
         for path in sorted(folder.rglob("*"))
@@ -128,7 +134,7 @@ def _files_in(folder: Path) -> list[Path]:
 
 
 def _with_defaults(data: bytes, defaults: Mapping[str, str]) -> bytes:
-    """Return a file with other default values of the arguments that it declares."""
+    """Return a file in which declared arguments have other default values."""
     for name, value in defaults.items():
         declared = rf'(<(?:xacro:)?arg name="{name}" default=")[^"]+(")'
         data = re.sub(declared.encode(), rf"\g<1>{value}\g<2>".encode(), data)
@@ -136,10 +142,13 @@ def _with_defaults(data: bytes, defaults: Mapping[str, str]) -> bytes:
 
 
 def _own_part(part: CataloguePart) -> Files:
-    """Return the files of your own arm or gripper; empty for a built-in one.
+    """Return the files of your own arm or gripper.
+
+    The result is empty for a built-in arm or gripper.
 
     Raises:
-        ConfigError: If its name is that of a built-in one, or is not valid for a file.
+        ConfigError: If the name of the part is the name of a built-in arm or gripper,
+            or if the name is not a valid file name.
     """
     if part.is_built_in:
         return {}
@@ -160,10 +169,10 @@ def _own_part(part: CataloguePart) -> Files:
 
 
 def _for_gazebo(text: str, gripper: CataloguePart | None, kind: str) -> str:
-    """Return the controllers' YAML with the gripper's part for native Gazebo.
+    """Return the controllers' YAML with the gripper's controllers for native Gazebo.
 
     The file ``native_<kind>.yaml`` in the gripper's folder replaces the controllers
-    with the same names.
+    that have the same names.
     """
     path = None if gripper is None else gripper.folder / f"native_{kind}.yaml"
     if path is None or not path.is_file():

@@ -1,10 +1,10 @@
-"""Ends a process group when its parent ends; the counterpart of ``child_process``.
+"""Ends a process group when its parent ends.  ``child_process`` starts this script.
 
-Run as a script, in a Python without site-packages, it starts the program that a line of
-JSON on standard input describes, and answers with its process id, then ``0`` if it
-cannot be executed.  Standard input is a socket: when its other end closes, for whatever
-reason, the group is ended.
-Nothing of tool0 is imported here.
+This file is run as a script, in a Python without site-packages.  The script reads one
+line of JSON from standard input, and starts the program that the line describes.  The
+script answers with the program's process ID, followed by ``0`` if the program cannot be
+executed.  Standard input is a socket.  When the other end of the socket closes for any
+reason, the process group is ended.  This file imports nothing from tool0.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from typing import NoReturn
 
 
 def main() -> NoReturn:
-    """Start the program that standard input describes, and supervise it."""
+    """Start the program that standard input describes, and supervise the program."""
     import json
     import subprocess
     import sys
 
     with open(0, "rb", closefd=False) as stream:
         request = json.loads(stream.readline() or "null")
-    if request is None:  # the parent has ended already
+    if request is None:  # the parent has already ended
         os._exit(1)
     answer = os.dup(0)
 
@@ -40,7 +40,8 @@ def main() -> NoReturn:
             cwd=request["folder"],
             stdin=subprocess.DEVNULL,
             start_new_session=True,
-            # It says its id itself: once it runs, we may be killed at any moment.
+            # The program sends its own ID, because this process may be killed at any
+            # moment after the program starts.
             preexec_fn=lambda: send(f"{os.getpid()} "),  # noqa: PLW1509 - no threads yet
         )
     except OSError as error:
@@ -57,23 +58,27 @@ def supervise(
     """Wait for a process group's leader, end the group, and exit like the leader.
 
     Args:
-        group: The process group, by the id of its leader.
-        connection: File descriptor; when its other end closes, the group is ended.
-        wait: Returns the exit status of the leader, negative for a signal.
-        grace: Time between SIGINT and SIGKILL [wall s]; 0 for SIGKILL at once.
+        group: The ID of the process group, which is the process ID of its leader.
+        connection: File descriptor of the connection to the parent.  When the other end
+            of the connection closes, the group is ended.
+        wait: Function that returns the exit status of the leader.  The status is
+            negative for a signal.
+        grace: Time between SIGINT and SIGKILL [wall s].  If the time is 0, SIGKILL is
+            sent immediately.
     """
     threading.Thread(
         target=_end_with_parent, args=(group, connection, grace), daemon=True
     ).start()
     status = wait()
-    _signal_group(group, signal.SIGKILL)  # what the leader left behind
+    _signal_group(group, signal.SIGKILL)  # processes that the leader started
     if status < 0:
         _die_by(-status)
     os._exit(status)
 
 
 def _end_with_parent(group: int, connection: int, grace: float) -> None:
-    with contextlib.suppress(OSError):  # reset, if the parent did not read our answer
+    # the connection is reset if the parent did not read our answer
+    with contextlib.suppress(OSError):
         while os.read(connection, 1):
             pass
     if grace > 0.0:
@@ -83,17 +88,18 @@ def _end_with_parent(group: int, connection: int, grace: float) -> None:
 
 
 def _signal_group(group: int, number: int) -> None:
-    # macOS refuses, where others do not find, a group that has ended.
+    # For a group that has ended, macOS raises PermissionError, and other systems raise
+    # ProcessLookupError.
     with contextlib.suppress(ProcessLookupError, PermissionError):
         os.killpg(group, number)
 
 
 def _die_by(number: int) -> None:
-    """End by this signal, so that the parent sees the program's status."""
+    """End this process with a signal, so that the parent sees the program's status."""
     import resource
 
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    with contextlib.suppress(OSError):  # SIGKILL has no handler
+    with contextlib.suppress(OSError):  # SIGKILL cannot have a handler
         signal.signal(number, signal.SIG_DFL)
     os.kill(os.getpid(), number)
 

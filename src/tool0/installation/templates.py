@@ -1,4 +1,4 @@
-"""Fills in the templates of package files for one robot: replaces ``@words@``."""
+"""Fills in the templates of package files for one robot by replacing ``@words@``."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ _TEMPLATE: Final = ".in"
 def filled(
     folder: Path, package: PurePosixPath, words: Mapping[str, str]
 ) -> dict[PurePosixPath, str]:
-    """Return the files below ``folder`` by path, with their words replaced.
+    """Return the files below ``folder`` by path, with template words replaced.
 
     Args:
-        folder: The templates.
+        folder: The folder of the templates.
         package: Path of the resulting package.
-        words: Word, such as ``@robot@`` → text.
+        words: Texts that replace the words, by word, such as ``@robot@``.
     """
     files = {}
     for path in sorted(folder.rglob("*")):

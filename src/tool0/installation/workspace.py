@@ -1,8 +1,9 @@
-"""Writes ROS packages into a catkin workspace, and updates them.
+"""Writes ROS packages into a catkin workspace, and updates these packages.
 
 Each file is written completely or not at all, and edited files are kept.  A hidden file
-in each package contains the hashes of the written files, from which a later run detects
-edits.  An interrupted run leaves both the old and the new hash; either is accepted.
+in each package contains the hashes of the written files.  A later run uses the hashes
+to detect edits.  After an interrupted run, the hidden file contains both the old and
+the new hash of a file, and either hash is accepted.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from tool0.errors import ConfigError
 from tool0.user_data import expanded
 
 RECORD_FILE: Final = ".tool0-workspace.json"
-"""Name of the hidden file."""
+"""Name of the hidden file with the hashes."""
 _ABOUT: Final = (
     "Written by `tool0 workspace`: with these hashes it distinguishes the files that "
     "it wrote from edited ones."
@@ -32,19 +33,21 @@ _PROGRAMS: Final = "scripts"
 """Name of the folder of executable files."""
 _Files = Mapping[PurePosixPath, bytes]
 _Hashes = dict[PurePosixPath, frozenset[str]]
-"""Path of a file in its package → SHA-256 of the versions that tool0 has written."""
+"""SHA-256 hashes of the versions of a file that tool0 has written, by the file's path
+in its package."""
 
 
 class FileAction(Enum):
-    """What was done with one file."""
+    """Action that was taken for one file."""
 
     ADD = "new"
     UPDATE = "updated"
     REMOVE = "removed"
     REPLACE = "overwritten"
-    """The file was edited; the edited version is renamed, and the file written."""
+    """The file was edited.  The edited version is renamed, and the new version is
+    written."""
     KEEP = "kept"
-    """The file was edited, and is kept."""
+    """The file was edited, and it is kept."""
     LEAVE = "unchanged"
 
 
@@ -54,16 +57,16 @@ class WorkspaceChanges:
     """The changes that were made in a workspace."""
 
     source: Path
-    """The folder of the packages."""
+    """The folder that contains the packages."""
     packages: tuple[str, ...]
     """Names of the packages."""
     actions: Mapping[Path, FileAction]
-    """File → how it was treated."""
+    """Action that was taken for each file, by path."""
     backups: Mapping[Path, Path]
-    """Overwritten file → backup of its edited version."""
+    """Backup of the edited version of each overwritten file, by path."""
 
     def paths(self, action: FileAction) -> tuple[Path, ...]:
-        """Return the files that were changed in this way."""
+        """Return the files for which ``action`` was taken."""
         return tuple(path for path, what in self.actions.items() if what is action)
 
 
@@ -72,16 +75,16 @@ def write_workspace(
 ) -> WorkspaceChanges:
     """Write packages into the workspace ``folder``.
 
-    Nothing is written before the change of every file is known.
+    Nothing is written until the change of every file is known.
 
     Args:
-        folder: The workspace, created if it does not exist.
-        files: Path, starting with the package's name → content.
-        force: Whether to overwrite edited files, too.
+        folder: The workspace.  The folder is created if it does not exist.
+        files: Contents by path.  Each path starts with the package's name.
+        force: Whether to overwrite edited files.
 
     Raises:
-        ConfigError: If a file cannot be read or written.  Files written so far are
-            complete, and the next call continues.
+        ConfigError: If a file cannot be read or written.  Files that have already been
+            written are complete, and the next call writes the remaining files.
     """
     packages = sorted({path.parts[0] for path in files})
     source = source_folder(folder, packages)
@@ -110,10 +113,10 @@ def write_workspace(
 def _action(
     path: Path, wanted: bytes | None, written: frozenset[str], force: bool
 ) -> FileAction:
-    """Return the action for a file.
+    """Return the action that is necessary for a file.
 
-    ``wanted`` is the new content, or None if the file is no longer part of the package;
-    ``written`` has the hashes of the versions that tool0 may have written.
+    ``wanted`` is the new content, or None if the file is no longer part of the package.
+    ``written`` contains the hashes of the versions that tool0 may have written.
     """
     present = _read(path)
     if present == wanted:
@@ -121,7 +124,7 @@ def _action(
     if present is None:
         return FileAction.ADD
     if path.is_symlink() or _digest(present) not in written:
-        # an edited file that tool0 no longer ships stays, even with force
+        # an edited file that tool0 no longer contains is kept, even with force
         is_replaced = force and wanted is not None
         return FileAction.REPLACE if is_replaced else FileAction.KEEP
     return FileAction.REMOVE if wanted is None else FileAction.UPDATE
@@ -134,11 +137,13 @@ def _write_package(
     actions: Mapping[Path, FileAction],
     backups: dict[Path, Path],
 ) -> None:
-    """Change the files of one package; record the backups of edited files."""
+    """Change the files of one package.
+
+    Add the backups of edited files to ``backups``.
+    """
     after = {path: frozenset({_digest(data)}) for path, data in wanted.items()}
-    for (
-        path
-    ) in after:  # an edited file that tool0 no longer ships is dropped from the list
+    # an edited file that tool0 no longer contains is removed from the record
+    for path in after:
         if actions[package / path] is FileAction.KEEP:
             after[path] |= written.get(path, frozenset())
     meanwhile = {
@@ -167,9 +172,10 @@ def _digest(data: bytes) -> str:
 
 
 def _read_record(package: Path) -> _Hashes:
-    """Return the recorded hashes of a package; empty without a readable record.
+    """Return the recorded hashes of a package, or an empty mapping without a record.
 
-    Without a record, every file that differs from the new content counts as edited.
+    Without a readable record, every file that differs from the new content is treated
+    as edited.
     """
     try:
         text = (package / RECORD_FILE).read_text(encoding="utf-8")
@@ -179,7 +185,7 @@ def _read_record(package: Path) -> _Hashes:
         }
     except (FileNotFoundError, NotADirectoryError):
         return {}
-    except (ValueError, KeyError, AttributeError, TypeError):  # edited
+    except (ValueError, KeyError, AttributeError, TypeError):  # the record was edited
         return {}
 
 
@@ -209,14 +215,15 @@ def _write(path: Path, data: bytes) -> None:
             new.write_bytes(data)
             if path.parent.name == _PROGRAMS:
                 mode = new.stat().st_mode
-                new.chmod(mode | (mode & 0o444) >> 2)  # whoever may read it may run it
+                # every user who may read the file may run it
+                new.chmod(mode | (mode & 0o444) >> 2)
             new.replace(path)
         finally:
             new.unlink(missing_ok=True)
 
 
 def _back_up(path: Path) -> Path:
-    """Rename an edited file to an unused name, and return the new path."""
+    """Rename an edited file to an unused name, and return its new path."""
     numbers = chain([""], count(2))
     paths = (path.with_name(f"{path.name}.orig{number}") for number in numbers)
     backup = next(p for p in paths if not (p.exists() or p.is_symlink()))
@@ -227,7 +234,7 @@ def _back_up(path: Path) -> Path:
 
 @contextmanager
 def _named_failure(verb: str, path: Path) -> Iterator[None]:
-    """Raise ConfigError for an OSError."""
+    """Raise ConfigError in place of an OSError."""
     try:
         yield
     except OSError as error:
@@ -243,12 +250,12 @@ def _named_failure(verb: str, path: Path) -> Iterator[None]:
 def source_folder(folder: Path, packages: Collection[str] = ()) -> Path:
     """Return the folder for ``packages`` in the workspace ``folder``.
 
-    The result is ``src`` in a workspace, or in an empty or new folder.  It is
-    ``folder`` itself if that is called ``src``, contains packages, or was initialised
-    by catkin_init_workspace.
+    The result is ``src`` if ``folder`` is a workspace, empty or new.  The result is
+    ``folder`` itself if ``folder`` is named ``src``, contains packages, or was
+    initialized by catkin_init_workspace.
 
     Raises:
-        ConfigError: If packages cannot be put there.
+        ConfigError: If packages cannot be written to the folder.
     """
     folder = expanded(folder).absolute()
     _refuse_files(folder)
@@ -268,7 +275,7 @@ def source_folder(folder: Path, packages: Collection[str] = ()) -> Path:
 def _holds_packages(folder: Path) -> bool:
     if folder.name == "src":
         return True
-    # catkin's top-level CMakeLists.txt is a link to where catkin is installed
+    # catkin's top-level CMakeLists.txt is a link to a file in catkin's folder
     has_toplevel = (folder / "CMakeLists.txt").is_symlink()
     return has_toplevel or any(folder.glob("*/package.xml"))
 

@@ -1,1 +1,1 @@
-"""Finds faults in launch files, robots, controllers and packages before they run."""
+"""Finds faults in launch files, robots, controllers and packages before their use."""

@@ -37,20 +37,21 @@ P = ParamSpec("P")
 
 _WORD = re.compile(r"[\w.-]+")
 _Expansion = tuple[Path, tuple[tuple[str, str], ...]]
-"""A file, and the arguments that it is read with."""
+"""A file, and the arguments with which it is read."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class CheckReport:
-    """Findings of one run, and the checked files."""
+    """Findings of one run, and the files that were checked."""
 
     findings: tuple[Finding, ...]
     """The findings, sorted by file and line."""
     files: tuple[Path, ...]
-    """The checked files."""
+    """The files that were checked."""
     notes: tuple[str, ...]
-    """Checks that were not possible, with the reasons; the files are not at fault."""
+    """Notes on checks that were not possible, with the reasons.  The notes are not
+    findings, because the files are not faulty."""
 
     @property
     def n_errors(self) -> int:
@@ -67,11 +68,11 @@ def check(paths: File | Iterable[File]) -> CheckReport:
     """Check files and folders, with time and memory limits for each file.
 
     Args:
-        paths: URDF, xacro, YAML and launch files, packages, or folders that contain
-            them; one path or several.
+        paths: One path or several paths.  Each path is a URDF, xacro, YAML or launch
+            file, a package, or a folder that contains such files.
 
     Raises:
-        ConfigError: If a path does not exist or is of an unsupported kind.
+        ConfigError: If a path does not exist, or if its kind is not supported.
     """
     several = (paths,) if isinstance(paths, str | Path) else paths
     return _Check([Path(path) for path in several]).report()
@@ -79,7 +80,7 @@ def check(paths: File | Iterable[File]) -> CheckReport:
 
 @final
 class _Check:
-    """One run, with the findings so far and the files that other files load."""
+    """One run, which stores the findings and the files that other files load."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self._sources = collect(paths)
@@ -97,7 +98,7 @@ class _Check:
         self._robots: dict[_Expansion, ParsedRobot | None] = {}
 
     def report(self) -> CheckReport:
-        """Check everything, starting with files that load others."""
+        """Check all files, starting with files that load other files."""
         self._launch_files()
         self._xacro_files()
         self._urdf_files()
@@ -125,7 +126,7 @@ class _Check:
 
     def _launch_file(self, path: Path, read: ParsedLaunch) -> None:
         own = {source.path.resolve() for source in self._sources.files}
-        self._findings += [  # except those in files of other packages
+        self._findings += [  # without findings in files of other packages
             finding
             for finding in read.findings
             if finding.location.file is None or finding.location.file.resolve() in own
@@ -152,7 +153,7 @@ class _Check:
                 self._xacro_robot(path, answer)
 
     def _xacro_robot(self, path: Path, answer: XacroSource) -> None:
-        """Check the robot of a file that no other file loads."""
+        """Check the robot in a file that no other file loads."""
         read = self._read_robot(path, {})
         if read is not None and read.facts is None and answer.needs:
             needs = ", ".join(answer.needs)
@@ -160,7 +161,8 @@ class _Check:
                 f"{path}: not expanded, since nothing here gives it {needs}"
             )
         elif read is not None and (read.facts is None or read.facts.links):
-            self._findings += read.findings  # without a link, it is a part of a robot
+            # without a link, the file contains only a part of a robot
+            self._findings += read.findings
 
     def _urdf_files(self) -> None:
         for source in self._sources.of(FileKind.URDF):
@@ -186,7 +188,7 @@ class _Check:
     def _rules_of_yaml(
         self, source: Source, text: str
     ) -> Callable[[], Sequence[Finding]]:
-        """Return a function that checks a YAML file which no launch file loads."""
+        """Return a function that checks a YAML file that no launch file loads."""
         yaml = YamlText(text, SourceLocation(source.path, 1))
         if not yaml.is_about_controllers:
             if source.was_named:
@@ -197,10 +199,11 @@ class _Check:
         return lambda: tuple(rules((yaml,), robot, self._packages))
 
     def _robot_of(self, yaml: Source, text: YamlText) -> RobotFacts | None:
-        """Return the robot for a YAML that no launch file loads, if exactly one fits.
+        """Return the robot for a YAML file, if exactly one robot fits the file.
 
-        A robot fits if it was named together with the YAML, or lies in the same package
-        or folder, and has a joint that the YAML names.
+        A robot fits a YAML file under two conditions.  The user named the robot's file
+        and the YAML file, or the two files are in the same package or folder.  The
+        robot also has a joint that the YAML file names.
         """
         named = {s.path.resolve() for s in self._sources.files if s.was_named}
         home, words = self._home(yaml.path), set(_WORD.findall(text.text))
@@ -228,7 +231,7 @@ class _Check:
     def _read_all(
         self, kind: FileKind, reader: Callable[[Path, Packages], R]
     ) -> dict[Path, R]:
-        """Return the results of ``reader`` for the files that it can read."""
+        """Return the results of ``reader`` for the files that ``reader`` can read."""
         return self._try_each(
             {
                 source.path: partial(reader, source.path, self._packages)
@@ -243,7 +246,7 @@ class _Check:
         *,
         spawned: bool | None = None,
     ) -> ParsedRobot | None:
-        """Return the robot of a file; each set of arguments is read only once."""
+        """Return the robot in a file.  Each set of arguments is read only once."""
         self._loaded.add(file.resolve())
         key = (file.resolve(), tuple(sorted((args or {}).items())))
         if key not in self._robots:
@@ -259,7 +262,10 @@ class _Check:
         *arguments: P.args,
         **keywords: P.kwargs,
     ) -> R | None:
-        """Return the result of ``work``; if it fails, add a finding and return None."""
+        """Return the result of ``work``.
+
+        If ``work`` fails, add a finding and return None.
+        """
         outcome = _limited(lambda: work(*arguments, **keywords))
         if isinstance(outcome, Exception):
             self._findings.append(finding_of(outcome, "unreadable", file))
@@ -267,11 +273,11 @@ class _Check:
         return outcome
 
     def _try_each(self, works: Mapping[Path, Callable[[], R]]) -> dict[Path, R]:
-        """Return the results of work on files; add a finding wherever work fails.
+        """Return the results of functions, by file.  Add a finding for each failure.
 
-        One process does all of the work, since starting a process takes longer than
-        checking most files.  If that process exceeds a limit, each file gets its own
-        process.
+        A single process does all of the work, because starting a process takes longer
+        than checking most files.  If that process exceeds a limit, a separate process
+        is started for each file.
         """
         outcomes: Mapping[Path, R | Exception]
         try:
@@ -293,7 +299,7 @@ class _Check:
         *arguments: P.args,
         **keywords: P.kwargs,
     ) -> None:
-        """Add the findings of ``rules`` in ``file``."""
+        """Add the findings that ``rules`` returns for ``file``."""
 
         def found() -> list[Finding]:
             return list(rules(*arguments, **keywords))
@@ -302,7 +308,7 @@ class _Check:
 
 
 def _limited(work: Callable[[], R]) -> R | Exception:
-    """Return the result of ``work`` in a process with limits, or why it failed."""
+    """Return the result of ``work`` in a process with limits, or the error."""
     try:
         return run_limited(_outcome, work)
     except ResourceLimitError as error:
@@ -325,10 +331,10 @@ def _outcomes(works: Mapping[Path, Callable[[], R]]) -> dict[Path, R | Exception
 def _yaml_alone(
     yamls: Iterable[YamlText], robot: RobotFacts | None, packages: Packages
 ) -> Iterator[Finding]:
-    """Yield the findings of a YAML that no launch file loads and that nobody named.
+    """Yield the findings of YAML files that are neither named nor loaded.
 
-    Interface mismatches are left out, since the robot may offer other interfaces with
-    other arguments.
+    Interface mismatches are omitted, because the robot may offer other interfaces if it
+    gets other arguments.
     """
     for finding in yaml_findings(yamls, robot, packages):
         if finding.rule != "interface-mismatch":
@@ -336,10 +342,10 @@ def _yaml_alone(
 
 
 def _identity(finding: Finding) -> tuple[object, ...]:
-    """Return a key that is equal for two findings of the same fault.
+    """Return a key that is equal for any two findings of the same fault.
 
-    A macro's source and its expansion contain the same typo under two keys.  A missing
-    package is reported once for each file.
+    If a macro contains a typo, the findings in the macro's source and in its expansion
+    have different keys.  A missing package is reported once for each file.
     """
     if finding.rule in MISSING_PACKAGE:
         return finding.location.file, finding.rule, finding.key

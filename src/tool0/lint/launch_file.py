@@ -1,4 +1,4 @@
-"""One launch file with everything that it loads: robots, parameters, controllers."""
+"""Checks a launch file, and the robots, parameters and controllers that it loads."""
 
 from __future__ import annotations
 
@@ -42,31 +42,32 @@ _ROSPARAM = re.compile(r"""<rosparam\b[^<>]*\bfile=["']([^"'<>]+)["'][^<>]*>""")
 @final
 @dataclass(frozen=True, slots=True)
 class ParsedLaunch:
-    """The readable content of a launch file."""
+    """The readable parts of a launch file."""
 
     findings: tuple[Finding, ...]
     robots: tuple[tuple[Path, Mapping[str, str] | None], ...] = ()
-    """Robot files, with the arguments of xacro; None for URDF."""
+    """Robot files, each with the arguments of xacro, or with None if the file is
+    URDF."""
     yamls: tuple[YamlText, ...] = ()
     included: tuple[Path, ...] = ()
     spawns: bool = False
     """Whether the robot is spawned in Gazebo."""
     launch: LaunchFile | None = field(default=None, repr=False)
     has_unread_yaml: bool = False
-    """Whether the file loads YAML that could not be read, such as that of other
-    packages."""
+    """Whether the file loads YAML that could not be read, for example YAML of another
+    package."""
     notes: tuple[str, ...] = ()
-    """Parts of the file that could not be analysed."""
+    """Parts of the file that could not be analyzed."""
 
 
 def read_launch_file(file: Path, packages: Packages) -> ParsedLaunch:
-    """Return the robot and parameters that a launch file loads, with the findings."""
+    """Return the robots and parameters that a launch file loads, and the findings."""
     if is_xml_of_ros2(file):
         note = f"{file}: launch files of ROS 2 in XML are not read"
         return ParsedLaunch(findings=(), notes=(note,))
     launch = read_launch(file, {}, PackageIndex(packages))
     yamls: list[YamlText] = []
-    values: list[YamlText] = []  # of single parameters: need not be mappings
+    values: list[YamlText] = []  # YAML of single parameters, which need not be mappings
     for rosparam in launch.rosparams():
         if rosparam.command == "load" and rosparam.yaml is not None:
             text = rosparam.yaml.resolved or rosparam.yaml.raw
@@ -101,7 +102,7 @@ def read_launch_file(file: Path, packages: Packages) -> ParsedLaunch:
 
 
 def _required(launch: LaunchFile) -> Iterator[str]:
-    """Yield notes about the arguments that a launch file requires."""
+    """Yield notes on the arguments that a launch file requires."""
     for argument in launch.arguments:
         if argument.origin == "missing":
             yield (
@@ -113,7 +114,7 @@ def _required(launch: LaunchFile) -> Iterator[str]:
 def control_findings(
     read: ParsedLaunch, robot: RobotFacts | None, packages: Packages
 ) -> Iterator[Finding]:
-    """Yield mismatches between a launch file's controllers, YAML and robot."""
+    """Yield mismatches between the controllers, YAML and robot of a launch file."""
     yamls = [*read.yamls, *_plugin_files(read, robot)]
     wanted = list(spawn_requests(read.launch)) if read.launch is not None else []
     started = {request.name for request in wanted if request.is_started}
@@ -125,17 +126,20 @@ def control_findings(
         try:
             tree.load(yaml.text, yaml.location)
         except ConfigError:
-            return  # its content is unknown, which was reported
+            return  # the content of the YAML is unknown, which has been reported
     config = ControllerConfig(tree)
     files = dict.fromkeys(str(yaml.location.file) for yaml in yamls)
     if (
         config.names and not read.has_unread_yaml
-    ):  # else another launch file has the manager
+    ):  # otherwise, another launch file contains the manager
         yield from spawn_findings(wanted, config, list(files))
 
 
 def is_xml_of_ros2(file: Path) -> bool:
-    """Whether an XML launch file is for ROS 2, judged by words that ROS 1 lacks."""
+    """Return whether an XML launch file is for ROS 2.
+
+    The file is for ROS 2 if it contains words that ROS 1 does not use.
+    """
     if file.suffix == ".py":
         return False
     with suppress(DescriptionError):
@@ -145,7 +149,10 @@ def is_xml_of_ros2(file: Path) -> bool:
 
 
 def _parameter_file(node: Node, file: Path) -> YamlText:
-    """Return the YAML that a spawner passes to its controllers; empty if unreadable."""
+    """Return the YAML that a spawner passes to its controllers.
+
+    The text is empty if the file cannot be read.
+    """
     with suppress(DescriptionError, UnicodeDecodeError):
         text = read_limited(file).decode("utf-8")
         return YamlText(text, SourceLocation(file, 1))
@@ -153,7 +160,7 @@ def _parameter_file(node: Node, file: Path) -> YamlText:
 
 
 def _plugin_files(read: ParsedLaunch, robot: RobotFacts | None) -> Iterator[YamlText]:
-    """Yield the YAML files that the robot's ros2_control plugins name."""
+    """Yield the YAML files that the robot's ros2_control plugins load."""
     loaded = {yaml.location.file for yaml in read.yamls}
     for plugin in () if robot is None else robot.plugins:
         for at, name in plugin.parameters if plugin.is_control_of_ros2 else ():
@@ -168,7 +175,7 @@ def _robots(launch: LaunchFile) -> Iterator[tuple[Path, Mapping[str, str] | None
     for parameter in launch.parameters():
         call = xacro_call(parameter)
         if call is not None and call.file is not None:
-            if is_file(call.file):  # else reported there
+            if is_file(call.file):  # otherwise, the call has a finding
                 yield call.file, call.args
         elif parameter.source == "textfile" and parameter.content.resolved:
             path = Path(parameter.content.resolved)
@@ -177,7 +184,7 @@ def _robots(launch: LaunchFile) -> Iterator[tuple[Path, Mapping[str, str] | None
 
 
 def _commented_out(launch: LaunchFile, yamls: list[YamlText]) -> Iterator[Finding]:
-    """Yield a finding for each YAML whose only <rosparam> is commented out."""
+    """Yield a finding for each YAML file whose only <rosparam> is commented out."""
     loaded = {yaml.location.file.name for yaml in yamls if yaml.location.file}
     commented = (
         item for child in launch.files() for item in commented_rosparams(child.file)
@@ -195,14 +202,15 @@ def _commented_out(launch: LaunchFile, yamls: list[YamlText]) -> Iterator[Findin
 
 
 def commented_rosparams(launch_file: Path) -> Iterator[tuple[SourceLocation, str]]:
-    """Yield the place and file of each ``<rosparam file="…">`` in XML comments."""
+    """Yield the location and file of each ``<rosparam file="…">`` in XML comments."""
     comments: list[tuple[int, str]] = []
     parser = expat.ParserCreate()
     parser.CommentHandler = lambda data: comments.append(
         (parser.CurrentLineNumber, data)
     )
     with suppress(DescriptionError, expat.ExpatError, LookupError, ValueError):
-        parser.Parse(read_limited(launch_file), True)  # up to the first mistake
+        # the file is parsed up to its first syntax error
+        parser.Parse(read_limited(launch_file), True)
     for first_line, comment in comments:
         for match in _ROSPARAM.finditer(comment):
             line = first_line + comment.count("\n", 0, match.start())

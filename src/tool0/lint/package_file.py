@@ -1,4 +1,4 @@
-"""A package.xml, the packages that files use, and packages missing on this machine."""
+"""Checks a package.xml, the packages that files use, and missing packages."""
 
 from __future__ import annotations
 
@@ -21,14 +21,15 @@ _USES = re.compile(r"\$\(find +([\w-]+) *\)|package://([\w-]+)/")
 _CHOICES = ("xacro:if", "xacro:unless")
 _GAZEBO_PLUGIN = "libgazebo_ros_control.so"
 _MOST = 4
-"""Packages by name, each with the place of its use."""
+"""Largest number of undeclared packages that a finding lists with the place of their
+use."""
 MISSING_PACKAGE = ("unresolved-find", "unknown-package", "missing-package")
 _MEANT = re.compile(r"did you mean '([\w-]+)'")
 _NO_PACKAGE = re.compile(r"there is no ROS package '([\w-]+)'")
 
 
 def declared_dependencies(package: Path) -> frozenset[str]:
-    """Return the dependencies that the package in a folder declares."""
+    """Return the dependencies that the package.xml in a folder declares."""
     try:
         root = Tag(parse_file(package / "package.xml").documentElement)
     except DescriptionError:
@@ -43,7 +44,7 @@ def _dependencies(root: Tag) -> frozenset[str]:
 def package_findings(
     file: Path, sources: Iterable[Source], given: Packages
 ) -> Iterator[Finding]:
-    """Yield the faults of a package.xml, given the checked files."""
+    """Yield the faults of a package.xml, based on the checked files."""
     try:
         root = Tag(parse_file(file).documentElement)
     except DescriptionError as error:
@@ -91,7 +92,7 @@ def _inside(folder: Path, where: SourceLocation) -> SourceLocation:
 
 
 def _reached(declared: Iterable[str], packages: PackageIndex) -> set[str]:
-    """Return the declared packages, and the packages that these declare, if known."""
+    """Return the declared packages and, if known, the packages that they declare."""
     found: set[str] = set()
     waiting = list(declared)
     while waiting:
@@ -104,7 +105,7 @@ def _reached(declared: Iterable[str], packages: PackageIndex) -> set[str]:
 
 
 def _used(folder: Path, sources: Iterable[Source]) -> dict[str, SourceLocation]:
-    """Return the packages that files below a folder use, with the first use of each."""
+    """Return the packages that files in a folder use, with the place of first use."""
     found: dict[str, SourceLocation] = {}
     for source in sources:
         if source.kind not in (FileKind.LAUNCH, FileKind.XACRO, FileKind.URDF):
@@ -113,19 +114,19 @@ def _used(folder: Path, sources: Iterable[Source]) -> dict[str, SourceLocation]:
             try:
                 root = Tag(parse_file(source.path).documentElement)
             except DescriptionError:
-                continue  # reported where the file is checked
+                continue  # the error is reported where the file is checked
             for name, where in _uses(root):
                 found.setdefault(name, where)
     return found
 
 
 def _uses(root: Tag) -> Iterator[tuple[str, SourceLocation]]:
-    """Yield the packages that a file uses regardless of its arguments."""
+    """Yield the packages that a file uses, whatever its arguments are."""
     waiting = [root]
     while waiting:
         tag = waiting.pop()
         if tag.tag in _CHOICES:
-            continue  # may be meant only for machines with that package
+            continue  # may be only for machines that have the package
         waiting += reversed(list(tag.children()))
         texts = [*(value for _, value in tag.attributes), tag.text]
         for match in _USES.finditer("\n".join(texts)):
@@ -138,12 +139,12 @@ def _uses(root: Tag) -> Iterator[tuple[str, SourceLocation]]:
 
 
 def judge_missing_package(finding: Finding) -> Finding | str:
-    """Return the finding with its proper severity, or a note instead.
+    """Return the finding with its correct severity, or a note instead.
 
-    A package that is missing on this machine is not the fault of a file in a package;
-    if the file's package.xml does not name it, there is a separate finding.  For a file
-    outside any package, the finding is a warning.  A name that may be a misspelling is
-    an error.
+    If a package is missing on this machine, a file in a package is not at fault, and
+    the result is a note.  A separate finding reports a package that the file's
+    package.xml does not name.  If the file is in no package, the finding is a warning.
+    If the package's name may be a misspelling, the finding is an error.
     """
     lacking, file = _missing_package(finding), finding.location.file
     if lacking is None or file is None:
@@ -160,7 +161,7 @@ def judge_missing_package(finding: Finding) -> Finding | str:
 
 
 def _missing_package(finding: Finding) -> str | None:
-    """Return the package that the finding reports as missing, if there is one."""
+    """Return the package that the finding reports as missing, if any."""
     if finding.rule in MISSING_PACKAGE:
         return finding.key
     match = _NO_PACKAGE.search(finding.message)

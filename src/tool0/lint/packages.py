@@ -1,4 +1,4 @@
-"""Finds ROS packages: given ones, those shipped with tool0, and those of ROS."""
+"""Finds ROS packages: given packages, packages of tool0, and packages of ROS."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from tool0.description.packages import (
 from tool0.errors import DescriptionError, SourceLocation, is_typo, nearest_name
 
 _STANDARD = {"xacro": Path("/opt/ros/noetic/share/xacro")}
-"""Packages that are accepted without ROS, since tool0 implements their programs
-itself."""
+"""Packages that are accepted without ROS, because tool0 implements their programs."""
 _NAME = re.compile(r"[A-Za-z][\w-]{0,99}")
 _MAX_FILES = 500
 _MAX_SEARCHES = 200
-"""Largest number of missing packages, each of which costs a walk through
+"""Largest number of missing packages that are searched for.  Each search goes through
 ROS_PACKAGE_PATH."""
 
 
 Packages: TypeAlias = Mapping[str, Path]
-"""Name → folder of packages that take precedence, such as those of the workspace."""
+"""Folders of the packages that take precedence, such as packages of the workspace, by
+name."""
 
 
 @cache
@@ -40,7 +40,7 @@ def _bundled_names() -> frozenset[str]:
 
 @final
 class PackageIndex:
-    """Finds packages by name; searches for each only once."""
+    """Finds packages by name.  Each package is searched for only once."""
 
     def __init__(self, given: Packages | None = None) -> None:
         self._given = dict(given or {})
@@ -49,16 +49,16 @@ class PackageIndex:
 
     @property
     def has_ros(self) -> bool:
-        """Whether ROS is installed; otherwise a missing package means nothing."""
+        """Whether ROS is installed.  Without ROS, a missing package is not a fault."""
         return self.get("roslaunch") is not None
 
     def get(self, name: str) -> Path | None:
-        """Return the folder of a package, or None if there is none."""
+        """Return the folder of a package; None if the package is not found."""
         found = self._search(name)
         return found if isinstance(found, Path) else None
 
     def find(self, name: str) -> Path:
-        """Return the folder of a package, or the folder where ROS would put it.
+        """Return the folder of a package, or the folder in which ROS installs it.
 
         Raises:
             DescriptionError: If the package is not found.
@@ -81,14 +81,14 @@ class PackageIndex:
         return self._found[name]
 
     def nearest(self, name: str) -> str | None:
-        """Return the given or shipped package of which a name may be a misspelling."""
+        """Return a given or bundled package whose name may be misspelled, if any."""
         near = nearest_name(name, _bundled_names().union(self._given), cutoff=0.85)
         # ur_description is not a misspelling of pr2_description
         is_meant = is_typo(name, near) and near is not None and near[0] == name[0]
         return near if is_meant else None
 
     def unknown(self, name: str, user: str, location: SourceLocation) -> Finding:
-        """Return the finding that ``user`` needs a package which does not exist."""
+        """Return the finding that ``user`` needs a package that does not exist."""
         near = self.nearest(name)
         is_name = _NAME.fullmatch(name) is not None
         message = f"{user} names no package: '{short(name)}' is not a valid name"
@@ -111,12 +111,12 @@ class PackageIndex:
         )
 
     def package_of(self, file: Path) -> str | None:
-        """Return the name of the package that a file lies in; None if there is none."""
+        """Return the package name of a file; None if the file is in no package."""
         around = self.around(file)
         return None if around is None else around[0]
 
     def around(self, file: Path) -> tuple[str, Path] | None:
-        """Return the name and folder of the package that a file lies in."""
+        """Return the name and folder of the package that contains a file, or None."""
         folder = file.parent
         if folder not in self._around:
             candidates = (folder, *folder.parents)
@@ -127,14 +127,14 @@ class PackageIndex:
         return self._around[folder]
 
     def folders(self) -> dict[str, Path]:
-        """Return the packages that were found so far, by name."""
+        """Return the folders of all packages that have been found, by name."""
         folders = dict(p for p in self._around.values() if p is not None)
         found = {n: f for n, f in self._found.items() if isinstance(f, Path)}
         return {**folders, **found}
 
 
 def nearest_file(path: Path) -> str | None:
-    """Return the name in the folder of ``path`` that is most similar to it, or None."""
+    """Return the file name in the folder of ``path`` that is most similar, or None."""
     try:
         with os.scandir(path.parent) as entries:
             names = [entry.name for _, entry in zip(range(_MAX_FILES), entries)]  # noqa: B905  # stops at the shorter

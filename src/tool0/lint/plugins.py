@@ -1,4 +1,4 @@
-"""Controllers that packages export as pluginlib plugins."""
+"""Finds controllers that packages export as pluginlib plugins."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ _LARGEST = 1_000_000
 
 @final
 class PluginIndex:
-    """Types of plugins in a workspace and in the packages of ROS_PACKAGE_PATH."""
+    """Plugin types in a workspace and in the packages of ROS_PACKAGE_PATH."""
 
     def __init__(self, packages: Packages = _NONE) -> None:
-        """Store the packages of the workspace; their files are read on demand."""
+        """Store the packages of the workspace.  No file is read yet."""
         self._folders = tuple(packages.values())
 
     def __contains__(self, type_name: str) -> bool:
@@ -47,9 +47,10 @@ def _installed() -> Iterator[Path]:
 
 @cache
 def _exported_by(package: Path) -> frozenset[str]:
-    """Return the names of the plugins that a package describes.
+    """Return the names of the plugins that a package exports.
 
-    ROS 1 refers to the description in package.xml, ROS 2 in CMakeLists.txt.
+    The plugin description is named in package.xml in ROS 1, and in CMakeLists.txt in
+    ROS 2.
     """
     manifest, cmake = _text(package / "package.xml"), _text(package / "CMakeLists.txt")
     files = {*_IN_MANIFEST.findall(manifest), *_IN_CMAKE.findall(cmake)}
@@ -60,7 +61,8 @@ def _exported_by(package: Path) -> frozenset[str]:
 
 def _described(xml: str) -> Iterator[str]:
     for match in _CLASS.finditer(_COMMENT.sub("", xml)):
-        for attribute in ("name", "type"):  # without a name, it is found by its class
+        # a plugin without a name is found by its class
+        for attribute in ("name", "type"):
             found = re.search(rf"""\b{attribute}\s*=\s*["']([^"']+)["']""", match[1])
             if found is not None:
                 yield found[1]

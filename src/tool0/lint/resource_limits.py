@@ -1,6 +1,7 @@
-"""Runs a function in a child process with limits on time and memory.
+"""Runs a function in a child process with time and memory limits.
 
-A user's xacro file is a program, and ten lines of YAML can contain a billion values.
+The limits are necessary because a user's xacro file is a program, and because ten lines
+of YAML can contain a billion values.
 """
 
 from __future__ import annotations
@@ -19,13 +20,15 @@ R = TypeVar("R")
 P = ParamSpec("P")
 
 TIMEOUT = 10.0
-"""Time limit of a function [wall s]; the largest robots take a tenth of this."""
+"""Time limit of a function [wall s].  Checking the largest robots takes a tenth of this
+time."""
 MEMORY = 2 << 30
-"""Memory limit, in addition to the memory of this process [bytes]."""
+"""Memory limit of the child process, in addition to the memory of this process
+[bytes]."""
 
 
 class ResourceLimitError(Tool0Error):
-    """Raised if the work was abandoned; the message has the reason."""
+    """Raised if the work was aborted.  The message contains the reason."""
 
 
 def run_limited(
@@ -36,9 +39,8 @@ def run_limited(
     """Return the result of ``work``, which must be picklable.
 
     Raises:
-        ResourceLimitError: If ``work`` takes too long, uses too much memory, or
-            crashes.
-        Exception: Any exception that ``work`` itself raises.
+        ResourceLimitError: If ``work`` takes too long, uses too much memory or crashes.
+        Exception: If ``work`` raises an exception.  The same exception is raised.
     """
     try:
         return call_in_child(

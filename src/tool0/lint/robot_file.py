@@ -1,4 +1,4 @@
-"""All rules for one robot, expanded from xacro or not, and for one xacro file."""
+"""Applies all rules to one robot, and to one xacro file before its expansion."""
 
 from __future__ import annotations
 
@@ -48,14 +48,14 @@ _XACRO_RULES = (
 )
 _USED = re.compile(r"\$\(arg +(\w+) *\)")
 _MOST = 50
-"""Largest number of findings reported for one subject; fix these and check again for
-more."""
+"""Largest number of findings that are reported for one subject.  After these findings
+have been fixed, another check reports more findings."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ParsedRobot:
-    """A robot, as far as it could be read."""
+    """The readable parts of a robot, and the findings about it."""
 
     facts: RobotFacts | None
     findings: tuple[Finding, ...]
@@ -64,15 +64,16 @@ class ParsedRobot:
 @final
 @dataclass(frozen=True, slots=True)
 class XacroSource:
-    """A xacro file as written."""
+    """The content of a xacro file before its expansion."""
 
     findings: tuple[Finding, ...]
     makes_a_robot: bool
-    """Whether the file creates elements itself, rather than only defining macros."""
+    """Whether the file creates elements, rather than only defining macros."""
     includes: tuple[Path, ...]
-    """Absolute paths of the files that it includes regardless of its arguments."""
+    """Absolute paths of the files that the file includes, whatever its arguments
+    are."""
     needs: tuple[str, ...]
-    """Arguments that have no default, or an empty one, at the point where they are
+    """Arguments that have no default value, or an empty default value, where they are
     used."""
 
 
@@ -83,7 +84,7 @@ def read_robot(
     *,
     spawned: bool | None = None,
 ) -> ParsedRobot:
-    """Return the robot in a file, and the findings about it.
+    """Return the robot in a file, and the findings about the robot.
 
     Args:
         file: A URDF or xacro file.
@@ -106,7 +107,8 @@ def read_robot(
             name = "nothing" if root is None else f"<{root.tagName}>"
             wrong = Tool0Error(f"begins with {name}, and no <robot>")
             return ParsedRobot(None, (finding_of(wrong, "no-robot", file),))
-        if file.name.endswith(".srdf.xacro"):  # groups of joints, and no robot
+        # a .srdf.xacro file contains groups of joints, and no robot
+        if file.name.endswith(".srdf.xacro"):
             return ParsedRobot(None, ())
         findings = (
             *_unused(file, args or (), known),
@@ -115,7 +117,9 @@ def read_robot(
         facts = facts_of(Tag(root))
         if any(finding.severity == "error" for finding in findings):
             return ParsedRobot(facts, findings)
-        try:  # other faults keep tool0 from simulating it, even if ROS accepts it
+        # because of other faults, tool0 may be unable to simulate a robot that ROS
+        # accepts
+        try:
             read_model(document)
         except Tool0Error as error:
             found = finding_of(error, "no-model", file)
@@ -125,7 +129,10 @@ def read_robot(
 
 
 def _unused(file: Path, given: Iterable[str], known: set[str]) -> Iterator[Finding]:
-    """Yield the given arguments that xacro ignores; a typo is an error."""
+    """Yield the given arguments that xacro ignores.
+
+    A misspelled argument is an error.
+    """
     where = SourceLocation(file)
     for name in sorted(set(given) - known):
         near = nearest_name(name, known)
@@ -184,13 +191,16 @@ def robot_findings(
 def xacro_findings(
     root: LocatedElement, packages: Packages = _NONE
 ) -> Iterator[Finding]:
-    """Yield the findings in a xacro file as written, before expansion."""
+    """Yield the findings in a xacro file before its expansion."""
     for rules in _XACRO_RULES:
         yield from _at_most(rules(Tag(root), PackageIndex(packages)))
 
 
 def _at_most(findings: Iterator[Finding]) -> Iterator[Finding]:
-    """Yield at most ``_MOST`` findings, and one more that says there are others."""
+    """Yield at most ``_MOST`` findings.
+
+    If there are more findings, add a finding that reports them.
+    """
     for count, finding in enumerate(findings, 1):
         if count > _MOST:
             message = f"and more such as this: {finding.message}"

@@ -1,4 +1,4 @@
-"""The files to check below the given paths, and the kind of each file."""
+"""Finds the files to check below the given paths, and the kind of each file."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from tool0.description.packages import package_name
 from tool0.errors import ConfigError, SourceLocation
 
 LARGEST = 5_000_000
-"""Size of the largest file that is read [bytes]; descriptions have a hundredth of
-it."""
+"""Size of the largest file that is read [bytes].  Typical descriptions have a hundredth
+of this size."""
 _NOT_SOURCES = ("build", "devel", "install", "log", "logs", "node_modules")
 _IGNORED = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 _LAUNCHES = "def generate_launch_description("
@@ -41,26 +41,26 @@ class Source:
     path: Path
     kind: FileKind
     was_named: bool
-    """Whether the user named the file itself, rather than a folder above it."""
+    """Whether the user named the file explicitly, and not only a folder above it."""
 
 
 @final
 @dataclass(slots=True)
 class Sources:
-    """All files to check, and the packages that they belong to."""
+    """All files to check, and the packages that contain them."""
 
     files: list[Source] = field(default_factory=list)
     packages: dict[str, Path] = field(default_factory=dict)
-    """Name → folder of the packages below the named folders."""
+    """Folder of each package below the named folders, by package name."""
     skipped: list[tuple[Path, str]] = field(default_factory=list)
-    """Files that were not read, with the reasons."""
+    """Files that were not read, each with the reason."""
 
     def of(self, *kinds: FileKind) -> Iterator[Source]:
         return (source for source in self.files if source.kind in kinds)
 
 
 def collect(paths: Iterable[Path]) -> Sources:
-    """Return the sources in ``paths``, which are files or folders.
+    """Return the sources in ``paths``, which may be files or folders.
 
     Raises:
         ConfigError: If a path does not exist, or if a named file cannot be read or is
@@ -119,7 +119,7 @@ def read_text(file: Path) -> str:
     """Return the text of a file.
 
     Raises:
-        ConfigError: If the file is not UTF-8.
+        ConfigError: If the file is not encoded in UTF-8.
     """
     raw = file.read_bytes()
     try:
@@ -133,13 +133,16 @@ def read_text(file: Path) -> str:
 
 
 def finding_of(error: Exception, rule: str, file: Path) -> Finding:
-    """Return an error as a finding at its own location, or about the whole file."""
+    """Return an error as a finding, at the error's location or for the whole file."""
     location: SourceLocation = getattr(error, "location", None) or SourceLocation(file)
     return error_at(location, rule, "", getattr(error, "message", str(error)))
 
 
 def kind_of(file: Path) -> FileKind | None:
-    """Return the kind of a file, from its name and, for XML, its outermost element."""
+    """Return the kind of a file; None if it is of no known kind.
+
+    The kind depends on the name of the file and, for XML, on its outermost element.
+    """
     name, suffix = file.name, file.suffix.lower()
     if name == "package.xml":
         return FileKind.PACKAGE
@@ -149,7 +152,7 @@ def kind_of(file: Path) -> FileKind | None:
         return FileKind.XACRO
     if suffix in (".launch", ".test") or name.endswith(".launch.py"):
         return FileKind.LAUNCH
-    if name.endswith("_launch.py"):  # also a usual name in ROS 2
+    if name.endswith("_launch.py"):  # this ending is also common in ROS 2
         text = file.read_text(encoding="utf-8", errors="replace")
         return FileKind.LAUNCH if _LAUNCHES in text else None
     if suffix not in (".xml", ".urdf"):

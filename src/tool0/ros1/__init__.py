@@ -1,1 +1,1 @@
-"""ROS 1: the interfaces of ros_control and gazebo_ros for one running robot."""
+"""The ROS 1 interfaces of ros_control and gazebo_ros for one running robot."""

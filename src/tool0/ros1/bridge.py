@@ -1,6 +1,7 @@
-"""The complete ROS 1 interface of a running robot.
+"""The ROS 1 interface of a running robot.
 
-The modules that are imported late need ROS; this module and ``options`` do not.
+This module and ``options`` do not need ROS.  The modules that are imported inside
+functions need ROS.
 """
 
 from __future__ import annotations
@@ -25,17 +26,17 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 _MASTER_PERIOD = 1.0
-"""Period of checks of the master [wall s]."""
+"""Interval between two checks of the master [wall s]."""
 _SNAPSHOT_TIMEOUT = 0.2
-"""Longest wait for a snapshot before the next check whether to end [wall s]."""
+"""Longest wait for a snapshot before the thread checks whether it must end [wall s]."""
 
 
 @final
 class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
-    """Context manager that presents one robot as ros_control and gazebo_ros do.
+    """Context manager that presents one robot like ros_control and gazebo_ros do.
 
-    A process can have only one bridge in its lifetime, since rospy allows only one
-    node.
+    A process can have only one bridge in its lifetime, because rospy allows only one
+    node in a process.
     """
 
     def __init__(
@@ -48,20 +49,20 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
         """Register with the master and present the robot.
 
         Args:
-            robot: The robot, which runs in this process.  The caller closes it, after
-                the bridge.
+            robot: The robot, which runs in this process.  The caller must close the
+                robot after the bridge.
             options: The namespace and rates.
-            on_shutdown: Called by a rospy thread when the node is shut down from
-                outside, by ``rosnode kill`` or by another node of the same name.
+            on_shutdown: Function that a rospy thread calls when the node is shut down
+                from outside, by ``rosnode kill`` or by another node of the same name.
 
         Raises:
-            RosUnavailableError: If there is no ROS or no master, or if the name is
-                taken.
+            RosUnavailableError: If there is no ROS or no master, or if the node's name
+                is taken.
         """
         options = options or Ros1Options()
         keep_to_this_machine()
         import_messages()
-        # These import ROS, which import_messages has found.
+        # The following modules import ROS, which import_messages has found.
         import rospy
 
         from tool0.ros1.controller_manager import ControllerManagerBridge
@@ -88,8 +89,9 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
             self._managed = [ros for ros in namespaces if ros.has_controllers(defined)]
             self._upload_parameters()
             managers = [ControllerManagerBridge(ros, robot) for ros in self._managed]
-            # After the action servers: actionlib's timers, which they stop, fail if
-            # time moves back, as it may before another robot's clock is known.
+            # The clock must be advanced after the action servers are created, because
+            # the action servers stop actionlib's timers.  actionlib's timers fail if
+            # time moves back, which may happen before another robot's clock is known.
             node.clock.advance(robot.snapshot.time)
             root = namespaces[0]
             static = StaticFrames(root)
@@ -101,7 +103,7 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
                 for ros in namespaces
                 if ros.has_robot
             ]
-            renderer = WorkerThread("tool0 ros1 cameras")  # one for all
+            renderer = WorkerThread("tool0 ros1 cameras")  # one thread for all cameras
             self._publishers: list[SnapshotPublisher] = [
                 *managers,
                 offer_gazebo_services(root, robot),
@@ -127,7 +129,7 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
         rospy.on_shutdown(self._handle_shutdown)
 
     def close(self) -> None:
-        """Unregister and stop all threads; closing twice is allowed."""
+        """Unregister, and stop all threads.  A second call has no effect."""
         self._is_closing.set()
         for thread in self._threads:
             thread.join()
@@ -147,11 +149,12 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
                 for publisher in self._publishers:
                     try:
                         publisher.publish(snapshot)
-                    except Exception as error:  # must not stop the other publishers
+                    except Exception as error:
+                        # an error must not stop the other publishers
                         self.node.log_error(f"{type(publisher).__name__}: {error}")
 
     def _watch_master(self) -> None:
-        """Check that the master knows this node and that one node publishes /clock."""
+        """Check that the master has this node, and that one node publishes /clock."""
         node = self.node
 
         def register() -> None:
@@ -169,7 +172,7 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
                 node.log_error(str(error))
 
     def _upload_parameters(self) -> None:
-        """Set use_sim_time, robot_description and the controllers' YAML."""
+        """Set use_sim_time, robot_description and the controllers' parameters."""
         call = self.node.master.call
         call("setParam", "/use_sim_time", True)
         for ros in self._managed:
@@ -187,10 +190,11 @@ class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
 
 
 def with_mesh_files(urdf: str) -> str:
-    """Return the URDF with ``file://`` URIs for meshes bundled with tool0.
+    """Return the URDF with ``file://`` URIs for the meshes that tool0 contains.
 
-    ROS does not know the packages inside tool0, so RViz would show no robot unless
-    their folder were in ``ROS_PACKAGE_PATH``.  Other ``package://`` URIs do not change.
+    ROS does not find the packages inside tool0.  With ``package://`` URIs, RViz would
+    show no robot unless tool0's packages were in ``ROS_PACKAGE_PATH``.  Other
+    ``package://`` URIs do not change.
     """
     for folder in BUNDLED.iterdir():
         if (folder / "package.xml").is_file():
@@ -199,7 +203,7 @@ def with_mesh_files(urdf: str) -> str:
 
 
 def _to_xmlrpc(value: object) -> object:
-    """Return ``value`` for XML-RPC, which lacks nulls and integers above 32 bits."""
+    """Return ``value`` for XML-RPC, which has no nulls and no integers over 32 bits."""
     match value:
         case dict():
             items = ((str(name), _to_xmlrpc(item)) for name, item in value.items())

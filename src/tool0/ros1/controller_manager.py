@@ -31,29 +31,29 @@ from tool0.ros1.namespace import RosNamespace
 from tool0.ros1.node import SnapshotPublisher, WorkerThread
 
 STRICT = 2
-"""Value of STRICT in controller_manager_msgs/SwitchController; any other value means
+"""Value of STRICT in controller_manager_msgs/SwitchController.  Any other value selects
 best effort."""
 _CLOSE_TIMEOUT = 10.0
-"""Timeout for registering one controller's topics with a busy master [wall s]; a dead
-master refuses immediately."""
+"""Time limit for registering one controller's topics with a busy master [wall s].  A
+dead master refuses the registration immediately."""
 _BRIDGES: dict[type, Callable[..., SnapshotPublisher]] = {
     JointStateSpec: JointStatePublisher,
     JointTrajectorySpec: JointTrajectoryBridge,
     GripperActionSpec: GripperActionBridge,
     ForwardCommandSpec: ForwardCommandBridge,
 }
-"""Class of the controller's parameters → ROS interface."""
+"""ROS interface of a controller, by the class of the controller's parameters."""
 _READ_ONLY = (("hardware_interface/JointStateInterface", ()),)
-"""Claims that ros_control reports for a controller that claims nothing."""
+"""Claims that ros_control reports for a controller that claims no resources."""
 
 
 @final
 class ControllerManagerBridge:
-    """Acts as ros_control's controller_manager, and presents the loaded controllers.
+    """Acts like ros_control's controller_manager, and presents the loaded controllers.
 
-    Manager and controllers belong to one namespace and have their names in it.  The
-    bridge follows every change, whether made in ROS, the panel or the command line.  As
-    in ROS, a controller has its topics from loading until unloading.
+    The manager and the controllers are in one namespace, and they have their names in
+    this namespace.  The bridge follows every change that is made in ROS, the panel or
+    the command line.  Like in ROS, a controller has topics while it is loaded.
     """
 
     def __init__(self, ros: RosNamespace, robot: Robot) -> None:
@@ -63,7 +63,7 @@ class ControllerManagerBridge:
         self._loaded: tuple[str, ...] = ()
         self._lock = threading.Lock()
         self._is_closing = False
-        # Registration waits for the master; the thread that publishes must not.
+        # A registration waits for the master, and the publishing thread must not wait.
         self._registrar = WorkerThread("tool0 ros1 registrar")
         self._update()
         self._offer("ListControllers", self._list)
@@ -80,22 +80,24 @@ class ControllerManagerBridge:
         if loaded != self._loaded:
             self._loaded = loaded
             self._registrar.submit(self._update)
-        bridges = self._bridges  # _update() may replace it meanwhile
+        bridges = self._bridges  # _update() may replace self._bridges in the meantime
         for status in snapshot.controllers:
             if status.is_running and status.name in bridges:
                 bridges[status.name][1].publish(snapshot)
 
     def close(self) -> None:
-        """Stop following the controllers; the node itself unregisters everything.
+        """Stop following the controllers.
 
-        This waits for a registration in progress, which would otherwise outlive the
-        node.
+        The node unregisters all topics and services.
+
+        This method waits for a registration in progress, because the registration would
+        otherwise continue after the node has ended.
         """
         self._is_closing = True
         self._registrar.close(_CLOSE_TIMEOUT)
 
     def _update(self) -> None:
-        """Create bridges for new controllers; close those of unloaded controllers."""
+        """Create bridges for new controllers, and close unneeded bridges."""
         with self._lock:
             loaded = {}
             for status in self._controllers():
@@ -103,18 +105,20 @@ class ControllerManagerBridge:
                     controller = self._robot.controller(status.name)
                     loaded[status.name] = controller, controller.spec
                 except ControlError:
-                    continue  # it has just been unloaded
+                    continue  # the controller has just been unloaded
             bridges, closed = {}, []
             for name, (spec, bridge) in self._bridges.items():
                 if name in loaded and loaded[name][1] is spec:
                     bridges[name] = spec, bridge
                 else:
                     closed.append(bridge)
-            self._bridges = dict(bridges)  # publish() sees it before one is closed
+            # publish() must get the new bridges before an old one is closed
+            self._bridges = dict(bridges)
             for bridge in closed:
                 bridge.close()
             for name, (controller, spec) in loaded.items():
-                kind = _BRIDGES.get(type(spec))  # tool0's own have no topics
+                # tool0's own controllers have no topics
+                kind = _BRIDGES.get(type(spec))
                 if name not in bridges and not self._is_closing and kind is not None:
                     bridge = kind(self._ros, spec, controller)
                     bridges[name] = spec, bridge
@@ -130,7 +134,7 @@ class ControllerManagerBridge:
         self._ros.service(f"controller_manager/{name}", getattr(srv, kind), handler)
 
     def _offer_operation(self, kind: str, operation: Callable[[Message], None]) -> None:
-        """Offer a service whose response says whether the operation succeeded."""
+        """Offer a service that reports whether the operation succeeded."""
 
         def handle(request: Message) -> Message:
             response: Any = getattr(srv, f"{kind}Response")()
@@ -154,7 +158,10 @@ class ControllerManagerBridge:
         )
 
     def _load(self, request: Message) -> None:
-        """Load with present values on the parameter server, as the spawner expects."""
+        """Load a controller with the current values on the parameter server.
+
+        The spawner expects this behavior.
+        """
         name = self._ros.to_model(request.name)
         text = self._controller_yaml(request.name)
         config = None if text is None else ControllerConfig.from_text(text)
@@ -173,9 +180,10 @@ class ControllerManagerBridge:
         )
 
     def _reload(self, request: Message) -> None:
-        """Unload all controllers if ``force_kill`` is set; no libraries are reloaded.
+        """Unload all controllers if ``force_kill`` is set.  No libraries are reloaded.
 
-        Otherwise, as in ROS, refuse unless no controller is loaded.
+        Without ``force_kill``, the request is refused if a controller is loaded, like
+        in ROS.
         """
         loaded = [status.name for status in self._controllers()]
         if loaded and not request.force_kill:
@@ -204,7 +212,7 @@ class ControllerManagerBridge:
         )
 
     def _controller_yaml(self, own: str) -> str | None:
-        """Return a controller's parameters as YAML; None if ROS has none."""
+        """Return a controller's parameters in ROS as YAML; None if there are none."""
         ros = self._ros
         try:
             value: Any = ros.node.master.call("getParam", ros.name(own))

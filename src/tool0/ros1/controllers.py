@@ -1,4 +1,4 @@
-"""The ROS interface of each controller type: its topics, actions and services."""
+"""The ROS interface of each controller type: topics, actions and services."""
 
 from __future__ import annotations
 
@@ -27,13 +27,14 @@ from tool0.ros1.messages import Message, point_message, to_points, to_tolerances
 from tool0.ros1.namespace import RosNamespace
 
 STATUS_RATE = 5.0
-"""Rate of the goals' status [Hz], the same as actionlib's.  The status is published
-here, in simulated time, since actionlib's timer ends when time goes back."""
+"""Rate at which the status of goals is published [Hz].  The rate is the same as
+actionlib's.  The status is published here in simulated time, because actionlib's timer
+ends when time moves back."""
 
 
 @final
 class ControllerActionServer:
-    """Accepts goals for one controller, and publishes feedback, status and result."""
+    """Accepts goals for one controller, and publishes feedback, status and results."""
 
     def __init__(
         self,
@@ -49,8 +50,8 @@ class ControllerActionServer:
         """Start an action of class ``kind``, with feedback at ``monitor_rate`` [Hz].
 
         ``start`` sends a goal message to the controller, or raises Tool0Error.
-        ``rejection`` and ``result`` return a goal's result message after a rejection
-        and at its end.
+        ``rejection`` returns the result message after a goal is rejected, and
+        ``result`` returns the result message at the end of a goal.
         """
         self._ros = ros
         self._start, self._rejection, self._result = start, rejection, result
@@ -68,8 +69,9 @@ class ControllerActionServer:
     def publish(self, time: float, feedback: Callable[[], Message]) -> None:
         """Publish status and feedback if they are due at ``time`` [s]."""
         if time < self._time:
-            # The last cancellation may lie in the future now: actionlib would recall
-            # every goal until then.
+            # Because time has moved back, the time of the last cancellation may be in
+            # the future.  With a cancellation in the future, actionlib would recall
+            # every goal until that time.
             self._server.last_cancel = Time()
         self._time = time
         if self._status_rate.is_due(time):
@@ -103,7 +105,7 @@ class ControllerActionServer:
     def _finish(self, goal: Message, handle: GoalHandle) -> None:
         outcome: Result | None = handle.result
         assert outcome is not None  # the goal has ended
-        with self._server.lock:  # _accept holds it until the goal is in _active
+        with self._server.lock:  # _accept holds the lock until the goal is in _active
             self._active = {g: h for g, h in self._active.items() if g != goal}
         message = self._result(outcome)
         text = getattr(message, "error_string", "")
@@ -174,7 +176,7 @@ class JointTrajectoryBridge:
     def _filled(self, message: Message, state: TrajectoryState) -> Message:
         """Fill a state or feedback message.
 
-        As in ROS, only the desired motion has accelerations.
+        Like in ROS, only the desired motion has accelerations.
         """
         message.header.stamp = self._ros.node.clock.to_ros(state.time)
         message.joint_names = list(map(self._ros.to_ros, state.joint_names))
@@ -186,7 +188,8 @@ class JointTrajectoryBridge:
     def _command(self, trajectory: Message) -> None:
         self._controller.command_trajectory(
             to_points(trajectory.points),
-            # No points stop the motion, whatever joints the message names.
+            # A message without points stops the motion of all joints, even if it names
+            # joints.
             joint_names=self._full(trajectory.joint_names)
             if trajectory.points
             else None,
@@ -237,7 +240,7 @@ class JointStatePublisher:
     def __init__(
         self, ros: RosNamespace, spec: JointStateSpec, controller: ControllerHandle
     ) -> None:
-        del controller  # it takes no commands
+        del controller  # this controller takes no commands
         self._ros, self._spec = ros, spec
         self._rate = PublishRate(spec.publish_rate)
         self._publisher = ros.publisher("joint_states", JointState, queue_size=100)
@@ -275,7 +278,7 @@ class ForwardCommandBridge:
         )
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish nothing, as forwarding controllers have no state topic."""
+        """Publish nothing, because forwarding controllers have no state topic."""
 
     def close(self) -> None:
         self._subscriber.unregister()
@@ -297,7 +300,7 @@ class GripperActionBridge:
             start=lambda goal: controller.command_gripper(
                 goal.command.position, goal.command.max_effort
             ),
-            # actionlib carries the error's text beside the result
+            # actionlib has a separate field for the text of the error
             rejection=lambda _: msg.GripperCommandResult(position=self._position),
             result=_gripper_result,
             monitor_rate=spec.action_monitor_rate,

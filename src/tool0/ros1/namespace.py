@@ -1,4 +1,4 @@
-"""ROS names of the robot, or of one robot of a cell: topics, joints, frames."""
+"""ROS names of the robot, or of one robot of a cell: topics, joints and frames."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
     from tool0.ros1.node import RosNode
 
 _JOINT_LIMITS = "joint_limits"
-"""The YAML entry that contains limits by joint and is not a controller."""
+"""Name of the YAML entry that contains joint limits and is not a controller."""
 
 
 @final
 class RosNamespace:
     """A ROS namespace that contains the whole robot, or one robot of a cell.
 
-    In its own namespace, a robot of a cell has the names that it has outside of a cell:
-    the model's ``left_elbow_joint`` is ``elbow_joint`` in ``/left``, and ``left_tool0``
-    is the frame ``left/tool0``.  This class translates all names: *full* names are the
-    model's names, and *own* names are the names in ROS.  Without such a namespace, they
-    are the same.
+    In its own namespace, a robot of a cell has the names that it has outside a cell.
+    For example, the model's ``left_elbow_joint`` is ``elbow_joint`` in ``/left``, and
+    ``left_tool0`` is the frame ``left/tool0``.  The class RosNamespace translates all
+    names. *Full* names are the model's names, and *own* names are the names in ROS.  If
+    a robot has no namespace of its own, its full names and own names are the same.
     """
 
     def __init__(
@@ -42,14 +42,15 @@ class RosNamespace:
         name: str = "",
         tf_prefix: str = "",
     ) -> None:
-        """Create a namespace of a node, with the robot of the bring-up or a part of it.
+        """Create a namespace of a node, for all robots of the bring-up or for one.
 
         Args:
             node: The node of the process.
-            robot: The robot, with its cell, which knows the prefixes of all robots.
-            urdf: URDF of the namespace's robot, with own names; None for the namespace
-                of things that belong to no single robot of a cell.
-            name: The robot's name in a cell if the robot has its own namespace.
+            robot: The robot of the bring-up, which provides the prefixes of all robots
+                of the cell.
+            urdf: URDF of the namespace's robot, with own names.  The URDF is None for
+                the namespace of items that are not part of a single robot of a cell.
+            name: The robot's name in a cell, if the robot has its own namespace.
             tf_prefix: Prefix of every frame.
         """
         self.node = node
@@ -57,7 +58,7 @@ class RosNamespace:
         self.root = f"{node.options.root}/{name}" if name else node.options.root
         """The namespace as the beginning of a name, such as ``""`` or ``/robot1``."""
         self.tf_prefix = tf_prefix.strip("/")
-        """Prefix of every frame, without slashes around it."""
+        """Prefix of every frame, without leading and trailing slashes."""
         self._prefix = prefix = f"{name}_" if name else ""
         cell = robot.description.cell
         robots = cell.robots if cell is not None and cell.namespaces else ()
@@ -68,7 +69,7 @@ class RosNamespace:
         )
         model = robot.description.model
         self.joints = tuple(joint for joint in model.joints if self.owns(joint.name))
-        """The model's joints that are in the namespace."""
+        """The joints of the model that are in the namespace."""
         self._own_joints = {
             joint.name: self.to_ros(joint.name) for joint in self.joints
         }
@@ -80,7 +81,7 @@ class RosNamespace:
         return self.urdf is not None
 
     def has_controllers(self, names: Iterable[str]) -> bool:
-        """Return whether the namespace contains a robot or one of these controllers."""
+        """Return whether the namespace contains a robot or one of the controllers."""
         return self.has_robot or any(map(self.owns, names))
 
     @property
@@ -91,11 +92,11 @@ class RosNamespace:
     # ---- the names of joints, links and controllers ----------------------------------
 
     def owns(self, full: str) -> bool:
-        """Return whether the item with this full name is in the namespace."""
+        """Return whether the namespace contains the item with this full name."""
         return full.startswith(self._prefix) and not full.startswith(self._longer)
 
     def to_ros(self, full: str) -> str:
-        """Return the own name for a full name; other robots' names do not change."""
+        """Return the own name for a full name.  Names of other robots do not change."""
         return full.removeprefix(self._prefix) if self.owns(full) else full
 
     def to_model(self, own: str) -> str:
@@ -103,11 +104,11 @@ class RosNamespace:
         return self._prefix + own
 
     def text(self, text: object) -> str:
-        """Return a message with own names in place of full names."""
+        """Return a message in which full names are replaced by own names."""
         return self._in_text.sub("", str(text)) if self._prefix else str(text)
 
     def own_parameters(self, yaml: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the part of the controllers' YAML that belongs to the namespace."""
+        """Return the part of the controllers' YAML for this namespace."""
         if not self._prefix:
             return {name: value for name, value in yaml.items() if self.owns(name)}
         found = {
@@ -131,18 +132,18 @@ class RosNamespace:
     # ---- frames and cameras ----------------------------------------------------------
 
     def frame(self, link: str) -> str:
-        """Return the frame of a link by its full name."""
+        """Return the frame of a link, which is given by its full name."""
         return self.own_frame(self.to_ros(link))
 
     def own_frame(self, own: str) -> str:
-        """Return the frame with an own name, with ``tf_prefix``."""
+        """Return the frame with an own name.  The frame includes ``tf_prefix``."""
         return f"{self.tf_prefix}/{own}" if self.tf_prefix else own
 
     def camera_names(self, cameras: Iterable[Camera]) -> dict[str, str]:
-        """Return the cameras in the namespace: full name → own name.
+        """Return the own name of each camera in the namespace, by full name.
 
-        A camera without a link belongs to no single robot of a cell.  A camera keeps
-        its full name if another camera already has its own name.
+        In a cell, a camera that is not on a link is in no robot's namespace.  A camera
+        keeps its full name if another camera already has the same own name.
         """
         full = [item.name for item in cameras if self.owns(item.link or "")]
         own = {name: self.to_ros(name) for name in full}
@@ -151,7 +152,7 @@ class RosNamespace:
     # ---- topics and services ---------------------------------------------------------
 
     def name(self, relative: str) -> str:
-        """Return the full ROS name; a name with a leading slash is already absolute."""
+        """Return the full ROS name.  A name with a leading slash does not change."""
         return relative if relative[:1] == "/" else f"{self.root}/{relative}"
 
     def header(self, time: float, frame_id: str = "") -> Any:
@@ -161,11 +162,14 @@ class RosNamespace:
     def publisher(
         self, name: str, kind: Any, *, queue_size: int = 1, latch: bool = False
     ) -> Any:
-        """Return a rospy.Publisher whose slow subscribers do not delay others."""
+        """Return a rospy.Publisher in which slow subscribers do not delay others."""
         return Publisher(self.name(name), kind, queue_size=queue_size, latch=latch)
 
     def subscriber(self, name: str, kind: Any, callback: Callable[[Any], None]) -> Any:
-        """Return a rospy.Subscriber that logs a Tool0Error from ``callback``."""
+        """Return a rospy.Subscriber.
+
+        The subscriber logs each Tool0Error that ``callback`` raises.
+        """
         full = self.name(name)
 
         def receive(message: Any) -> None:
@@ -177,7 +181,10 @@ class RosNamespace:
         return Subscriber(full, kind, receive, queue_size=1)
 
     def service(self, name: str, kind: Any, handler: Callable[[Any], Any]) -> Any:
-        """Return a rospy.Service that logs a Tool0Error and lets the call fail."""
+        """Return a rospy.Service.
+
+        If ``handler`` raises a Tool0Error, the service logs it, and the call fails.
+        """
         full = self.name(name)
 
         def answer(request: Any) -> Any:
@@ -190,14 +197,17 @@ class RosNamespace:
         return Service(full, kind, answer)
 
     def log_error(self, where: str, error: Tool0Error) -> None:
-        """Log an error that occurred at ``where``, also on /rosout."""
+        """Log an error that occurred at ``where``, and publish it on /rosout."""
         self.node.log_error(f"{where}: {self.text(error)}")
 
 
 def namespaces_of(node: RosNode, robot: Robot) -> list[RosNamespace]:
-    """Return the root namespace and, in a cell with namespaces, one for each robot.
+    """Return the root namespace.
 
-    In such a cell, each robot's namespace has the URDF of that robot alone.
+    In a cell with namespaces, a namespace for each robot is also returned.
+
+    In a cell with namespaces, each robot's namespace contains the URDF of that robot
+    only.
     """
     cell = robot.description.cell
     if cell is None or not cell.namespaces:
@@ -220,7 +230,7 @@ def namespaces_of(node: RosNode, robot: Robot) -> list[RosNamespace]:
 
 
 def _renamed(value: Any, names: Mapping[str, str]) -> Any:
-    """Return plain YAML values with names replaced in keys and texts."""
+    """Return plain YAML values in which names are replaced in keys and texts."""
     match value:
         case dict():
             return {names.get(k, k): _renamed(v, names) for k, v in value.items()}

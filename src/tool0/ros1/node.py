@@ -28,17 +28,17 @@ from tool0.ros1.options import NODE_NAME, Ros1Options
 logger = logging.getLogger(__name__)
 
 MAX_DRIFT = 0.05
-"""Largest difference between two clocks before the offset is updated [s]; each clock is
-published every 8 ms."""
+"""Largest difference between two clocks before the offset is updated [s].  Each clock
+is published every 8 ms."""
 
 
 @final
 class RosClock:
     """Converts between simulated time and ROS time.
 
-    The first bring-up under a master publishes /clock.  A second bring-up, in another
-    namespace, follows that clock; its simulated time differs from ROS time by an
-    offset.
+    The first bring-up that registers with a master publishes /clock.  A second
+    bring-up, in another namespace, follows the clock of the first bring-up.  The
+    simulated time of the second bring-up differs from ROS time by an offset.
     """
 
     def __init__(self, *, publish: bool) -> None:
@@ -46,7 +46,8 @@ class RosClock:
         self._now = 0.0
         self._publisher: Any = None
         self._subscriber: Any = None
-        self._lock = threading.Lock()  # no message after the publisher has ended
+        # prevents a message after the publisher has ended
+        self._lock = threading.Lock()
         set_rostime_initialized(True)
         if publish:
             self.start_publishing()
@@ -59,7 +60,7 @@ class RosClock:
         return self._publisher is not None
 
     def follow_other(self) -> None:
-        """Follow another node's /clock from now on."""
+        """Stop publishing /clock, and follow the /clock of another node."""
         with self._lock:
             publisher, self._publisher = self._publisher, None
         if publisher is not None:
@@ -67,7 +68,7 @@ class RosClock:
         self._subscriber = Subscriber("/clock", Clock, self._follow, queue_size=1)
 
     def start_publishing(self) -> None:
-        """Publish /clock from now on; it continues from the present ROS time."""
+        """Start to publish /clock.  The clock continues from the current ROS time."""
         if self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = None
@@ -82,13 +83,13 @@ class RosClock:
             if self._publisher is not None:
                 self._publisher.publish(Clock(clock=now))
 
-    def to_ros(self, time: float) -> Any:  # a rospy.Time
+    def to_ros(self, time: float) -> Any:  # Any: a rospy.Time
         """Return simulated ``time`` [s] as ROS time."""
         nanoseconds = max(0, round((time + self._offset) * 1e9))
         return Time(*divmod(nanoseconds, 1_000_000_000))
 
     def from_ros(self, stamp: Any) -> float | None:
-        """Return a stamp as simulated time [s]; None for 0, which means now."""
+        """Return a stamp as simulated time [s].  The result for 0 ("now") is None."""
         seconds: float = stamp.to_sec()
         return seconds - self._offset if seconds else None
 
@@ -103,10 +104,10 @@ _REPEAT_PERIOD = 1.0
 
 
 class SnapshotPublisher(Protocol):
-    """Publishes part of every snapshot; only one thread calls it."""
+    """Publisher of a part of every snapshot, used by only one thread."""
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish messages that are due; simulated time may have gone back to zero."""
+        """Publish the messages that are due.  Simulated time may have been reset."""
 
     def close(self) -> None:
         """Unregister the publisher's topics and services."""
@@ -122,13 +123,13 @@ class WorkerThread:
         self._thread.start()
 
     def submit(self, task: Callable[[], None]) -> None:
-        """Queue ``task`` without waiting."""
+        """Add ``task`` to the queue without waiting."""
         self._tasks.put(task)
 
     def close(self, timeout: float = 1.0) -> None:
         """Finish the queued tasks, but wait no longer than ``timeout`` [wall s].
 
-        Closing twice is allowed.
+        A second call has no effect.
         """
         self._tasks.put(None)
         self._thread.join(timeout)
@@ -145,11 +146,12 @@ class WorkerThread:
 class RosoutHandler(logging.Handler):
     """Forwards warnings and errors to rospy, which publishes them on /rosout.
 
-    In a program without logging handlers, they still appear on standard error.
+    In a program without logging handlers, warnings and errors are also written to
+    standard error.
     """
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Publish the record, and print it if the program has no handler."""
+        """Publish the record, and print it if the program has no logging handler."""
         log = rospy.logerr if record.levelno >= logging.ERROR else rospy.logwarn
         if not rospy.is_shutdown():
             log("%s", record.getMessage())
@@ -159,13 +161,13 @@ class RosoutHandler(logging.Handler):
 
 @final
 class RosNode:
-    """The process's ROS node; rospy never allows a second one."""
+    """The ROS node of the process. rospy does not allow a second node."""
 
     def __init__(self, options: Ros1Options, master: Master) -> None:
         """Register with the master.
 
         Raises:
-            RosUnavailableError: If the name is taken, or if the process is already a
+            RosUnavailableError: If the name is taken, or if the process already has a
                 node.
         """
         if core.is_initialized() or core.is_shutdown():
@@ -191,11 +193,14 @@ class RosNode:
 
     @property
     def uri(self) -> str:
-        """Address at which other nodes and the master reach this node."""
+        """Address at which the master and other nodes reach this node."""
         return str(core.get_node_uri())
 
     def log_error(self, text: str) -> None:
-        """Log an error, also on /rosout; repeated errors at most once a second."""
+        """Log an error, also on /rosout.
+
+        A repeated error is logged at most once a second.
+        """
         last, when = self._last_error
         now = time.monotonic()
         if text != last or now - when >= _REPEAT_PERIOD:
@@ -211,7 +216,11 @@ class RosNode:
         )
 
     def arbitrate_clock(self) -> None:
-        """Publish /clock if no other node does; the later of two by name stops."""
+        """Publish /clock if no other node publishes it.
+
+        If another node also publishes /clock, the node with the later name in
+        alphabetical order stops publishing /clock.
+        """
         others = self.other_clock_publishers()
         if not self.clock.is_publisher and not others:
             self.clock.start_publishing()
@@ -229,22 +238,24 @@ class RosNode:
             self.master.call("registerService", service, address, self.uri)
         for topic, kind in topics.get_subscriptions():
             found = self.master.call("registerSubscriber", topic, kind, self.uri)
-            with ServerProxy(self.uri) as ourselves:  # the call that a master makes
+            # the same call that a master makes
+            with ServerProxy(self.uri) as ourselves:
                 ourselves.publisherUpdate("/master", topic, found)
 
     def close(self) -> None:
-        """Unregister everything; this process cannot start another node."""
+        """Unregister the node.  This process cannot start another node."""
         logging.getLogger("tool0").removeHandler(self._rosout)
         self._results.close()
         uri = self.uri
         rospy.signal_shutdown("the bring-up ended")
         with contextlib.suppress(RosUnavailableError):
-            # Names that a rospy thread registers meanwhile would remain.
+            # The call also removes names that a rospy thread registers in the meantime.
             self.master.unregister_all(uri)
 
 
 def _init_node(root: str) -> None:
-    # Same as ROS_NAMESPACE, which rospy reads only at its import.
+    # The call has the same effect as ROS_NAMESPACE, which rospy reads only when it is
+    # imported.
     names._set_caller_id(f"{root}/unnamed")
     before = os.environ.get("ROS_PYTHON_LOG_CONFIG_FILE")
     own = resources.files("tool0.ros1") / "logging.yaml"

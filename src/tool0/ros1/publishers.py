@@ -1,4 +1,4 @@
-"""Publishers that run for every snapshot: wrenches, images and the frames of links."""
+"""Publishers that run for every snapshot: wrenches, images and frames of links."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ logger = logging.getLogger(__name__)
 def sensor_publishers(
     ros: RosNamespace, robot: Robot, renderer: WorkerThread
 ) -> list[SnapshotPublisher]:
-    """Return publishers for the cameras, and for the wrench at each link ``…tool0``."""
+    """Return publishers for the cameras and for the wrench at each ``…tool0`` link."""
     cameras = [
         CameraPublisher(ros, robot.cameras[full], own, frame, renderer)
         for full, (own, frame) in camera_frames(ros, robot).items()
@@ -47,7 +47,7 @@ def sensor_publishers(
     }
     try:
         sensors = {name: robot.force_torque_of(link) for name, link in flanges.items()}
-    except NotOfferedError as error:  # by a real robot
+    except NotOfferedError as error:  # a real robot does not offer this
         logger.warning("no topic 'wrench': %s", error)
         return [*cameras]
     wrenches = [
@@ -63,11 +63,11 @@ def sensor_publishers(
 
 @final
 class WrenchPublisher:
-    """Topic ``wrench``, and a service that tares it, named as in UR's driver.
+    """Topic ``wrench`` and a service that tares it, with the names in UR's driver.
 
-    If there are several, both names start with a ``prefix``.  The first subscriber
-    starts the sensor, which then continues even without subscribers, since stopping
-    would lose the tare.
+    If there are several sensors, the names of the topic and the service start with a
+    ``prefix``.  The first subscriber starts the sensor.  The sensor continues without
+    subscribers, because stopping it would lose the tare.
     """
 
     def __init__(self, ros: RosNamespace, sensor: ForceTorque, prefix: str) -> None:
@@ -107,7 +107,7 @@ class WrenchPublisher:
 
 
 def camera_frames(ros: RosNamespace, robot: Robot) -> dict[str, tuple[str, str]]:
-    """Return each camera's own name and optical frame in a namespace, by full name."""
+    """Return each camera's own name and its optical frame, by the full name."""
     cameras = (handle.camera for handle in robot.cameras.values())
     description = robot.description
     prefix = description.prefix if description.cell is None else ""
@@ -118,7 +118,7 @@ def camera_frames(ros: RosNamespace, robot: Robot) -> dict[str, tuple[str, str]]
 
 
 def camera_transforms(ros: RosNamespace, robot: Robot) -> list[Message]:
-    """Return each camera's pose on its link, as geometry_msgs/TransformStamped."""
+    """Return each camera's pose on its link as a geometry_msgs/TransformStamped."""
     root = robot.description.model.root
     found = []
     for full, (_, frame) in camera_frames(ros, robot).items():
@@ -130,10 +130,10 @@ def camera_transforms(ros: RosNamespace, robot: Robot) -> list[Message]:
 
 @final
 class CameraPublisher:
-    """Topics ``image_raw`` and ``camera_info`` for one camera's colours and depth.
+    """Topics ``image_raw`` and ``camera_info`` for the color and depth of a camera.
 
-    Colours and depth belong to one image, so they share the optical frame of the
-    colours.
+    Color and depth are parts of one image.  Color and depth therefore share the optical
+    frame of the color image.
     """
 
     def __init__(
@@ -147,7 +147,8 @@ class CameraPublisher:
         self._ros, self._handle, self._renderer = ros, handle, renderer
         self._name, self._frame = name, frame
         self._rate = PublishRate(ros.node.options.camera_rate)
-        self._is_idle = threading.Event()  # no image of this camera is being rendered
+        # set while no image of this camera is being rendered
+        self._is_idle = threading.Event()
         self._is_idle.set()
         self._colors = ros.publisher(f"{name}_camera/color/image_raw", Image)
         self._depths = ros.publisher(f"{name}_camera/depth/image_raw", Image)
@@ -157,9 +158,9 @@ class CameraPublisher:
         ]
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish subscribed topics that are due; never wait for an image.
+        """Publish subscribed topics that are due, without waiting for an image.
 
-        An image is skipped while the previous one is still being rendered.
+        An image is skipped if the previous image is still being rendered.
         """
         if not self._rate.is_due(snapshot.time):
             return
@@ -171,7 +172,7 @@ class CameraPublisher:
             self._renderer.submit(lambda: self._render(snapshot))
 
     def close(self) -> None:
-        """Unregister the topics once the image in progress is published."""
+        """Unregister the topics after the image in progress is published."""
         self._renderer.close()
         for publisher in (self._colors, self._depths, *self._infos):
             publisher.unregister()
@@ -215,7 +216,7 @@ class CameraPublisher:
             header=self._ros.header(time, self._frame),
             height=camera.height,
             width=camera.width,
-            distortion_model="plumb_bob",  # and no distortion
+            distortion_model="plumb_bob",  # the coefficients mean no distortion
             D=[0.0] * 5,
             K=K.ravel().tolist(),
             R=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
@@ -225,10 +226,10 @@ class CameraPublisher:
 
 @final
 class StaticFrames:
-    """Topic ``/tf_static`` with the fixed frames of all namespaces from this node.
+    """Topic ``/tf_static`` with the fixed frames in all of this node's namespaces.
 
-    A latched topic keeps only one message for later subscribers, so each message
-    contains all frames.
+    A latched topic keeps only one message for later subscribers.  Each message on
+    ``/tf_static`` therefore contains all frames.
     """
 
     def __init__(self, ros: RosNamespace) -> None:
@@ -246,10 +247,10 @@ class StaticFrames:
 
 
 def fixed_frames(ros: RosNamespace, robot: Robot) -> list[Message]:
-    """Return the namespace's transforms that robot_state_publisher does not know.
+    """Return the transforms that robot_state_publisher does not publish.
 
-    These are the cameras' transforms and, in a cell, the transform from ``world`` to
-    the robot's own root.
+    The result contains the transforms of the cameras and, in a cell, the transform from
+    ``world`` to the robot's own root.
     """
     transforms = camera_transforms(ros, robot)
     if ros.is_of_cell:
@@ -261,17 +262,17 @@ def fixed_frames(ros: RosNamespace, robot: Robot) -> list[Message]:
 
 NAME = "robot_state_publisher"
 _CHECK_RATE = 1.0
-"""Rate of checks whether the child process is alive, in simulated time [Hz]."""
+"""Rate at which the child process is checked, in simulated time [Hz]."""
 _GRACE = 5.0
-"""Time for the child process to end on its own [wall s]."""
+"""Time limit for the child process to end before it is killed [wall s]."""
 
 
 @final
 class RobotStatePublisher:
     """Publisher of the frames of links and cameras in a namespace.
 
-    The real robot_state_publisher runs as a child process.  If that program is not
-    installed or has ended, tool0's own kinematics publish the same frames.
+    robot_state_publisher runs as a child process.  If that program is not installed or
+    has ended, tool0 computes and publishes the same frames.
     """
 
     def __init__(self, ros: RosNamespace, robot: Robot, static: StaticFrames) -> None:
@@ -287,7 +288,7 @@ class RobotStatePublisher:
             self._child = self._start()
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish the movable joints' frames if they are due; monitor the child."""
+        """Publish the frames of movable joints if they are due.  Monitor the child."""
         child = self._child
         if child is None:
             if self._rate.is_due(snapshot.time):
@@ -308,13 +309,13 @@ class RobotStatePublisher:
             self._take_over()
 
     def register_again(self) -> None:
-        """Restart the child, as roscpp nodes do not notice a new master."""
+        """Restart the child, because roscpp nodes do not detect a new master."""
         if self._child is not None:
             old, self._child = self._child, self._start()
             old.close()
 
     def close(self) -> None:
-        """End the child, and unregister the topics."""
+        """End the child process, and unregister the topics."""
         if self._child is not None:
             self._child.close()
         if self._publisher is not None:
@@ -330,7 +331,7 @@ class RobotStatePublisher:
         return ChildProcess(command, environment=environment, grace=_GRACE)
 
     def _take_over(self) -> None:
-        """Publish the fixed frames now, and the movable frames from now on."""
+        """Publish the fixed frames, and start to publish the movable frames."""
         fixed = (joint for joint in self._ros.joints if not joint.is_movable)
         self._static.add(self._transforms(fixed, {}, self._robot.time))
         self._publisher = self._ros.publisher("/tf", TFMessage, queue_size=100)

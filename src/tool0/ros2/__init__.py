@@ -1,1 +1,1 @@
-"""The ROS 2 interface, which runs in a separate process that these modules start."""
+"""Starts the ROS 2 interface in a separate process."""

@@ -1,6 +1,6 @@
-"""The process of the ROS 2 node, which starts and ends with a robot.
+"""The process of the ROS 2 node, which starts and ends together with a robot.
 
-The node itself is the ROS package ``tool0_ros2`` in ``ros_packages``.
+The node is the ROS package ``tool0_ros2`` in ``ros_packages``.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @final
 class Ros2Node(Companion):
-    """Presents a robot in ROS 2 like ros2_control does; a context manager.
+    """Context manager that presents a robot in ROS 2 like ros2_control does.
 
     The node runs in a separate process, with the Python interpreter of a ROS 2
     installation.
@@ -30,11 +30,12 @@ class Ros2Node(Companion):
     def __init__(
         self, robot: Connected | str, options: Ros2Options | None = None
     ) -> None:
-        """Start the node; call ``wait`` to wait until it is up.
+        """Start the node.  Call ``wait`` to wait until the node is ready.
 
         Args:
-            robot: A robot of this or another process, which the caller must close after
-                the node; or the name of a bring-up, which may start later.
+            robot: A robot of this process or another process, or the name of a
+                bring-up.  The caller must close the robot after the node.  A bring-up
+                may start after the node.
             options: Namespace, domain and rates.
 
         Raises:
@@ -60,7 +61,7 @@ class Ros2Node(Companion):
         return int(self._environment.get("ROS_DOMAIN_ID") or 0)
 
     def wait(self, timeout: float = START_TIMEOUT) -> str:
-        """Wait until the node is up, and return its full name.
+        """Wait until the node is ready, and return its full name.
 
         Raises:
             RosUnavailableError: If the node could not start within ``timeout`` [wall

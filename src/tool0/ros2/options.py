@@ -9,7 +9,8 @@ from typing import Final, final
 from tool0.errors import ConfigError
 
 MAX_DOMAIN: Final = 232
-"""Largest ROS_DOMAIN_ID; above 101, its ports may collide with other programs'."""
+"""Largest ROS_DOMAIN_ID.  The ports of an ID above 101 may collide with the ports of
+other programs."""
 _NAMESPACE = re.compile(r"(/?[A-Za-z]\w*)(/[A-Za-z]\w*)*/?|/?")
 
 
@@ -21,7 +22,7 @@ class Ros2Options:
     ns: str = ""
     """Namespace of all names, such as robot1, for several robots in one domain."""
     domain: int | None = None
-    """ROS_DOMAIN_ID; that of the environment if left out."""
+    """ROS_DOMAIN_ID; None to use the environment variable of this name."""
     tf_rate: float = 50.0
     """Rate of the transforms, in simulated time [Hz]."""
     camera_rate: float = 10.0

@@ -1,8 +1,9 @@
 """Writes the colcon packages of a robot or a cell, for ROS 2.
 
-``tool0_description`` is the same as for ROS 1, and ``tool0_ros2`` is the node that a
-bring-up runs.  ``tool0_bringup`` is generated for the robot: it has launch files for
-tool0 and for Gazebo with gz_ros2_control, and the controllers for both.
+``tool0_description`` is the same package as for ROS 1, and ``tool0_ros2`` contains the
+node that a bring-up runs.  ``tool0_bringup`` is generated for the robot.  This package
+contains launch files for tool0 and for Gazebo with gz_ros2_control, and the controllers
+for both simulators.
 """
 
 from __future__ import annotations
@@ -35,15 +36,16 @@ _TRAJECTORY: Final = "joint_trajectory_controller/JointTrajectoryController"
 _FORWARD: Final = "forward_command_controller/ForwardCommandController"
 _GRIPPER: Final = "parallel_gripper_action_controller/GripperActionController"
 _IN_GAZEBO: Final = (_BROADCASTER, _TRAJECTORY, _FORWARD, _GRIPPER)
-"""Types of controllers that need only positions, velocities and efforts."""
+"""Controller types that need only positions, velocities and efforts."""
 _NOT_IN_GAZEBO: Final = (
     "speed_scaling",
     "max_effort_interface",
     "max_velocity_interface",
 )
-"""Parameters that name interfaces that gz_ros2_control does not have."""
+"""Parameters that contain the names of interfaces that gz_ros2_control does not
+have."""
 
-Parameters = Mapping[str, Any]  # Any: values of YAML
+Parameters = Mapping[str, Any]  # Any: values from YAML
 
 
 def colcon_packages(
@@ -52,13 +54,14 @@ def colcon_packages(
     """Return the files of ``tool0_description``, ``tool0_ros2`` and ``tool0_bringup``.
 
     Args:
-        description: One robot of the catalogue, or several, with ``<ros2_control>``.
-        controllers: The YAML of its controllers, for ROS 2.
+        description: One robot of the catalogue or several robots of the catalogue, with
+            ``<ros2_control>``.
+        controllers: The YAML text of the robot's controllers, for ROS 2.
         started: Names of the controllers that tool0 starts.
 
     Raises:
-        ConfigError: If your own arm's or gripper's folder cannot be added to the
-            built-in folders, or no controller moves the arm.
+        ConfigError: If the folder of your own arm or gripper cannot be added to the
+            built-in folders, or if no controller moves the arm.
     """
     import yaml
 
@@ -100,9 +103,9 @@ def colcon_packages(
 def controller_parameters(
     text: str,
 ) -> tuple[dict[str, dict[str, Any]], Mapping[str, Mapping[str, float]]]:
-    """Return each controller's parameters, with its type, and the joint limits.
+    """Return each controller's parameters and type, and the joint limits.
 
-    ``text`` is the controllers' YAML for ROS 2.
+    ``text`` is the YAML text of the controllers for ROS 2.
     """
     import yaml
 
@@ -118,12 +121,13 @@ def controller_parameters(
 
 def gazebo_controllers(
     parameters: Parameters, interfaces: frozenset[str]
-) -> dict[str, Any]:  # Any: values of YAML
+) -> dict[str, Any]:  # Any: values from YAML
     """Return the parameters of the controllers that gz_ros2_control can run.
 
     Args:
-        parameters: Parameters of all controllers and of the manager, by node.
-        interfaces: The command interfaces of the joints, such as
+        parameters: The parameters of all controllers and of the controller manager, by
+            node.
+        interfaces: The names of the joints' command interfaces, such as
             ``elbow_joint/position``.
     """
     manager = parameters["controller_manager"]["ros__parameters"]
@@ -158,7 +162,7 @@ def _interfaces(description: RobotDescription) -> frozenset[str]:
 
 
 def _named(parameters: Parameters, kind: str) -> list[str]:
-    """Return the controllers of a type."""
+    """Return the names of the controllers of a type."""
     manager = parameters["controller_manager"]["ros__parameters"]
     return [
         name
@@ -168,7 +172,11 @@ def _named(parameters: Parameters, kind: str) -> list[str]:
 
 
 def _started_in_gazebo(parameters: Parameters, arms: Sequence[str]) -> list[str]:
-    """Return all controllers except the first arm's: states, grippers, other arms."""
+    """Return the started controllers, without the controller of the first arm.
+
+    These controllers are state broadcasters, gripper controllers and the controllers of
+    other arms.
+    """
     states, grippers = (_named(parameters, kind) for kind in (_BROADCASTER, _GRIPPER))
     return [*states, *grippers, *arms[1:]]
 

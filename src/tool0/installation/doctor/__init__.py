@@ -1,1 +1,1 @@
-"""The report of ``tool0 doctor``."""
+"""Creates the report of ``tool0 doctor``."""

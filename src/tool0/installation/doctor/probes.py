@@ -1,4 +1,4 @@
-"""Probes for the machine, Gazebo, ROS, and the tools for a catkin workspace."""
+"""Examines the machine, Gazebo, ROS, and the tools for a catkin workspace."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ _INSTALL_GAZEBO: Final = "tool0 gazebo install --gui"
 _INSTALL_ROS1: Final = "tool0 ros1 install --rviz"
 _DISTRO: Final = "noetic"
 _BUILD_TOOLS: Final = {"catkin_make": "catkin", "cmake": "cmake", "make": "make"}
-"""Program → its package in Debian."""
+"""Debian package of each program."""
 _LAUNCHED_PACKAGES: Final = (
     *("gazebo_ros", "gazebo_ros_control", "controller_manager", "effort_controllers"),
     *("joint_state_controller", "robot_state_publisher", "xacro"),
     "rqt_joint_trajectory_controller",
 )
-"""Packages that the launch files of ``tool0 workspace`` start."""
+"""Packages whose programs the launch files of ``tool0 workspace`` start."""
 
 
 # --- the machine itself, its Python and its GPUs ---
 
 
 def machine(examined: Machine) -> list[ProbeResult]:
-    """Return the operating system, processor and memory."""
+    """Return the results for the operating system, processor and memory."""
     n_cores = os.cpu_count() or 1
     cores = f"{n_cores} core{'s' if n_cores > 1 else ''}"
     found = f"{examined.name()}, {platform.machine()}, {cores}"
@@ -51,7 +51,7 @@ def machine(examined: Machine) -> list[ProbeResult]:
 
 
 def python(_: Machine) -> list[ProbeResult]:
-    """Return the Python that runs tool0, and whether it has all requirements."""
+    """Return the Python that runs tool0, and whether all requirements are installed."""
     found = f"{platform.python_version()}, {sys.prefix}"
     needed = python_requirements()
     missing = [name for name in needed if python_package_version(name) is None]
@@ -64,7 +64,7 @@ def python(_: Machine) -> list[ProbeResult]:
 
 
 def gpu(examined: Machine) -> list[ProbeResult]:
-    """Return the GPUs; tool0 does not need one."""
+    """Return the GPUs. tool0 does not need a GPU."""
     if examined.system == "darwin":
         return [ProbeResult("gpu", "ready", "the Mac's own")]
     nodes = _render_nodes(examined)
@@ -84,7 +84,11 @@ def gpu(examined: Machine) -> list[ProbeResult]:
 
 
 def _nvidia_cards(examined: Machine) -> list[str]:
-    """Read the driver's files; without them, run nvidia-smi, which may hang."""
+    """Return the names of NVIDIA GPUs, and the version of their driver.
+
+    The information is read from the driver's files.  Without these files, nvidia-smi is
+    run, which may hang.
+    """
     files = sorted((examined.root / "proc/driver/nvidia/gpus").glob("*/information"))
     models = (re.search(r"^Model:\s*(.+)$", file.read_text(), re.M) for file in files)
     cards = [model[1].strip() for model in models if model]
@@ -100,14 +104,14 @@ def _nvidia_cards(examined: Machine) -> list[str]:
         environment={**examined.environ, "LC_ALL": "C"},
         timeout=PROGRAM_TIMEOUT,
     )
-    if answer.returncode != 0:  # nvidia-smi is installed, but no driver
+    if answer.returncode != 0:  # nvidia-smi is installed, but its driver is not
         return []
     rows = answer.stdout.splitlines()
     return [row.replace(", ", ", driver ") for row in rows if row]
 
 
 def _render_nodes(examined: Machine) -> dict[str, Path]:
-    """Return the GPUs' render nodes, by description."""
+    """Return the render nodes of the GPUs, by description."""
     nodes = {}
     for node in sorted((examined.root / "dev/dri").glob("renderD*")):
         vendor = examined.read(f"sys/class/drm/{node.name}/device/vendor").strip()
@@ -119,7 +123,7 @@ def _render_nodes(examined: Machine) -> dict[str, Path]:
 
 
 def gazebo(examined: Machine) -> list[ProbeResult]:
-    """Return the Gazebo for ``--engine gazebo``, and whether it can open a window."""
+    """Return the results for ``--engine gazebo``: the simulator and its window."""
     if examined.system != "linux":
         found = f"by tool0 on {examined.name()}: Gazebo 11 runs on Linux"
         return [ProbeResult("gazebo", "not supported", found)]
@@ -148,7 +152,7 @@ def gazebo(examined: Machine) -> list[ProbeResult]:
 
 
 def ros1(examined: Machine) -> list[ProbeResult]:
-    """Return whether ``tool0 bringup --ros1`` works, and the other parts of ROS 1."""
+    """Return the results for ``tool0 bringup --ros1`` and other parts of ROS 1."""
     from tool0.installation.ros1.install import PYTHON_OF_RELEASE
     from tool0.installation.ros1.packages import ros1_status
 
@@ -178,7 +182,7 @@ def _without_ros1(missing: list[str], *, can_have: bool) -> ProbeResult:
 
     try:
         plan_install(rviz=False)
-    except RosUnavailableError as error:  # the message has the remedy
+    except RosUnavailableError as error:  # the message contains the remedy
         state: ProbeState = "missing" if can_have else "not supported"
         return ProbeResult("ros1", state, str(error))
     first = ", ".join(missing[:4]) + ", …" * (len(missing) > 4)
@@ -186,7 +190,7 @@ def _without_ros1(missing: list[str], *, can_have: bool) -> ProbeResult:
 
 
 def ros2(examined: Machine) -> list[ProbeResult]:
-    """Return whether ``tool0 bringup --ros2`` works."""
+    """Return the result for ``tool0 bringup --ros2``."""
     from tool0.installation.ros2.install import why_not_installable
     from tool0.installation.ros2.status import INSTALL, ros2_status
 
@@ -212,7 +216,7 @@ def ros2(examined: Machine) -> list[ProbeResult]:
 
 
 def workspace(examined: Machine) -> list[ProbeResult]:
-    """Return whether the packages of ``tool0 workspace`` build and launch here."""
+    """Return the results for building and launching ``tool0 workspace``'s packages."""
     return [_catkin(examined), _native_gazebo_ros(examined)]
 
 

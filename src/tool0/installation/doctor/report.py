@@ -1,7 +1,7 @@
-"""Runs all probes at once, each in its own process, and collects the results.
+"""Runs all probes in parallel, in separate processes, and collects their results.
 
-The command line lists the probes.  A probe that crashes or hangs does not affect
-others.
+The command line defines the list of probes.  A probe that crashes or hangs does not
+affect other probes.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from tool0.installation.machine import (
 )
 
 TIMEOUT: Final = 15.0
-"""Timeout of all probes together [wall s]."""
+"""Time limit for all probes together [wall s]."""
 
 _PROGRAM: Final = """\
 import sys
@@ -36,7 +36,7 @@ run_probe(sys.argv[1], sys.argv[2])
 """
 
 ProbeState = Literal["ready", "missing", "not supported", "unknown"]
-"""State of a component; ``unknown`` if the probe failed."""
+"""State of a component.  The state is ``unknown`` if the probe failed."""
 
 
 @final
@@ -47,10 +47,11 @@ class ProbeResult:
     what: str
     state: ProbeState
     found: str
-    """Version and location of the component, or what is missing and why it is
-    needed."""
+    """Version and location of the component.  If the component is missing, the text
+    says which part is missing and why it is needed."""
     remedy: str = ""
-    """The command that installs what is missing; empty if there is none."""
+    """The command that installs the missing parts; empty if no command can install
+    them."""
 
 
 @final
@@ -59,13 +60,17 @@ class Probe:
     """A function that examines one component of the machine."""
 
     examine: Callable[[Machine], list[ProbeResult]]
-    """Function of a module; the process that runs it imports it by name."""
+    """Function in a module.  A separate process imports the function by name and runs
+    it."""
     is_needed: bool = False
     """Whether ``tool0 bringup`` requires the component."""
 
     @property
     def name(self) -> str:
-        """Name of the function, which is also that of a required component's result."""
+        """Name of the function.
+
+        The result of a required component has the same name as the function.
+        """
         return self.examine.__name__
 
 
@@ -80,7 +85,7 @@ class DoctorReport:
 
     @property
     def can_run(self) -> bool:
-        """Whether ``tool0 bringup`` works."""
+        """Whether ``tool0 bringup`` works on this machine."""
         needed = (line for line in self.lines if line.what in self.needed)
         return all(line.state == "ready" for line in needed)
 
@@ -89,7 +94,7 @@ class DoctorReport:
         return {"can_run": self.can_run, "lines": [asdict(one) for one in self.lines]}
 
     def rows(self) -> list[tuple[str, str, str]]:
-        """Return names, states and findings as text."""
+        """Return the names, states and findings of the components as text."""
         rows: list[tuple[str, str, str]] = []
         for line in self.lines:
             rows.append((line.what, line.state, line.found))
@@ -106,12 +111,12 @@ def examine(probes: Sequence[Probe], *, timeout: float = TIMEOUT) -> DoctorRepor
     """Run the probes.
 
     Args:
-        probes: The probes, in the order of the report.
-        timeout: Timeout of all probes together [wall s].
+        probes: The probes, in the order in which they are reported.
+        timeout: Time limit for all probes together [wall s].
     """
     deadline = time.monotonic() + timeout
     lines: list[ProbeResult] = []
-    with ExitStack() as stack:  # an interrupt ends them all
+    with ExitStack() as stack:  # an interrupt ends all processes
         started = [stack.enter_context(_start(probe)) for probe in probes]
         for probe, process in zip(probes, started, strict=True):
             lines += _results(probe.name, process, deadline)
@@ -125,7 +130,7 @@ def _start(probe: Probe) -> ChildProcess:
 
 
 def _results(name: str, process: ChildProcess, deadline: float) -> list[ProbeResult]:
-    """Return the findings of a probe by the deadline, or its failure."""
+    """Return the results of a probe, or a failure if it misses the deadline."""
     try:
         answer = process.completed(max(deadline - time.monotonic(), 0.0))
     except subprocess.TimeoutExpired:
@@ -149,7 +154,7 @@ def run_probe(module: str, function: str) -> None:
     from importlib import import_module
 
     answer = os.dup(1)
-    os.dup2(2, 1)  # output of a library is not part of the answer
+    os.dup2(2, 1)  # the output of libraries must not be mixed with the results
     try:
         results = getattr(import_module(module), function)(Machine())
     except ImportError as error:
@@ -157,7 +162,7 @@ def run_probe(module: str, function: str) -> None:
     with os.fdopen(answer, "w", encoding="utf-8") as stream:
         json.dump([asdict(result) for result in results], stream)
     sys.stderr.flush()
-    os._exit(0)  # a library's thread or exit handler must not keep us
+    os._exit(0)  # threads and exit handlers of libraries must not delay the exit
 
 
 def import_failure(what: str, error: ImportError) -> ProbeResult:

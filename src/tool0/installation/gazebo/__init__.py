@@ -1,1 +1,1 @@
-"""Installs Gazebo 11 without root, and checks whether Gazebo can run here."""
+"""Installs Gazebo 11 without root, and checks whether Gazebo can run."""

@@ -1,6 +1,6 @@
-"""Downloads and unpacks Debian 11 packages for a private Gazebo.
+"""Downloads and unpacks packages of Debian 11 for a private Gazebo.
 
-apt runs with its own sources, lists and status, as an ordinary user.  It verifies
+apt runs as an ordinary user, with its own sources, lists and status.  apt verifies
 Debian's signature and every hash, and never changes the packages of the machine.
 """
 
@@ -20,29 +20,32 @@ from tool0.installation.apt import ProgressCallback, explain_failure
 from tool0.installation.child_process import last_lines, run_program
 
 RELEASE: Final = "bullseye"
-"""Debian 11, the last release with Gazebo 11."""
+"""Debian 11, which is the last release that contains Gazebo 11."""
 
 TRIPLETS: Final = {"amd64": "x86_64-linux-gnu", "arm64": "aarch64-linux-gnu"}
-"""Architecture in apt's notation → the folder of its libraries."""
+"""Folder of an architecture's libraries, by the architecture's name in apt."""
 
 PROGRAMS: Final = ("gazebo", "gazebo-plugin-base")
-"""Packages installed with all their dependencies, except the following."""
+"""Packages that are installed with all their dependencies, except dependencies in
+``FROM_HOST``."""
 
 FROM_HOST: Final = (
-    # The host's newer libraries must be used: code compiled by its g++ needs them.
+    # The host's newer libraries must be used, because code that the host's g++ compiles
+    # needs them.
     *("libc6", "libgcc-s1", "libgcc1", "libstdc++6", "libcrypt1"),
-    # Programs and scripts of the base system, which the simulator never calls.
+    # Programs and scripts of the base system that the simulator never calls.
     *("coreutils", "debconf", "dpkg", "lsb-base", "mariadb-common", "mysql-common"),
     *("perl-base", "sensible-utils", "shared-mime-info", "tar", "ucf", "x11-common"),
 )
-"""Packages considered as installed: apt omits them and their dependencies."""
+"""Packages that are treated as installed. apt omits them and their dependencies."""
 
 FOR_GUI: Final = (
     *("libgl1-mesa-dri", "libgvc6", "libspnav0"),
     *("libqt5core5a", "libqt5dbus5", "libqt5gui5", "libqt5network5", "libqt5opengl5"),
     *("libqt5svg5", "libqt5widgets5", "libqtpropertybrowser4", "libqwt-qt5-6"),
 )
-"""Packages that only gzclient loads, and the driver for rendering in both programs."""
+"""Packages that only gzclient loads, and the rendering driver for gzserver and
+gzclient."""
 
 HEADERS: Final = (
     *("libboost1.74-dev", "libgazebo-dev", "libprotobuf-dev", "libsdformat-dev"),
@@ -50,8 +53,8 @@ HEADERS: Final = (
     *("libignition-transport-dev", "libtbb-dev", "libtinyxml-dev", "libtinyxml2-dev"),
     "uuid-dev",
 )
-"""Packages with headers, installed without dependencies: only these are needed to
-compile a plugin."""
+"""Packages with headers.  These packages are installed without their dependencies,
+because only their headers are needed to compile a plugin."""
 
 DROPPED: Final = (
     *("./usr/share/bug", "./usr/share/doc", "./usr/share/icons"),
@@ -111,13 +114,15 @@ Dir::State::lists "{folder}/lists";
 Dir::State::status "{folder}/status";
 Dir::State::extended_states "{folder}/extended_states";
 """
-"""Configuration of apt, read after the machine's own, so that its proxies apply.
+"""Configuration of apt.  apt reads this configuration after the machine's own
+configuration, so that the machine's proxies apply.
 
-The machine's hooks (which would notify other programs), preferences and other
-architectures do not apply.
+The machine's hooks, preferences and other architectures do not apply.  The hooks would
+notify other programs.
 """
 _AS_ROOT: Final = 'APT::Sandbox::User "root";\n'
-"""Setting without which apt, run as root, downloads as a user who cannot write here."""
+"""Setting for apt when apt runs as root.  Without this setting, apt downloads as a user
+who cannot write to this folder."""
 _HOST_PACKAGE: Final = """\
 Package: {name}
 Status: install ok installed
@@ -147,17 +152,17 @@ class DebianPackage:
     size: int
     """Size of the file [bytes]."""
     sha256: str
-    """SHA-256 in hexadecimal; empty if the index does not state it."""
+    """SHA-256 hash as a hexadecimal number; empty if the index does not contain it."""
 
     def size_in(self, folder: Path) -> int:
-        """Return how many bytes of the file are already in the folder."""
+        """Return the number of bytes of the file that are already in the folder."""
         try:
             return min((folder / self.file).stat().st_size, self.size)
         except FileNotFoundError:
             return 0
 
     def is_damaged_in(self, folder: Path) -> bool:
-        """Return whether the folder has a file of the right size with other content."""
+        """Return whether a file in the folder has the right size and a wrong hash."""
         if self.size_in(folder) < self.size or not self.sha256:
             return False
         digest = hashlib.sha256()
@@ -175,14 +180,15 @@ class PrivateApt:
         """Write the configuration, and fetch the signed list of packages.
 
         Args:
-            folder: Folder for apt, created if needed; existing lists and downloads are
-                reused.
+            folder: Folder for apt.  The folder is created if necessary, and existing
+                lists and downloads in the folder are reused.
             mirror: Address of a Debian mirror.
-            keyring: The keys by which the release must be signed.
+            keyring: The keys with which the release must be signed.
             architecture: Architecture in Debian's notation.
 
         Raises:
-            EngineUnavailableError: If the list cannot be fetched or is not signed.
+            EngineUnavailableError: If the list cannot be fetched, or if it is not
+                signed.
         """
         self._folder, self._mirror, self._keyring = folder, mirror, keyring
         self.architecture = architecture
@@ -199,11 +205,11 @@ class PrivateApt:
         self._run(["update"])
 
     def closure(self, wanted: Sequence[str], installed: Iterable[str]) -> list[str]:
-        """Return the names of the packages to install for ``wanted``.
+        """Return the names of the packages that must be installed for ``wanted``.
 
         Args:
-            wanted: Packages that are to be usable.
-            installed: Packages to consider as installed.
+            wanted: Packages that must be usable after the installation.
+            installed: Packages that are treated as installed.
         """
         text = "".join(
             _HOST_PACKAGE.format(name=name, architecture=self.architecture)
@@ -214,14 +220,14 @@ class PrivateApt:
         return [item.file.split("_")[0] for item in listed_packages(output)]
 
     def files(self, names: Sequence[str]) -> list[DebianPackage]:
-        """Return the files of these packages, without their dependencies."""
+        """Return the files of packages, without the packages' dependencies."""
         return listed_packages(self._run(["download", "--print-uris", *names]))
 
     def download(self, names: Sequence[str], while_running: Callable[[], None]) -> None:
-        """Download the files of these packages, except files that have the right size.
+        """Download the packages' files, except files that have the right size.
 
         Raises:
-            EngineUnavailableError: If a file is not available, or has a wrong hash.
+            EngineUnavailableError: If a file is not available, or if its hash is wrong.
         """
         self._run(["download", *names], while_running, self.downloads)
 
@@ -234,7 +240,8 @@ class PrivateApt:
         configuration = str(self._folder / "apt.conf")
         answer = run_program(
             ["apt-get", "--config-file", configuration, "-qq", *arguments],
-            # Not the folder of the downloads: apt lists only missing files.
+            # In the folder of the downloads, apt would list only files that are missing
+            # in this folder.
             folder=folder or self._folder,
             while_running=while_running,
         )
@@ -258,7 +265,7 @@ def listed_packages(output: str) -> list[DebianPackage]:
 
 
 def machine_mirrors() -> list[str]:
-    """Return the mirrors of the machine's own apt, Debian's first."""
+    """Return the mirrors that the machine's apt uses, with Debian's mirrors first."""
     answer = run_program(["apt-get", "update", "--print-uris"])
     found = dict.fromkeys(_INDEX.findall(answer.stdout))
     usable = (uri for uri in found if "security" not in uri)
@@ -279,9 +286,10 @@ _TAR_OPTIONS: Final = (
 
 
 def unpack(files: Sequence[Path], root: Path, progress: ProgressCallback) -> None:
-    """Unpack packages in parallel into ``root``, an empty folder.
+    """Unpack packages in parallel into the empty folder ``root``.
 
-    Files that match ``DROPPED`` are left out.  Passing large packages first is fastest.
+    Files that match ``DROPPED`` are not unpacked.  Unpacking is fastest if large
+    packages come first in ``files``.
 
     Raises:
         EngineUnavailableError: If a package cannot be unpacked.
@@ -310,7 +318,7 @@ def _unpack_one(file: Path, root: Path) -> None:
             f"the disk of '{root}' is full; a Gazebo with GUI needs 1 GB while it is "
             "installed. Free some space, then run it again"
         )
-    file.unlink(missing_ok=True)  # so that the next run downloads it again
+    file.unlink(missing_ok=True)  # the next run downloads the file again
     raise EngineUnavailableError(
         f"cannot unpack '{file.name}'; run the same command again to download it once "
         f"more:\n{last_lines(answer.stderr)}"
@@ -318,7 +326,7 @@ def _unpack_one(file: Path, root: Path) -> None:
 
 
 def _make_links_relative(root: Path) -> None:
-    """Redirect absolute links to the unpacked files, if these include the target."""
+    """Make absolute links relative if their targets have been unpacked."""
     for folder, subfolders, files in os.walk(root):
         for link in (Path(folder, name) for name in (*subfolders, *files)):
             target = os.readlink(link) if link.is_symlink() else ""  # noqa: PTH115

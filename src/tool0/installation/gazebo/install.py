@@ -1,7 +1,7 @@
 """Installs and removes a private Gazebo 11.
 
-The packages are downloaded, verified, unpacked and checked before the new prefix is put
-in place.
+The packages are downloaded, verified, unpacked and checked before the new prefix
+replaces an existing prefix.
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ from tool0.user_data import expanded
 
 KEYRING: Final = Path("/usr/share/keyrings/debian-archive-keyring.gpg")
 _UNPACKED: Final = 3.6
-"""Measured ratio of bytes on disk to downloaded bytes: 258 MB become 907 MB."""
+"""Measured ratio of bytes on disk to downloaded bytes.  A download of 258 MB becomes
+907 MB on disk."""
 
 
 def install_gazebo(
@@ -52,21 +53,23 @@ def install_gazebo(
     mirror: str | None = None,
     keyring: Path = KEYRING,
 ) -> GazeboInstallation:
-    """Return a Gazebo that is ready to run, with its plugin compiled.
+    """Return a Gazebo that is ready to run and has a compiled plugin.
 
-    It is the system's Gazebo, or the private Gazebo, which is installed if needed.
+    The result is the system's Gazebo or the private Gazebo.  The private Gazebo is
+    installed if necessary.
 
     Args:
-        progress: Called during the installation.
-        has_client: Whether to include gzclient and a driver for rendering.
-        is_private: Whether to ignore the system's own Gazebo.
-        mirror: Address of a Debian mirror; None for those of the machine's apt.
-        keyring: The keys by which Debian 11 must be signed.
+        progress: Function that is called during the installation.
+        has_client: Whether to install gzclient and a rendering driver.
+        is_private: Whether to ignore the system's Gazebo.
+        mirror: Address of a Debian mirror; None for the mirrors that the machine's apt
+            uses.
+        keyring: The keys with which Debian 11 must be signed.
 
     Raises:
         ConfigError: If an argument is invalid.
-        EngineUnavailableError: If that is impossible; the message has the reason and
-            the remedy.
+        EngineUnavailableError: If Gazebo cannot be installed.  The message contains the
+            reason and the remedy.
     """
     if mirror is not None and ("://" not in mirror or len(mirror.split()) != 1):
         raise ConfigError(
@@ -76,7 +79,7 @@ def install_gazebo(
         raise ConfigError(
             f"apt accepts no keyring with a space in its path: '{keyring}'"
         )
-    require_compiler()  # before a long download, not after it
+    require_compiler()  # check this before the long download
     installation = None if is_private else find_system()
     if installation is None:
         prefix = private_prefix()
@@ -93,7 +96,7 @@ def install_gazebo(
 
 
 def uninstall_gazebo() -> int:
-    """Remove the private prefix, downloads and libraries; return their size [bytes]."""
+    """Remove the private prefix, downloads and libraries; return the freed bytes."""
     folders = (private_prefix().parent, plugin_folder())
     return sum(removed(one, "Gazebo", EngineUnavailableError) for one in folders)
 
@@ -101,7 +104,7 @@ def uninstall_gazebo() -> int:
 def _usable_apt(
     work: Path, mirror: str | None, keyring: Path, progress: ProgressCallback
 ) -> PrivateApt:
-    """Return an apt in the folder ``work``, for the first mirror with the release."""
+    """Return an apt in ``work`` that uses the first mirror that has the release."""
     if not keyring.is_file():
         raise EngineUnavailableError(
             f"Debian's keys are missing ('{keyring}'); install them (apt "
@@ -131,7 +134,8 @@ def _usable_apt(
             progress("reading the list of packages", 1.0)
             return apt
     if failures:
-        raise failures[0]  # of the likeliest mirror
+        # the failure of the first mirror, which was the most likely to work
+        raise failures[0]
     raise EngineUnavailableError(
         "this machine's apt has no Debian mirror; pass one: --mirror URL"
     )
@@ -140,9 +144,10 @@ def _usable_apt(
 def _make_prefix(
     prefix: Path, apt: PrivateApt, has_client: bool, progress: ProgressCallback
 ) -> GazeboInstallation:
-    """Make the prefix, replacing an existing prefix.
+    """Create the prefix, and replace an existing prefix.
 
-    Downloads of an interrupted run, in the folder ``work`` next to it, are reused.
+    The downloads of an interrupted run are reused.  These downloads are in the folder
+    ``work`` next to the prefix.
     """
     files = _download(apt, has_client, progress)
     work = prefix.with_name("work")
@@ -163,19 +168,19 @@ def _make_prefix(
     staging.rename(prefix)
     shutil.rmtree(work)
     installation = from_prefix(prefix)
-    assert installation is not None  # it has just run
+    assert installation is not None  # the installation has just been run
     return installation
 
 
 def _download(
     apt: PrivateApt, has_client: bool, progress: ProgressCallback
 ) -> list[Path]:
-    """Return the files of all packages, complete and verified, the largest first."""
+    """Return the complete, verified files of all packages, with the largest first."""
     installed = FROM_HOST if has_client else (*FROM_HOST, *FOR_GUI)
     names = [*apt.closure(PROGRAMS, installed), *HEADERS]
     packages = sorted(apt.files(names), key=lambda package: -package.size)
     total = sum(package.size for package in packages)
-    for package in packages:  # apt trusts a file of the right size
+    for package in packages:  # apt accepts any file of the right size
         if package.is_damaged_in(apt.downloads):
             (apt.downloads / package.file).unlink()
 
@@ -210,10 +215,10 @@ def _relocate(root: Path, final: Path) -> None:
 
 def _check_that_it_runs(prefix: Path) -> None:
     made = from_prefix(prefix)
-    assert made is not None  # its marker has just been written
+    assert made is not None  # the marker has just been written
     answer = run_program(
         [str(made.server), "--version"],
-        # Gazebo writes into HOME even then.
+        # Gazebo writes into HOME even if it only prints its version.
         environment={**os.environ, **made.environment, "HOME": str(prefix.parent)},
     )
     if made.version not in answer.stdout:

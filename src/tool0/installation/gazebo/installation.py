@@ -1,8 +1,9 @@
-"""Finds the Gazebo to run: the selected one, the system's, or the private one.
+"""Finds the Gazebo to run: a selected, a system or a private installation.
 
-Each is a folder with the same layout: the root of a system (``/usr``, ``/usr/local``),
-or the result of ``tool0 gazebo install``.  The latter is a root in another folder,
-which environment variables make known to the linker, the drivers and Qt.
+All installations have the same folder layout.  An installation is the root of a system
+(``/usr``, ``/usr/local``) or the result of ``tool0 gazebo install``.  The result of
+``tool0 gazebo install`` is a root in another folder.  Environment variables give the
+paths of this root to the linker, the drivers and Qt.
 """
 
 from __future__ import annotations
@@ -21,10 +22,10 @@ from tool0.installation.child_process import run_program
 from tool0.user_data import data_folder, expanded
 
 NAMED_BY: Final = "TOOL0_GAZEBO"
-"""The variable that selects a prefix, or a root such as ``/usr``."""
+"""Environment variable that selects a prefix or a root such as ``/usr``."""
 _ADVICE: Final = "install one: tool0 gazebo install"
 MARKER: Final = "tool0-gazebo.json"
-"""File that is written last into a private prefix; a folder without it is
+"""File that is written last into a private prefix.  A folder without this file is
 incomplete."""
 _FORMAT: Final = 1
 _HEADER: Final = Path("include", "gazebo-11", "gazebo", "gazebo_config.h")
@@ -34,35 +35,35 @@ _VERSION: Final = re.compile(r'GAZEBO_VERSION_FULL\s+"([^"]+)"')
 @final
 @dataclass(frozen=True, slots=True)
 class GazeboInstallation:
-    """A working Gazebo 11, with the headers to compile a plugin."""
+    """A working Gazebo 11, with the headers that are needed to compile a plugin."""
 
     version: str
-    """Version, such as ``11.1.0``."""
+    """Version of Gazebo, such as ``11.1.0``."""
     prefix: Path | None
     """The private prefix; None for the system's Gazebo."""
     server: Path
-    """The program gzserver."""
+    """Path of the program gzserver."""
     client: Path | None
-    """The program gzclient, if it can run."""
+    """Path of the program gzclient; None if it cannot run."""
     environment: dict[str, str]
     """Additional environment variables for both programs."""
     include_dirs: tuple[Path, ...]
     """Folders in which the compiler finds the headers."""
     size: int | None = None
-    """Size of the private prefix on disk [bytes]."""
+    """Size of the private prefix on disk [bytes]; None for the system's Gazebo."""
 
 
 def private_prefix() -> Path:
-    """Return where ``tool0 gazebo install`` installs; it may not exist."""
+    """Return the folder of ``tool0 gazebo install``.  The folder may not exist."""
     return data_folder() / "gazebo" / "prefix"
 
 
 def find_installation() -> GazeboInstallation:
-    """Return the Gazebo that would run.
+    """Return the Gazebo that tool0 would run.
 
     Raises:
-        EngineUnavailableError: If there is no Gazebo; the message has the command that
-            installs one.
+        EngineUnavailableError: If there is no Gazebo.  The message contains the command
+            that installs Gazebo.
     """
     named = os.environ.get(NAMED_BY)
     if named:
@@ -81,13 +82,13 @@ def find_installation() -> GazeboInstallation:
 
 
 def find_system() -> GazeboInstallation | None:
-    """Return the system's Gazebo 11, if it has one that includes headers."""
+    """Return the system's Gazebo 11; None if it or its headers are missing."""
     server = shutil.which("gzserver")
     return None if server is None else from_root(Path(server).parent.parent)
 
 
 def from_prefix(prefix: Path) -> GazeboInstallation | None:
-    """Return the Gazebo in a private prefix, if it is complete."""
+    """Return the Gazebo in a private prefix; None if the prefix is incomplete."""
     try:
         marker: dict[str, Any] = json.loads((prefix / MARKER).read_bytes())
         if marker["format"] != _FORMAT:
@@ -113,13 +114,14 @@ def mark_complete(prefix: Path, *, triplet: str, has_client: bool, size: int) ->
     """Write the marker of a complete private prefix.
 
     Args:
-        prefix: The folder.
-        triplet: Name of the prefix's folder of libraries, such as ``x86_64-linux-gnu``.
-        has_client: Whether gzclient can run: it has Qt and a driver for rendering.
-        size: Size on disk [bytes].
+        prefix: The private prefix.
+        triplet: Name of the prefix's library folder, such as ``x86_64-linux-gnu``.
+        has_client: Whether the prefix contains Qt and a rendering driver, so that
+            gzclient can run.
+        size: Size of the prefix on disk [bytes].
 
     Raises:
-        EngineUnavailableError: If the prefix has no Gazebo headers.
+        EngineUnavailableError: If the prefix does not contain Gazebo's headers.
     """
     version = _header_version(prefix / "usr")
     if version is None:
@@ -130,7 +132,7 @@ def mark_complete(prefix: Path, *, triplet: str, has_client: bool, size: int) ->
 
 
 def from_root(root: Path) -> GazeboInstallation | None:
-    """Return the Gazebo 11 under ``root``, if it is installed with its headers."""
+    """Return the Gazebo 11 under ``root``; None if it or its headers are missing."""
     server, client = root / "bin" / "gzserver", root / "bin" / "gzclient"
     version = _header_version(root)
     if version is None or not version.startswith("11.") or not server.is_file():
@@ -160,7 +162,7 @@ def _why_none() -> str:
 
 
 def _stated_version(server: str) -> str | None:
-    try:  # loading its libraries takes a while
+    try:  # loading the libraries of gzserver takes some time
         answer = run_program([server, "--version"], timeout=30.0)
     except subprocess.TimeoutExpired:
         return None
@@ -169,7 +171,7 @@ def _stated_version(server: str) -> str | None:
 
 
 def _header_version(root: Path) -> str | None:
-    """Return the version stated in Gazebo's headers under ``root``, if any."""
+    """Return the version in Gazebo's headers under ``root``; None if there are none."""
     try:
         match = _VERSION.search((root / _HEADER).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError):
@@ -180,13 +182,14 @@ def _header_version(root: Path) -> str | None:
 def include_folders(root: Path) -> tuple[Path, ...]:
     """Return the folders of Gazebo's headers and of the headers that they include.
 
-    ``/usr/include`` itself is never returned: named explicitly, it would come before
-    the compiler's own headers, which then would not find the C library's.
+    ``/usr/include`` is never returned.  If ``/usr/include`` were given explicitly, it
+    would come before the compiler's own headers, and the compiler's headers would not
+    find the C library's headers.
     """
     include = root / "include"
     folders = [include / "gazebo-11"]
     for base in dict.fromkeys((include, Path("/usr/include"))):
-        if not folders[1:]:  # both come from one place
+        if not folders[1:]:  # both header folders are in the same root
             folders += [*base.glob("sdformat-9*"), *base.glob("ignition/*[0-9]")]
     if include != Path("/usr/include"):
         folders.append(include)
@@ -194,9 +197,9 @@ def include_folders(root: Path) -> tuple[Path, ...]:
 
 
 def _gazebo_paths(root: Path) -> dict[str, str]:
-    """Return the paths of Gazebo's own files, as its ``setup.sh`` sets them.
+    """Return the variables for Gazebo's paths, like its ``setup.sh`` sets them.
 
-    Current values of these variables come first.
+    The current values of the variables come first.
     """
     share, default = root / "share" / "gazebo-11", root / "lib" / "gazebo-11"
     plugins = next((p for p in root.glob("lib/*/gazebo-11") if p.is_dir()), default)
@@ -204,7 +207,8 @@ def _gazebo_paths(root: Path) -> dict[str, str]:
         "GAZEBO_RESOURCE_PATH": _appended("GAZEBO_RESOURCE_PATH", share),
         "GAZEBO_MODEL_PATH": _appended("GAZEBO_MODEL_PATH", share / "models"),
         "GAZEBO_PLUGIN_PATH": _appended("GAZEBO_PLUGIN_PATH", plugins / "plugins"),
-        # Otherwise the server waits for a web site of models, perhaps unreachable.
+        # Without this setting, the server waits for a web site of models, which may be
+        # unreachable.
         "GAZEBO_MODEL_DATABASE_URI": os.environ.get("GAZEBO_MODEL_DATABASE_URI", ""),
     }
     ogre = next(iter(sorted(plugins.parent.glob("OGRE-1.*"))), None)
@@ -214,20 +218,21 @@ def _gazebo_paths(root: Path) -> dict[str, str]:
 def _private_environment(
     prefix: Path, triplet: str, *, has_client: bool
 ) -> dict[str, str]:
-    """Return the variables that make the programs of a private prefix run."""
+    """Return the variables that the programs of a private prefix need."""
     usr = prefix / "usr"
     lib = usr / "lib" / triplet
     libraries = [
         lib,
-        usr / "lib",  # libgdal
-        lib / "blas",  # links that installing would have made, and unpacking does not
+        usr / "lib",  # contains libgdal
+        # links to these libraries are created by installing, but not by unpacking
+        lib / "blas",
         lib / "lapack",
         lib / "pulseaudio",
         prefix / "lib" / triplet,
         lib / "gazebo-11" / "plugins",
     ]
     own = os.environ.get("LD_LIBRARY_PATH", "").split(":")
-    # With a display but no rendering driver, gzserver would end at once.
+    # With a display but without a rendering driver, gzserver would end immediately.
     display = {} if has_client else {"DISPLAY": ""}
     return {
         **_gazebo_paths(usr),
@@ -241,7 +246,8 @@ def _private_environment(
         "FONTCONFIG_PATH": f"{prefix}/etc/fonts",
         "XKB_CONFIG_ROOT": f"{usr}/share/X11/xkb",
         "PROJ_LIB": f"{usr}/share/proj",
-        # Nothing sounds; looking for a device takes time and fills the log.
+        # tool0 does not use sound.  The search for a sound device takes time and fills
+        # the log.
         "ALSOFT_DRIVERS": os.environ.get("ALSOFT_DRIVERS", "null"),
         **display,
     }

@@ -1,7 +1,7 @@
-"""Compiles the C++ plugin for Gazebo on this machine, against Gazebo's headers.
+"""Compiles the C++ plugin for Gazebo on this machine with Gazebo's headers.
 
-tool0 ships no binary, because Gazebo's classes differ between versions, and the
-compiler's library differs between distributions.
+tool0 does not contain a compiled plugin, because Gazebo's classes differ between
+versions, and the compiler's library differs between distributions.
 """
 
 from __future__ import annotations
@@ -35,22 +35,22 @@ class BridgeLibraries:
     """Paths of the libraries that gzserver loads."""
 
     bridge: Path
-    """Plugin that communicates with the engine."""
+    """Path of the plugin that communicates with the engine."""
     preload: Path
-    """Library preloaded into gzserver and gzclient, which restricts both to this
-    machine."""
+    """Path of the library that is preloaded into gzserver and gzclient.  The library
+    restricts both programs to this machine."""
 
 
 def plugin_folder() -> Path:
-    """Return the folder of compiled libraries; it may not exist yet."""
+    """Return the folder of compiled libraries.  The folder may not exist."""
     return cache_folder() / "gazebo"
 
 
 def bridge_libraries(installation: GazeboInstallation) -> BridgeLibraries:
-    """Return the libraries for this Gazebo, compiled if needed.
+    """Return the libraries for this Gazebo, after compiling them if necessary.
 
     Raises:
-        EngineUnavailableError: If compiling fails.
+        EngineUnavailableError: If the compilation fails.
     """
     paths = expected_libraries(installation)
     for source, library in zip(_SOURCES, (paths.bridge, paths.preload), strict=True):
@@ -60,11 +60,11 @@ def bridge_libraries(installation: GazeboInstallation) -> BridgeLibraries:
 
 
 def expected_libraries(installation: GazeboInstallation) -> BridgeLibraries:
-    """Return the paths of the libraries for this Gazebo, compiled or not.
+    """Return the paths of this Gazebo's libraries, which may not be compiled yet.
 
-    Each name has a hash of everything that the library depends on, except the
-    compiler's version, so that a compiled library stays in use after the compiler was
-    removed.
+    Each name contains a hash of everything on which the library depends, except the
+    compiler's version.  A compiled library therefore remains in use after the compiler
+    is removed.
     """
 
     def library(source: Path) -> Path:
@@ -74,7 +74,8 @@ def expected_libraries(installation: GazeboInstallation) -> BridgeLibraries:
             installation.version,
             *map(str, installation.include_dirs),
             platform.machine(),
-            *platform.libc_ver(),  # a library made for a newer libc does not load
+            # a library that was compiled for a newer libc cannot be loaded
+            *platform.libc_ver(),
         )
         digest = hashlib.sha256("\0".join(dependencies).encode()).hexdigest()[:16]
         return plugin_folder() / f"{source.stem}-{digest}.so"
@@ -83,7 +84,7 @@ def expected_libraries(installation: GazeboInstallation) -> BridgeLibraries:
 
 
 def compiler() -> list[str] | None:
-    """Return the command of the C++ compiler, or None if there is none."""
+    """Return the command of the C++ compiler; None if there is no compiler."""
     command = shlex.split(os.environ.get("CXX", "")) or ["g++"]
     return command if shutil.which(command[0]) else None
 
@@ -104,7 +105,7 @@ def _compile(source: Path, installation: GazeboInstallation, library: Path) -> N
     logger.info("compiling %s for Gazebo %s", source.name, installation.version)
     try:
         library.parent.mkdir(parents=True, exist_ok=True)
-        # Two processes may compile at once; the last result is kept.
+        # Two processes may compile at the same time.  The last result is kept.
         with tempfile.TemporaryDirectory(dir=library.parent, prefix=".new-") as folder:
             made = Path(folder) / library.name
             includes = [f"-isystem{path}" for path in installation.include_dirs]

@@ -11,7 +11,7 @@ from tool0.installation.gazebo.installation import GazeboInstallation, find_inst
 from tool0.installation.gazebo.plugin import compiler, expected_libraries
 
 _REPORTED: Final = ("version", "prefix", "size", "server", "client")
-"""The reported fields of the installation."""
+"""Fields of the installation that are reported."""
 
 
 @final
@@ -20,9 +20,9 @@ class GazeboStatus:
     """The output of ``tool0 gazebo status``."""
 
     installation: GazeboInstallation | None
-    """The Gazebo that would run."""
+    """The Gazebo that tool0 would run; None if there is none."""
     compiler: str | None
-    """The command of the C++ compiler."""
+    """The command of the C++ compiler; None if there is no compiler."""
     is_compiled: bool = False
     """Whether the plugin for Gazebo is compiled."""
     missing: tuple[str, ...]
@@ -30,7 +30,10 @@ class GazeboStatus:
 
     @property
     def can_run(self) -> bool:
-        """Whether a simulation can start, with a plugin that is or can be compiled."""
+        """Whether a simulation can start.
+
+        A simulation requires a plugin that is compiled or can be compiled.
+        """
         has_bridge = self.is_compiled or self.compiler is not None
         return self.installation is not None and has_bridge
 
@@ -46,7 +49,7 @@ class GazeboStatus:
         }
 
     def rows(self) -> list[tuple[str, str]]:
-        """Return names and values as text."""
+        """Return the names and values of the status as text."""
         rows = [("gazebo", "none")]
         if found := self.installation:
             kind = "the system's"

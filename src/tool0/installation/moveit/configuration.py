@@ -1,4 +1,4 @@
-"""The common parts of the MoveIt packages of both versions of ROS."""
+"""The parts that the MoveIt packages of both versions of ROS have in common."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ from tool0.installation.moveit.semantics import (
 from tool0.installation.templates import filled
 
 MOVEIT_SUFFIX: Final = "_moveit_config"
-"""Suffix of a package's name."""
+"""Suffix of the package's name."""
 _PLANNERS: Final = ("RRTConnect", "RRT", "RRTstar", "PRM", "LBKPIECE", "BiTRRT")
-"""Planners of OMPL; the first is the default."""
+"""Planners of OMPL.  The first planner is the default."""
 _SOLVER: Final = "kdl_kinematics_plugin/KDLKinematicsPlugin"
 
 Controllers = Mapping[str, Mapping[str, Any]]
-"""Controller → its parameters, as in ros_control's YAML."""
+"""Parameters of each controller, by controller name, like in ros_control's YAML."""
 
 
 @final
 class RobotPackage:
-    """Name, groups and common files of a package ``NAME_moveit_config``."""
+    """Name, groups and common files of the package ``NAME_moveit_config``."""
 
     def __init__(self, description: RobotDescription) -> None:
-        """Find the planning groups.
+        """Find the planning groups of the robot.
 
         Raises:
-            DescriptionError: If the robot is not of the catalogue.
+            DescriptionError: If the robot is not from the catalogue.
         """
         self._description = description
         self.groups: Final = planning_groups(description)
         self.name: Final = package_stem(description)
         self.path: Final = PurePosixPath(self.name + MOVEIT_SUFFIX)
-        """Folder of the package, below ``src``."""
+        """Path of the package's folder, relative to ``src``."""
         self._arms = arm_groups(self.groups)
 
     def config(
@@ -58,8 +58,9 @@ class RobotPackage:
 
         Args:
             urdf: The description of the robot.
-            disabled: Pairs of links not to check for collisions → reason.
-            limits: The limits of joints in the controllers' YAML.
+            disabled: Reasons for the pairs of links that are not checked for
+                collisions, by pair.
+            limits: The joint limits in the controllers' YAML.
         """
         return {
             f"{self.name}.urdf": urdf,
@@ -71,12 +72,13 @@ class RobotPackage:
     def files(
         self, template: Path, config: Mapping[str, str], words: Mapping[str, str]
     ) -> dict[PurePosixPath, str]:
-        """Return the files of the package by path.
+        """Return the files of the package, by path.
 
         Args:
             template: Folder of the package's launch files and manifest.
             config: Files of the package's folder ``config``, by name.
-            words: Template words other than ``@robot@`` and ``@group@`` → text.
+            words: Texts of the template words, by word, without ``@robot@`` and
+                ``@group@``.
         """
         group = ALL_ARMS if len(self._arms) > 1 else self._arms[0].name
         files = {self.path / "config" / file: text for file, text in config.items()}
@@ -85,7 +87,7 @@ class RobotPackage:
 
 
 def package_stem(description: RobotDescription) -> str:
-    """Return the name of a robot or cell, reduced to letters that catkin allows."""
+    """Return the name of a robot or cell, with only characters that catkin allows."""
     cell, (first, *_) = description.cell, description.robots
     if cell is None:
         words = [part.name for part in first.parts]
@@ -96,7 +98,10 @@ def package_stem(description: RobotDescription) -> str:
 
 
 def joint_limits(model: RobotModel, own: Mapping[str, Mapping[str, float]]) -> str:
-    """Return the joint limits; ``own`` are the limits in the controllers' YAML."""
+    """Return the joint limits as YAML.
+
+    ``own`` has the limits in the controllers' YAML.
+    """
     limits = {}
     for name in model.transmission_by_joint:
         joint = model.joint(name)
@@ -122,7 +127,7 @@ def joint_limits(model: RobotModel, own: Mapping[str, Mapping[str, float]]) -> s
 
 
 def kinematics(arms: list[ArmGroup]) -> str:
-    """Return the solvers of inverse kinematics."""
+    """Return the solvers of inverse kinematics as YAML."""
     solver = {
         "kinematics_solver": _SOLVER,
         "kinematics_solver_search_resolution": 0.005,
@@ -133,7 +138,7 @@ def kinematics(arms: list[ArmGroup]) -> str:
 
 
 def planners(groups: Sequence[Group], pipeline: Mapping[str, object]) -> str:
-    """Return the planners of OMPL; ``pipeline`` has the parameters before them."""
+    """Return the planners of OMPL as YAML, preceded by the ``pipeline`` parameters."""
     arms = arm_groups(groups)
     joints_of = {group.name: group.joints for group in groups}
     if len(arms) > 1:
@@ -159,12 +164,12 @@ def controllers_with_action(
     """Return the controllers that have an action for MoveIt, with their joints.
 
     Args:
-        controllers: Parameters of the controllers, with the type.
-        actions: Suffix of a controller type → action, and MoveIt's name for the
-            action's type.
+        controllers: Parameters of the controllers, including their types.
+        actions: Name of the action, and MoveIt's name for the action's type, by suffix
+            of the controller type.
 
     Raises:
-        ConfigError: If there are no such controllers.
+        ConfigError: If no controller has an action for MoveIt.
     """
     found: dict[str, dict[str, object]] = {}
     for name, parameters in controllers.items():

@@ -1,8 +1,8 @@
 """Writes the files of a MoveIt 1 configuration package.
 
-The layout is that of MoveIt's setup assistant.  Launch files and manifest are the same
-for every robot (``template``); the files in ``config`` are generated from the robot's
-description.
+The layout is the same as that of MoveIt's setup assistant.  The launch files and the
+manifest are the same for every robot (``template``).  The files in ``config`` are
+generated from the robot's description.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from tool0.installation.moveit.configuration import (
 )
 
 _WITH_GAZEBO: Final = "demo_gazebo.launch"
-"""The launch file with tool0_gazebo, which supports only one robot."""
+"""Name of the launch file that uses tool0_gazebo, which supports only one robot."""
 _DEPENDS_ON_GAZEBO: Final = "  <exec_depend>tool0_gazebo</exec_depend>\n"
 _TEMPLATE: Final = Path(__file__).parent / "template"
 _ACTIONS: Final = {
     "JointTrajectoryController": ("follow_joint_trajectory", "FollowJointTrajectory"),
     "GripperActionController": ("gripper_cmd", "GripperCommand"),
 }
-"""Type of a controller → its action, and MoveIt's name for the action's type."""
+"""Name of the action, and MoveIt's name for the action's type, by controller type."""
 
 
 def moveit_package(
@@ -38,19 +38,21 @@ def moveit_package(
     controllers: Controllers,
     action_controllers: Controllers,
 ) -> dict[PurePosixPath, bytes]:
-    """Return the files of the package ``NAME_moveit_config`` by path, below ``src``.
+    """Return the files of ``NAME_moveit_config``, by path relative to ``src``.
 
-    NAME is the name of the cell, or consists of the names of the robots, or of the arm
-    and gripper.
+    NAME is the name of the cell.  Without a cell, NAME consists of the names of the
+    robots, or of the names of the arm and gripper.
 
     Args:
-        description: One robot of the catalogue, or several.
-        disabled: Pairs of links not to check for collisions → reason.
+        description: One robot or several robots from the catalogue.
+        disabled: Reasons for the pairs of links that are not checked for collisions, by
+            pair.
         controllers: The ros_control YAML of the robot.
-        action_controllers: The same YAML, but with grippers driven by an action.
+        action_controllers: The ros_control YAML, but with grippers that are driven by
+            an action.
 
     Raises:
-        DescriptionError: If the robot is not of the catalogue.
+        DescriptionError: If the robot is not from the catalogue.
     """
     package = RobotPackage(description)
     config = {

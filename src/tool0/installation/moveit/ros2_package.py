@@ -1,8 +1,9 @@
 """Writes the files of a MoveIt 2 configuration package.
 
-The layout is that of MoveIt's setup assistant, so that MoveItConfigsBuilder can read
-it.  Launch files and manifest are the same for every robot (``template_ros2``); the
-files in ``config`` are generated from the robot's description.
+The layout is the same as that of MoveIt's setup assistant, so that MoveItConfigsBuilder
+can read it.  The launch files and the manifest are the same for every robot
+(``template_ros2``).  The files in ``config`` are generated from the robot's
+description.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from tool0.installation.moveit.configuration import (
 _TEMPLATE: Final = Path(__file__).parent / "template_ros2"
 _SIMULATED: Final = "gz_ros2_control/GazeboSimSystem"
 _MOCK: Final = "mock_components/GenericSystem"
-"""The ros2_control plugin of the demo without a simulator."""
+"""The ros2_control plugin of the demo that runs without a simulator."""
 _ACTIONS: Final = {
     "JointTrajectoryController": ("follow_joint_trajectory", "FollowJointTrajectory"),
     "GripperActionController": ("gripper_cmd", "ParallelGripperCommand"),
@@ -42,14 +43,14 @@ _PIPELINE: Final = {
         "default_planning_response_adapters/DisplayMotionPath",
     ],
 }
-"""Parameters of the OMPL pipeline, for Jazzy and later."""
+"""Parameters of the OMPL pipeline for Jazzy and later distributions."""
 _CARTESIAN_LIMITS: Final = {
     "max_trans_vel": 1.0,
     "max_trans_acc": 2.25,
     "max_trans_dec": -5.0,
     "max_rot_vel": 1.57,
 }
-"""Cartesian limits, as from MoveIt's setup assistant [m/s, m/s², rad/s]."""
+"""Cartesian limits from MoveIt's setup assistant [m/s, m/s², rad/s]."""
 
 
 def moveit2_package(
@@ -59,16 +60,19 @@ def moveit2_package(
     controllers: Controllers,
     limits: Mapping[str, Mapping[str, float]],
 ) -> dict[PurePosixPath, bytes]:
-    """Return the files of the package ``NAME_moveit_config`` by path, below ``src``.
+    """Return the files of ``NAME_moveit_config``, by path relative to ``src``.
 
     Args:
-        description: One robot of the catalogue, or several, with ``<ros2_control>``.
-        disabled: Pairs of links not to check for collisions → reason.
-        controllers: Parameters of the robot's controllers for ROS 2, with their types.
-        limits: Joint limits in the controllers' YAML.
+        description: One robot or several robots from the catalogue, with
+            ``<ros2_control>``.
+        disabled: Reasons for the pairs of links that are not checked for collisions, by
+            pair.
+        controllers: Parameters of the robot's controllers for ROS 2, including their
+            types.
+        limits: The joint limits in the controllers' YAML.
 
     Raises:
-        DescriptionError: If the robot is not of the catalogue.
+        DescriptionError: If the robot is not from the catalogue.
         ConfigError: If no controller has an action for MoveIt.
     """
     package = RobotPackage(description)

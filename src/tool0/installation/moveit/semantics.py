@@ -1,8 +1,9 @@
-"""The SRDF of a robot: planning groups, named states, disabled collisions.
+"""The SRDF of a robot: planning groups, named states and disabled collisions.
 
-For a single robot, the arm is the group ``manipulator`` and the gripper is the group
-``gripper``, as in ur5_moveit_config.  For several robots, each has groups with the
-robot's name, such as ``left_manipulator``, and the group ``arms`` has all arms.
+For a single robot, the arm is the group ``manipulator``, and the gripper is the group
+``gripper``, like in ur5_moveit_config.  For several robots, the names of the groups
+include the robot's name, such as ``left_manipulator``.  The group ``arms`` contains all
+arms.
 """
 
 from __future__ import annotations
@@ -18,48 +19,48 @@ from tool0.description.robot import CatalogueRobot, RobotDescription
 from tool0.errors import DescriptionError
 
 ALL_ARMS: Final = "arms"
-"""The group of all arms."""
+"""Name of the group that contains all arms."""
 _BASE: Final = "base_link"
-"""Name of an arm's first link, without the prefix."""
+"""Name of an arm's first link, without the arm's prefix."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArmGroup:
-    """A group with an arm, which is a chain of links."""
+    """A group that contains an arm, which is a chain of links."""
 
     name: str
     base_link: str
     tip_link: str
     joints: tuple[str, ...]
-    """The driven joints, from base to tip."""
+    """Names of the driven joints, from base to tip."""
     states: Mapping[str, Mapping[str, float]]
-    """Pose → joint → position [rad]."""
+    """Joint positions [rad] of each pose, by pose and joint."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GripperGroup:
-    """A group with the links of a gripper and the joint that drives them."""
+    """A group that contains the links of a gripper and the joint that drives them."""
 
     name: str
     arm: ArmGroup
     links: tuple[str, ...]
     joints: tuple[str, ...]
-    """The driven joints."""
+    """Names of the driven joints."""
     states: Mapping[str, Mapping[str, float]]
-    """Pose → joint → position [rad | m]."""
+    """Joint positions [rad | m] of each pose, by pose and joint."""
 
 
 Group = ArmGroup | GripperGroup
 
 
 def planning_groups(description: RobotDescription) -> tuple[Group, ...]:
-    """Return the groups of the robots: each arm, followed by its gripper.
+    """Return the groups of the robots.  Each arm is followed by its gripper.
 
     Raises:
-        DescriptionError: If the robot is your own description file, which names no
-            arms.
+        DescriptionError: If the robot is your own description file, which does not
+            define arms.
     """
     if not description.robots:
         raise DescriptionError(
@@ -95,7 +96,7 @@ def _groups(robot: CatalogueRobot, description: RobotDescription) -> Iterator[Gr
 
 
 def _driven(model: RobotModel, links: set[str]) -> tuple[str, ...]:
-    """Return the driven joints of ``links``."""
+    """Return the names of the driven joints of ``links``."""
     drives = model.transmission_by_joint
     return tuple(j.name for j in model.joints if j.child in links and j.name in drives)
 
@@ -108,7 +109,7 @@ def _states(part: CataloguePart, prefix: str) -> dict[str, dict[str, float]]:
 
 
 def arm_groups(groups: Iterable[Group]) -> list[ArmGroup]:
-    """Return the arms."""
+    """Return the groups that are arms."""
     return [group for group in groups if isinstance(group, ArmGroup)]
 
 
@@ -118,9 +119,10 @@ def to_srdf(
     """Return the SRDF of the robots.
 
     Args:
-        description: The robots.  Their root link is the planning frame, so that no
-            virtual joint is needed.
-        disabled: Pairs of links not to check for collisions → reason.
+        description: The robots.  The root link of the robots is the planning frame, so
+            that no virtual joint is needed.
+        disabled: Reasons for the pairs of links that are not checked for collisions, by
+            pair.
     """
     groups = planning_groups(description)
     robot = ET.Element("robot", name=description.model.name)

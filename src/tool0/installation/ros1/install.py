@@ -1,4 +1,4 @@
-"""Installs the ROS 1 packages for tool0 with the system's apt, or names another way."""
+"""Installs the ROS 1 packages that tool0 needs with the system's apt."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from tool0.installation.ros1.library import import_ros, is_of_distribution, ros_
 from tool0.installation.ros1.packages import other_install_command, required_components
 
 PYTHON_OF_RELEASE: Final = {"bookworm": "3.11", "trixie": "3.13", "jammy": "3.10"}
-"""Release that packages ROS 1 → the Python version of its packages.
+"""Python version of the ROS 1 packages of each release, by codename.
 
-Debian 12 and 13, and Ubuntu 22.04.  Ubuntu removed ROS 1 before 24.04:
+The releases are Debian 12 and 13, and Ubuntu 22.04.  Ubuntu removed ROS 1 before 24.04:
 https://bugs.launchpad.net/ubuntu/+source/ros-catkin/+bug/2063103
 """
 _NOT_PACKAGED: Final = (
@@ -39,7 +39,7 @@ _INSTALL: Final = (
     *("install", "--yes", "--no-install-recommends", "-o", "APT::Status-Fd=1"),
 )
 _ACTIVITIES: Final = {"dlstatus": "downloading", "pmstatus": "installing"}
-"""Start of apt's progress lines (``dlstatus:…:percent:…``) → activity."""
+"""Activity by the start of apt's progress lines (``dlstatus:…:percent:…``)."""
 _EXPLANATIONS: Final = {
     "disk full": "the disk is full; RViz needs 1 GB, the rest 0.4 GB",
     "unreachable": (
@@ -61,16 +61,16 @@ _EXPLANATIONS: Final = {
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ros1InstallPlan:
-    """The packages to install, if any."""
+    """The packages that must be installed, if any."""
 
     target: str
-    """The distribution, or the existing ROS, to install for."""
+    """The distribution or the existing ROS for which packages are installed."""
     packages: tuple[str, ...]
-    """Debian packages that are not installed yet."""
+    """Debian packages that are not yet installed."""
 
     @property
     def command(self) -> str:
-        """The shell command that installs them."""
+        """The shell command that installs the packages."""
         sudo = "" if os.geteuid() == 0 else "sudo "
         return (
             f"{sudo}apt-get update && {sudo}apt-get install --yes "
@@ -80,10 +80,11 @@ class Ros1InstallPlan:
 
 
 def plan_install(*, rviz: bool) -> Ros1InstallPlan:
-    """Return the missing packages.
+    """Return a plan with the missing packages.
 
     Raises:
-        RosUnavailableError: If tool0 cannot install ROS; the message names another way.
+        RosUnavailableError: If tool0 cannot install ROS.  The message describes another
+            way to install it.
     """
     components = required_components(rviz=rviz)
     if _has_other_ros():
@@ -119,12 +120,12 @@ def install_ros1(plan: Ros1InstallPlan, progress: ProgressCallback) -> None:
     """Install the packages of the plan, as root or through sudo.
 
     Raises:
-        RosUnavailableError: If the installation fails; the message has the reason and
-            the command.
+        RosUnavailableError: If the installation fails.  The message contains the reason
+            and the command.
     """
     apt = [*_root_prefix(plan), *_APT]
     progress("updating the package lists", 0.0)
-    # If one source is unreachable, others may have the packages.
+    # If one package source is unreachable, other sources may have the packages.
     _, update_output = _run_apt([*apt, "update"], progress)
     progress("resolving dependencies", 0.0)
     status, output = _run_apt([*apt, *_INSTALL, *plan.packages], progress)
@@ -144,7 +145,7 @@ def _has_other_ros() -> bool:
     except RosUnavailableError:
         distro = os.environ.get("ROS_DISTRO")
         if distro is None or os.environ.get("ROS_VERSION", "1") != "1":
-            return False  # a ROS 2 does not matter
+            return False  # ROS 2 does not affect ROS 1
         raise RosUnavailableError(
             f"ROS_DISTRO is '{distro}', but this Python finds no rospy: `source "
             f"/opt/ros/{distro}/setup.bash` in this terminal, without changing "
@@ -168,7 +169,7 @@ def not_installed(packages: Iterable[str]) -> tuple[str, ...]:
         ["dpkg-query", "--show", "-f", "${Package} ${db:Status-Status}\n", *names],
         capture_output=True,
         text=True,
-        check=False,  # 1 if one of them is unknown
+        check=False,  # the exit status is 1 if a package is unknown
     )
     rows = (line.split() for line in answer.stdout.splitlines())
     installed = {row[0] for row in rows if row[1:] == ["installed"]}
@@ -194,10 +195,12 @@ def _root_prefix(plan: Ros1InstallPlan) -> tuple[str, ...]:
 def _run_apt(
     command: Sequence[str], progress: ProgressCallback
 ) -> tuple[int, list[str]]:
-    """Run the command, showing its progress; return the exit status and other output.
+    """Run the command, and show its progress.
 
-    It does not use ``ChildProcess``, since sudo needs the terminal, and dpkg must not
-    be killed.
+    Return the exit status and the output without progress.
+
+    ``ChildProcess`` is not used, because sudo needs the terminal, and because dpkg must
+    not be killed.
     """
     output: list[str] = []
     with subprocess.Popen(

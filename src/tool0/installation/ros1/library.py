@@ -1,4 +1,4 @@
-"""Finds ROS 1 in a sourced workspace, RoboStack, or Debian's packages."""
+"""Finds ROS 1 in a sourced workspace, in RoboStack or in Debian's packages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 from tool0.errors import RosUnavailableError
 
 DEBIAN = Path("/usr/lib/python3/dist-packages")
-"""Folder of the modules for Debian's and Ubuntu's own Python 3."""
+"""Folder of the modules for the Python 3 of Debian and Ubuntu."""
 DEFAULT_MASTER = "http://localhost:11311"
 SET_UP = (
     "`tool0 ros1 install` installs it on Debian and Ubuntu; on a machine with Noetic, "
@@ -23,7 +23,8 @@ SET_UP = (
 def import_ros() -> None:
     """Make rospy and its messages importable.
 
-    Debian's folder is appended, so that all other modules are imported as before.
+    Debian's folder is appended to the search path, so that the origin of all other
+    modules does not change.
 
     Raises:
         RosUnavailableError: If this Python cannot import rospy.
@@ -48,7 +49,7 @@ def import_ros() -> None:
 
 
 def rospy_folder() -> Path | None:
-    """Return the path that rospy would be imported from."""
+    """Return the folder from which rospy would be imported; None if there is none."""
     spec = importlib.util.find_spec("rospy")
     return None if spec is None or spec.origin is None else Path(spec.origin).parent
 
@@ -60,7 +61,7 @@ def is_of_distribution() -> bool:
 
 
 def ros_origin() -> str | None:
-    """Return the origin of the importable ROS: a distribution, RoboStack, …."""
+    """Return the origin of the importable ROS, such as a distribution or RoboStack."""
     if rospy_folder() is None:
         return None
     if is_of_distribution():
@@ -74,7 +75,7 @@ def ros_origin() -> str | None:
 
 
 def prefixes() -> tuple[Path, ...]:
-    """Return the folders of installed ROS packages, a workspace's first."""
+    """Return the folders of installed ROS packages, with workspaces first."""
     named = os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)
     folders = [Path(name) for name in named if name]
     own = package_prefix("rospy")
@@ -82,19 +83,22 @@ def prefixes() -> tuple[Path, ...]:
 
 
 def message_folders(package: str) -> list[Path]:
-    """Return the folders with the ``.msg`` files of a package."""
+    """Return the folders that contain the ``.msg`` files of a package."""
     folders = (root / "share" / package / "msg" for root in prefixes())
     return [folder for folder in folders if folder.is_dir()]
 
 
 def find_node(name: str) -> Path | None:
-    """Return the path of the node ``package/program``, found the way rosrun does."""
+    """Return the path of the node ``package/program``.
+
+    The path is found in the same way as in rosrun.
+    """
     files = (root / "lib" / name for root in prefixes())
     return next((file for file in files if os.access(file, os.X_OK)), None)
 
 
 def package_prefix(module: str) -> Path | None:
-    """Return the prefix that the package of a module is installed in."""
+    """Return the prefix in which the package of a module is installed."""
     spec = importlib.util.find_spec(module)
     if spec is None or spec.origin is None:
         return None
@@ -104,7 +108,7 @@ def package_prefix(module: str) -> Path | None:
 
 
 def package_version(module: str) -> str | None:
-    """Return the version in the manifest of the package of a module."""
+    """Return the version in the manifest of a module's package."""
     from xml.etree import ElementTree
 
     prefix = package_prefix(module)
@@ -118,10 +122,10 @@ def package_version(module: str) -> str | None:
 
 
 def keep_to_this_machine() -> None:
-    """Make ROS listen on 127.0.0.1 only, unless the environment says otherwise.
+    """Make ROS listen only on 127.0.0.1, unless the environment requires otherwise.
 
-    The environment does so if ``ROS_IP`` or ``ROS_HOSTNAME`` is set, or the master is
-    on another machine.
+    The environment requires otherwise if ``ROS_IP`` or ``ROS_HOSTNAME`` is set, or if
+    the master is on another machine.
     """
     master = os.environ.setdefault("ROS_MASTER_URI", DEFAULT_MASTER)
     if not {"ROS_IP", "ROS_HOSTNAME"} & os.environ.keys() and is_local(master):

@@ -1,4 +1,4 @@
-"""Finds or starts the ROS master, and registers again when it was restarted."""
+"""Finds or starts the ROS master, and registers again when the master is restarted."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from tool0.installation.ros1.library import is_local
 logger = logging.getLogger(__name__)
 
 ROSCORE_TIMEOUT = 20.0
-"""Longest time until our roscore answers [s]; usually 2 s."""
+"""Longest time until our roscore answers [s].  A roscore usually answers after 2 s."""
 UNREGISTER_TIMEOUT = 5.0
-"""Time allowed for the master to forget our node [wall s]; this takes tens of calls,
-each slow on a busy machine."""
+"""Time limit for removing our node from the master [wall s].  Removing the node takes
+tens of calls, and each call is slow on a busy machine."""
 _QUIET = 0.05
-"""Time that the node must remain unregistered before it counts as forgotten [wall
+"""Time for which the node must remain unregistered before its removal is complete [wall
 s]."""
 _SUBSCRIBED_BY_ROSPY = "/rosout_disable_topics_generation"
-"""Parameter that rospy subscribes to, permanently, with its first warning."""
+"""Parameter to which rospy subscribes permanently when it logs its first warning."""
 _POLL_PERIOD = 0.01
-"""Period of polling the master [wall s]."""
+"""Interval between two calls when the master is polled [wall s]."""
 CALL_TIMEOUT = 3.0
-"""Timeout of a call to the master [s]."""
+"""Time limit of a call to the master [s]."""
 ROSCORE_GRACE = 5.0
-"""Time allowed for our roscore to end when it is stopped [s]."""
+"""Time limit for our roscore to end when it is stopped [s]."""
 
 
 @final
@@ -47,7 +47,7 @@ class _TimeLimitedTransport(Transport):
 
 @final
 class Master:
-    """Calls the master under our node's name; any thread may use it."""
+    """Calls the master under the name of our node.  Any thread may use an instance."""
 
     def __init__(self, node: str) -> None:
         import rosgraph
@@ -58,11 +58,13 @@ class Master:
         except ValueError as error:
             raise RosUnavailableError(f"ROS_MASTER_URI: {error}") from None
 
-    def call(self, method: str, *arguments: object) -> Any:  # any type of XML-RPC
-        """Call a method of the master, and return the value in the answer.
+    # The result may have any type that XML-RPC supports.
+    def call(self, method: str, *arguments: object) -> Any:
+        """Call a method of the master, and return the value in the master's answer.
 
         Raises:
-            RosUnavailableError: If there is no answer, or the master refuses.
+            RosUnavailableError: If there is no answer, or if the master refuses the
+                call.
         """
         code, message, value = self._call(self.uri, method, *arguments)
         if code != 1:
@@ -90,11 +92,12 @@ class Master:
         return True
 
     def uri_of(self, node: str) -> str | None:
-        """Return the address of a running node, or None."""
+        """Return the address of a running node; None if the node is not running."""
         try:
             uri = str(self.call("lookupNode", node))
             code, _, _ = self._call(uri, "getPid")
-        except RosUnavailableError:  # unknown, or killed without being unregistered
+        except RosUnavailableError:
+            # the node is unknown, or it was killed without being unregistered
             return None
         return uri if code == 1 else None
 
@@ -104,10 +107,11 @@ class Master:
         return next((tuple(nodes) for name, nodes in publishers if name == topic), ())
 
     def unregister_all(self, uri: str) -> None:
-        """Remove all registrations of our node, whose address is ``uri``.
+        """Remove all registrations of our node at the address ``uri``.
 
-        Repeats until the node stays unregistered for some time, because registrations
-        that a rospy thread has begun may still arrive.
+        The removal is repeated until the node remains unregistered for some time,
+        because a registration that a rospy thread has started may still reach the
+        master.
         """
         end = time.monotonic() + UNREGISTER_TIMEOUT
         self._unregister_once(uri)
@@ -120,7 +124,7 @@ class Master:
                 time.sleep(_POLL_PERIOD)
 
     def _knows(self, node: str) -> bool:
-        """Return whether a node is registered, even a dead one."""
+        """Return whether a node is registered.  A dead node may be registered."""
         try:
             self.call("lookupNode", node)
         except RosUnavailableError:
@@ -137,7 +141,8 @@ class Master:
                 self.call("unregisterSubscriber", topic, uri)
         for service, nodes in services:
             if self._node in nodes:
-                with contextlib.suppress(RosUnavailableError):  # unregistered meanwhile
+                # the node has been unregistered in the meantime
+                with contextlib.suppress(RosUnavailableError):
                     address = self.call("lookupService", service)
                     self.call("unregisterService", service, address)
         self.call("unsubscribeParam", uri, _SUBSCRIBED_BY_ROSPY)
@@ -145,11 +150,11 @@ class Master:
 
 @contextmanager
 def running_master(master: Master, *, start: bool) -> Iterator[None]:
-    """Provide a master within the context: a running master, or our own roscore.
+    """Provide a running master or our own roscore within the context.
 
     Raises:
-        RosUnavailableError: If no master answers, and starting one is impossible or not
-            allowed.
+        RosUnavailableError: If no master answers, and if a master cannot or must not be
+            started.
     """
     if master.is_up:
         yield
@@ -188,12 +193,16 @@ def _roscore(master: Master) -> ChildProcess:
 
 @final
 class MasterWatch:
-    """Registers again after the master went away or lost our registration."""
+    """Registers again if the master was unavailable or lost our registration."""
 
     def __init__(
         self, master: Master, node: str, uri: str, register: Callable[[], None]
     ) -> None:
-        """Call ``register`` when a master runs without our registration at ``uri``."""
+        """Store ``register``, which is called when our registration is missing.
+
+        The registration is missing if a master runs but does not have our node at
+        ``uri``.
+        """
         self._master = master
         self._node = node
         self._uri = uri
@@ -201,7 +210,7 @@ class MasterWatch:
         self._is_gone = False
 
     def check(self) -> None:
-        """Check once; call this about once a second, from a single thread."""
+        """Check once.  Call this method about once a second, from a single thread."""
         if not self._master.is_up:
             if not self._is_gone:
                 logger.warning(

@@ -1,9 +1,9 @@
 """Generates the message classes that the ROS interface imports.
 
-Installed packages ``control_msgs``, ``controller_manager_msgs`` and ``gazebo_msgs`` are
-used.  A missing package is generated once, from tool0's definitions, in the cache.  The
-result is both a Python package for ``import`` and a ROS package for ``rosmsg`` and
-similar commands.
+If the packages ``control_msgs``, ``controller_manager_msgs`` and ``gazebo_msgs`` are
+installed, they are used.  A missing package is generated once from tool0's definitions
+and stored in the cache.  The result is a Python package for ``import`` and also a ROS
+package for ``rosmsg`` and similar commands.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from tool0.installation.ros1.library import SET_UP, import_ros, message_folders
 from tool0.user_data import cache_folder, locked
 
 DEFINITIONS = Path(__file__).parent / "definitions"
-"""Folder of definitions: one folder per ROS package, with msg/, srv/, action/ and
-Python modules."""
+"""Folder of the definitions.  The folder contains one folder per ROS package, with
+msg/, srv/, action/ and Python modules."""
 EMBEDDED_PACKAGES = ("std_msgs", "geometry_msgs", "trajectory_msgs", "actionlib_msgs")
 """Installed packages whose messages are used in tool0's definitions."""
 _SECTIONS = re.compile(r"^---.*\n", re.MULTILINE)
@@ -37,11 +37,12 @@ _CLASSES_OF_SECTIONS = {
     ".srv": ("Request", "Response"),
     ".action": ("Goal", "Result", "Feedback"),
 }
-"""Suffixes of the class names of a file's sections."""
+"""Suffixes of the class names of a file's sections, by the suffix of the file."""
 _KINDS = ("msg", "srv", "action")
-"""Folders of definitions, and suffixes of the files in them."""
+"""Names of the folders of definitions, which are also the suffixes of the files in
+them."""
 _FIELD = re.compile(r"^\S+ (\w+)$", re.MULTILINE)
-"""Pattern of a line with a field, not a constant, in tool0's definitions."""
+"""Pattern of a line that defines a field and not a constant, in tool0's definitions."""
 _MANIFEST = """\
 <package format="2">
   <name>{0}</name>
@@ -55,11 +56,11 @@ _SHELL_VARIABLES = ("PYTHONPATH", "ROS_PACKAGE_PATH")
 
 
 def import_messages() -> None:
-    """Make rospy and every message package importable; repeated calls do nothing.
+    """Make rospy and all message packages importable.  Repeated calls have no effect.
 
     Raises:
-        RosUnavailableError: If there is no rospy, or an installed package lacks message
-            types.
+        RosUnavailableError: If there is no rospy, or if an installed package lacks
+            message types.
     """
     import_ros()
     absent = absent_packages()
@@ -77,18 +78,21 @@ def import_messages() -> None:
 
 
 def package_names() -> tuple[str, ...]:
-    """Return the packages that tool0 has definitions for."""
+    """Return the names of the packages for which tool0 has definitions."""
     folders = {file.parent.parent for kind in _KINDS for file in _files("*", kind)}
     return tuple(sorted(folder.name for folder in folders))
 
 
 def definition_files(package: str) -> list[Path]:
-    """Return the files that define the package's types, sorted."""
+    """Return the sorted files that define the package's types."""
     return sorted(file for kind in _KINDS for file in _files(package, kind))
 
 
 def _files(package: str, kind: str) -> Iterator[Path]:
-    """Yield definition files of a kind, without the compiled files that pip adds."""
+    """Yield the definition files of a kind.
+
+    Files that pip has compiled are omitted.
+    """
     return DEFINITIONS.glob(f"{package}/{kind}/*.{kind}")
 
 
@@ -98,9 +102,10 @@ def module_files(package: str) -> list[Path]:
 
 
 def absent_packages() -> tuple[str, ...]:
-    """Return tool0's packages that are not installed; rospy must be importable.
+    """Return tool0's message packages that are not installed.
 
-    A package that an earlier run generated does not count as installed.
+    rospy must be importable.  A package that an earlier run generated is not treated as
+    installed.
     """
     specs = {name: PathFinder.find_spec(name, _path()) for name in package_names()}
     # The spec of a folder without __init__.py has no origin.
@@ -112,7 +117,7 @@ def _path() -> list[str]:
 
 
 def is_generated(entry: str) -> bool:
-    """Return whether a search path's entry was made by ``generated_packages``."""
+    """Return whether ``generated_packages`` created an entry of the search path."""
     return Path(entry).parent == _cache()
 
 
@@ -121,12 +126,14 @@ def _cache() -> Path:
 
 
 def shell_exports() -> list[str]:
-    """Return shell commands that add the messages; empty if all are installed.
+    """Return shell commands that add the missing message packages to the paths.
 
-    They are for a POSIX shell, and append once to the current values of variables.
+    The commands are for a POSIX shell.  The commands append the packages to the current
+    values of variables, without duplicates.  The list is empty if all packages are
+    installed.
 
     Raises:
-        RosUnavailableError: If there is no rospy, or the cache cannot be written.
+        RosUnavailableError: If there is no rospy, or if the cache cannot be written.
     """
     import_ros()
     absent = absent_packages()
@@ -151,20 +158,21 @@ def shell_exports() -> list[str]:
 
 
 def generated_packages(packages: tuple[str, ...]) -> Path:
-    """Return the folder with these packages, generating them if needed.
+    """Return the folder with ``packages``, which are generated if necessary.
 
     The folder is an entry for both PYTHONPATH and ROS_PACKAGE_PATH.
 
     Raises:
-        RosUnavailableError: If genpy cannot make them.
-        OSError: If the folder does not exist and the cache cannot be written.
+        RosUnavailableError: If genpy cannot generate the packages.
+        OSError: If the folder does not exist, and if the cache cannot be written.
     """
     folder = _cache() / _key(packages)
     if folder.is_dir():
         return folder
     folder.parent.mkdir(parents=True, exist_ok=True)
     with locked(folder.parent / "lock"):
-        if not folder.is_dir():  # another process may have made it meanwhile
+        # another process may have created the folder in the meantime
+        if not folder.is_dir():
             new = Path(tempfile.mkdtemp(prefix="new-", dir=folder.parent))
             try:
                 generate(packages, new)
@@ -172,14 +180,14 @@ def generated_packages(packages: tuple[str, ...]) -> Path:
             except BaseException:
                 shutil.rmtree(new, ignore_errors=True)
                 raise
-            # Importing bytecode is 5 times as fast, and Python does not write it where
-            # PYTHONDONTWRITEBYTECODE is set.
+            # Importing bytecode is 5 times as fast as importing source code.  Python
+            # does not write bytecode if PYTHONDONTWRITEBYTECODE is set.
             compile_dir(folder, quiet=2)
     return folder
 
 
 def _key(packages: tuple[str, ...]) -> str:
-    """Return a hash of everything that the result depends on."""
+    """Return a hash of everything on which the result depends."""
     generator = importlib.util.find_spec("genpy.generator")
     if generator is None or generator.origin is None:
         raise RosUnavailableError(f"genpy, which ROS 1 needs, is missing; {SET_UP}")
@@ -193,7 +201,7 @@ def _key(packages: tuple[str, ...]) -> str:
 
 
 def _temporary_packages(packages: tuple[str, ...], cause: OSError) -> Path:
-    """Make the packages in a temporary folder that ends with the process."""
+    """Generate the packages in a temporary folder, which is removed at exit."""
     import atexit
 
     try:
@@ -210,10 +218,10 @@ def _temporary_packages(packages: tuple[str, ...], cause: OSError) -> Path:
 
 
 def generate(packages: tuple[str, ...], folder: Path) -> None:
-    """Make ROS packages with Python classes in ``folder``, an existing empty folder.
+    """Generate ROS packages with Python classes in the empty folder ``folder``.
 
     Raises:
-        RosUnavailableError: If genpy cannot make them.
+        RosUnavailableError: If genpy cannot generate the packages.
         OSError: If the folder cannot be written.
     """
     from genpy.generate_initpy import write_modules
@@ -239,7 +247,7 @@ def generate(packages: tuple[str, ...], folder: Path) -> None:
 
 
 def _write_definitions(package: str, home: Path) -> None:
-    """Write the definitions as a ROS package, actions also as messages."""
+    """Write the definitions as a ROS package.  Actions are also written as messages."""
     for file in definition_files(package):
         texts = {file: file.read_text(encoding="utf-8")}
         if file.suffix == ".action":
@@ -255,7 +263,7 @@ def _write_definitions(package: str, home: Path) -> None:
 
 
 def _messages_of_action(name: str, text: str) -> dict[Path, str]:
-    """Return the seven messages of an action, as actionlib defines them."""
+    """Return the seven messages that actionlib defines for an action."""
     goal, result, feedback = _SECTIONS.split(text)
     status = "Header header\nactionlib_msgs/GoalStatus status\n"
     texts = {
@@ -276,7 +284,7 @@ def _messages_of_action(name: str, text: str) -> dict[Path, str]:
 
 
 def _check_installed(package: str) -> None:
-    """Raise RosUnavailableError unless the package has all our types and fields."""
+    """Raise RosUnavailableError if the package lacks any of tool0's types or fields."""
     for file in definition_files(package):
         module = f"{package}.{'srv' if file.suffix == '.srv' else 'msg'}"
         for name, fields in _classes(file):

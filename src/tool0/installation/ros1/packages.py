@@ -1,4 +1,4 @@
-"""Lists the parts of ROS 1 that tool0 uses, and how to install missing parts."""
+"""Lists the parts of ROS 1 that tool0 uses, and the ways to install missing parts."""
 
 from __future__ import annotations
 
@@ -32,21 +32,22 @@ from tool0.installation.ros1.messages import absent_packages, package_names
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RosComponent:
-    """A part of ROS 1 that is installed as a whole."""
+    """A part of ROS 1.  All packages of a part are installed together."""
 
     name: str
     purpose: str
-    """Purpose of the part, for users."""
+    """Purpose of the part, as a text for users."""
     modules: tuple[str, ...] = ()
-    """Python modules to import; each is in a package of the same name."""
+    """Python modules to import.  Each module is in a package of the same name."""
     programs: tuple[str, ...] = ()
-    """Required programs on PATH."""
+    """Programs that must be in PATH."""
     nodes: tuple[str, ...] = ()
-    """Programs that rosrun would start, as ``package/program``."""
+    """Programs that rosrun can start, in the form ``package/program``."""
     definitions: tuple[str, ...] = ()
     """Packages whose ``.msg`` files are read."""
     other_packages: tuple[tuple[str, str], ...] = ()
-    """Packages in addition to those of ``modules``: name in ROS, name in Debian."""
+    """Packages in addition to the packages of ``modules``, each with its names in ROS
+    and in Debian."""
     is_needed: bool = False
     """Whether ROS 1 cannot be used without this component."""
 
@@ -58,7 +59,7 @@ class RosComponent:
 
     @property
     def debian(self) -> tuple[str, ...]:
-        """The component's packages in Debian and Ubuntu."""
+        """Names of the component's packages in Debian and Ubuntu."""
         return (
             *(f"python3-{name.replace('_', '-')}" for name in self.modules),
             *(f"ros-{name.replace('_', '-')}" for name in self.definitions),
@@ -67,13 +68,13 @@ class RosComponent:
 
     @property
     def ros(self) -> tuple[str, ...]:
-        """The component's packages in a ROS distribution, such as Noetic."""
+        """Names of the component's packages in a ROS distribution such as Noetic."""
         return (*self.modules, *(ros for ros, _ in self.other_packages))
 
     def missing(self) -> tuple[str, ...]:
-        """Return the names of missing parts, without importing anything.
+        """Return the names of missing parts.  Nothing is imported.
 
-        Debian's modules are on the path only after ``import_ros``.
+        The modules of Debian's packages are found only after ``import_ros``.
         """
         return (
             *(name for name in self.modules if not importlib.util.find_spec(name)),
@@ -147,12 +148,12 @@ COMPONENTS: Final = (
 
 
 def required_components(*, rviz: bool) -> tuple[RosComponent, ...]:
-    """Return the components to install."""
+    """Return the components that must be installed."""
     return tuple(one for one in COMPONENTS if rviz or one.name != "rviz")
 
 
 def other_install_command(components: Iterable[RosComponent]) -> str:
-    """Return the install command for a ROS from outside the distribution."""
+    """Return the install command for a ROS that is not from the distribution."""
     distro = os.environ.get("ROS_DISTRO", "noetic")
     names = (name.replace("_", "-") for one in components for name in one.ros)
     packages = " ".join(f"ros-{distro}-{name}" for name in dict.fromkeys(names))
@@ -173,30 +174,30 @@ class Ros1Status:
     """The output of ``tool0 ros1 status``."""
 
     rospy: Path | None = None
-    """The folder that rospy is imported from."""
+    """The folder from which rospy is imported."""
     version: str | None = None
     """Version of rospy."""
     source: str | None = None
-    """The origin of ROS's packages."""
+    """The origin of the ROS packages."""
     master: str
-    """The expected address of the master."""
+    """The expected address of the ROS master."""
     is_master_up: bool = False
-    """Whether the master answers."""
+    """Whether the ROS master answers."""
     missing: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    """Component → missing parts; complete components are left out."""
+    """Missing parts of each incomplete component, by component."""
     messages: dict[str, str] = field(default_factory=dict)
-    """Message package → ``installed``, or ``ours``."""
+    """Origin of each message package, by name: ``installed`` or ``ours``."""
     remedies: tuple[str, ...] = ()
-    """The command that installs what is missing."""
+    """Commands that install the missing parts."""
 
     @property
     def can_run(self) -> bool:
-        """Whether ``tool0 bringup --ros1`` works, given a master."""
+        """Whether ``tool0 bringup --ros1`` works if a master is running."""
         needed = (part.name for part in COMPONENTS if part.is_needed)
         return self.rospy is not None and self.missing.keys().isdisjoint(needed)
 
     def why_not(self, names: Iterable[str]) -> str | None:
-        """Return why these components cannot all be used; None if they can."""
+        """Return the reason why a component cannot be used; None if all can be used."""
         absent = [name for name in names if name in self.missing]
         gaps = [f"no {', '.join(self.missing[name])}" for name in absent]
         return "; ".join([*gaps, *self.remedies]) if gaps else None
@@ -217,7 +218,7 @@ class Ros1Status:
         }
 
     def rows(self) -> list[tuple[str, str]]:
-        """Return names and values as text."""
+        """Return the names and values of the status as text."""
         master = "does not answer: start roscore, or add --roscore"
         if self.is_master_up:
             master = "answers"
@@ -244,7 +245,7 @@ class Ros1Status:
 
 
 def ros1_status() -> Ros1Status:
-    """Return the status; imports rospy, but starts nothing."""
+    """Return the status. rospy is imported, but no program is started."""
     master = os.environ.get("ROS_MASTER_URI", DEFAULT_MASTER)
     try:
         import_ros()
@@ -254,7 +255,7 @@ def ros1_status() -> Ros1Status:
         return Ros1Status(master=master, missing=everything, remedies=(str(error),))
     try:
         is_up = Master("/tool0_status").is_up
-    except RosUnavailableError:  # its address is invalid
+    except RosUnavailableError:  # the address of the master is invalid
         is_up = False
     found, absent = {p.name: p.missing() for p in COMPONENTS}, absent_packages()
     missing = {name: what for name, what in found.items() if what}
@@ -278,7 +279,8 @@ def ros1_status() -> Ros1Status:
 def _import_rospy() -> None:
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # tool0 cannot fix that
+            # tool0 cannot fix the cause of the warnings
+            warnings.simplefilter("ignore")
             importlib.import_module("rospy")
     except ImportError as error:
         raise RosUnavailableError(

@@ -1,1 +1,1 @@
-"""Finds a ROS 2, installs one from PyPI's wheels, and sets its environment."""
+"""Finds or installs a ROS 2, and sets its environment."""

@@ -1,13 +1,14 @@
-"""Builds the message packages of a folder of definitions, in a ROS 2 of PyPI's wheels.
+"""Builds message packages from definitions, in a ROS 2 that was installed from PyPI.
 
 usage: PYTHON generate.py DEFINITIONS PREFIX WORK
 
-``PYTHON`` is that of the ROS 2 in ``PREFIX``; ``DEFINITIONS`` has one folder per
-package, with msg/, srv/ and action/.  The wheels carry ROS 2's own generators, headers
-and libraries; the compilers in the variables CC and CXX make the rest.  Standard output
-has ``STEPS`` lines for each package, one after each step.
+``PYTHON`` is the Python of the ROS 2 in ``PREFIX``.  ``DEFINITIONS`` contains one
+folder per package, with msg/, srv/ and action/.  The wheels contain ROS 2's generators,
+headers and libraries.  The compilers in the variables CC and CXX compile the generated
+sources.  For each package, the standard output contains ``STEPS`` lines, one after each
+step.
 
-It runs without tool0: it imports the standard library and rosidl only.
+The script runs without tool0.  The script imports only the standard library and rosidl.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from contextlib import redirect_stdout
 from pathlib import Path
 
 STEPS = 7
-"""Lines that a package prints."""
+"""Number of lines that are printed for a package."""
 _FLAGS = ("-O1", "-fPIC", "-pipe", "-w")
 _LIBRARIES = (
     *("rosidl_runtime_c", "rosidl_typesupport_c", "rosidl_typesupport_fastrtps_c"),
@@ -35,7 +36,7 @@ _LIBRARIES = (
     "rosidl_typesupport_introspection_c",
 )
 _STATIC = re.compile(r"^static [\w ]*?(\w+)(?:\[\])? =", re.MULTILINE)
-"""A definition at the level of a C file."""
+"""Pattern of a static definition at the top level of a C file."""
 _KINDS = ("msg", "srv", "action")
 _GENERATOR = "rosidl_generator_c"
 _TYPESUPPORT = "rosidl_typesupport_c"
@@ -54,7 +55,7 @@ _MANIFEST = """\
 
 
 def main(definitions: Path, prefix: Path, work: Path) -> None:
-    """Make every package, on all processors."""
+    """Build all packages in parallel, using all processors."""
     folders = sorted(definitions.iterdir(), key=_size, reverse=True)
     library = prefix / "lib"
     libraries = [
@@ -80,13 +81,13 @@ def _size(folder: Path) -> int:
 def make_package(
     definitions: Path, prefix: Path, work: Path, libraries: Iterable[Path]
 ) -> None:
-    """Make the package that is defined in the folder of its name.
+    """Build the package that is defined in the folder of the package's name.
 
     Args:
-        definitions: The folder.
-        prefix: The root of the ROS 2.
+        definitions: The folder that defines the package.
+        prefix: The root folder of the ROS 2.
         work: Folder for intermediate files.
-        libraries: Libraries of other packages to link with.
+        libraries: Libraries of other packages with which the package is linked.
     """
     package = definitions.name
     with Path(os.devnull).open("w") as nowhere, redirect_stdout(nowhere):
@@ -140,7 +141,8 @@ def write_sources(definitions: Path, prefix: Path, work: Path) -> None:
     generate("rosidl_generator_type_description", "generate_type_hash", share)
     generate(_GENERATOR, "generate_c", include)
     generate(_FASTRTPS, "generate_typesupport_fastrtps_c", include)
-    introspection = work / "introspection" / package  # its files have the same names
+    # the files have the same names as files of other generators
+    introspection = work / "introspection" / package
     generate(_INTROSPECTION, "generate_c", introspection)
     generate(_TYPESUPPORT, "generate_c", include, [_FASTRTPS, _INTROSPECTION])
     python = work / "python" / package
@@ -151,7 +153,10 @@ def write_sources(definitions: Path, prefix: Path, work: Path) -> None:
 
 
 def _parse_once() -> None:
-    """Make the generators share their parse results: each would parse every file."""
+    """Make the generators share parse results.
+
+    Without sharing, each generator would parse every file.
+    """
     from rosidl_parser import parser
     from rosidl_parser.definition import IdlFile, IdlLocator
 
@@ -181,7 +186,7 @@ def _write_visibility(package: str, prefix: Path, generator: str, folder: Path) 
 
 
 def compile_sources(package: str, prefix: Path, work: Path) -> Path:
-    """Return the folder with the object files."""
+    """Compile the sources of a package, and return the folder of the object files."""
     import numpy
 
     headers = prefix / "include"
@@ -189,7 +194,7 @@ def compile_sources(package: str, prefix: Path, work: Path) -> Path:
         work / "include",
         work / "introspection",
         *sorted(folder for folder in headers.iterdir() if folder.is_dir()),
-        headers,  # of fastcdr
+        headers,  # headers of fastcdr
         Path(numpy.get_include()),
         Path(sysconfig.get_path("include")),
     ]
@@ -221,7 +226,7 @@ def _included(files: Iterable[Path]) -> str:
 
 
 def _joined(files: Iterable[Path]) -> str:
-    """Return the text of all files, with static names that do not collide."""
+    """Return the joined text of all files.  Static names are made unique."""
     texts = []
     for number, file in enumerate(files):
         text = file.read_text(encoding="utf-8")
@@ -231,7 +236,7 @@ def _joined(files: Iterable[Path]) -> str:
 
 
 def link(package: str, prefix: Path, objects: Path, libraries: Iterable[Path]) -> None:
-    """Make the package's libraries, in ``prefix``."""
+    """Link the package's libraries into ``prefix``."""
     library = prefix / "lib"
     own: list[Path] = []
     options = ("-shared", "-Wl,--as-needed", "-Wl,--allow-shlib-undefined")
@@ -255,7 +260,7 @@ def link(package: str, prefix: Path, objects: Path, libraries: Iterable[Path]) -
 
 
 def install(package: str, prefix: Path, work: Path) -> None:
-    """Put the Python package and the definitions into ``prefix``."""
+    """Copy the Python package and the definitions into ``prefix``."""
     shutil.copytree(
         work / "python" / package,
         Path(sysconfig.get_path("platlib"), package),
@@ -274,7 +279,7 @@ def install(package: str, prefix: Path, work: Path) -> None:
 
 
 def _run(compiler: str, *arguments: str, cwd: Path | None = None) -> None:
-    """Run the compiler that the variable names."""
+    """Run the compiler that the environment variable ``compiler`` specifies."""
     command = [*shlex.split(os.environ[compiler]), *arguments]
     done = subprocess.run(command, cwd=cwd, check=False, capture_output=True, text=True)
     if done.returncode:

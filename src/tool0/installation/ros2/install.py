@@ -1,10 +1,11 @@
-"""Installs a ROS 2 from PyPI's wheels in the user's data folder, and removes it.
+"""Installs a ROS 2 from wheels on PyPI into the user's data folder, or removes it.
 
-The wheels lack control_msgs and other packages, which are generated from tool0's
-definitions and compiled.  An installation is a virtual environment in a folder whose
-name is derived from its contents; a link selects the current installation.  Programs
-that run from the previous installation continue, because only the next installation
-deletes it.
+The wheels do not include control_msgs and other packages.  The missing packages are
+generated from tool0's definitions and compiled.  An installation is a virtual
+environment in a folder whose name is derived from the folder's contents.  A link
+selects the current installation.  Programs that run from the previous installation
+continue to run, because the previous installation is deleted only by the next
+installation.
 """
 
 from __future__ import annotations
@@ -45,18 +46,20 @@ WHEELS: Final = ("ros-rclpy[fastrtps]==9.1.2", "ros-common-interfaces==5.5.1")
 """PyPI packages of this distribution, for Python 3.10 to 3.14 on x86-64 Linux."""
 PYTHONS: Final = ((3, 10), (3, 14))
 _N_WHEELS: Final = 85
-"""Pattern of the lines that pip prints about collected packages."""
+"""Approximate number of lines about collected packages in pip's output."""
 DEFINITIONS: Final = Path(__file__).parent / "definitions"
-"""Folder of definitions: one folder per package of Kilted, with msg/, srv/, action/."""
+"""Folder of the definitions.  The folder contains one folder per package of Kilted,
+with msg/, srv/ and action/."""
 _NEEDED: Final = 700_000_000
-"""Bytes needed on disk during the installation, of which 300 MB stay in use."""
+"""Disk space that the installation needs [bytes].  Of this space, 300 MB remain in
+use."""
 _COMPILERS: Final = {
     "CC": ("gcc", "cc", "clang"),
     "CXX": ("g++", "c++", "clang++"),
 }
-"""Variable that names a compiler → compilers to try if the variable is not set."""
+"""Compilers that are tried if the variable is not set, by environment variable."""
 _POLL_PERIOD: Final = 0.2
-"""Interval of polling a program's output [wall s]."""
+"""Interval at which a program's output is polled [wall s]."""
 _FAILURES: Final = {
     "no space left": "the disk is full",
     "retrying|connection|resolve|timed out|ssl": (
@@ -68,7 +71,8 @@ _FAILURES: Final = {
         "PIP_INDEX_URL, such as https://pypi.org/simple"
     ),
 }
-"""Pattern of pip's output → explanation; the first match applies."""
+"""Explanations of failures, by pattern of pip's output.  The first pattern that matches
+applies."""
 _CHECK: Final = """\
 import importlib, pathlib, sys
 import rclpy
@@ -83,11 +87,11 @@ for folder in pathlib.Path(sys.argv[1]).iterdir():
 
 
 def install_ros2(progress: ProgressCallback) -> Ros2:
-    """Return tool0's own ROS 2, installing it if it is missing or out of date.
+    """Return tool0's own ROS 2.  Install ROS 2 if it is missing or out of date.
 
     Raises:
-        RosUnavailableError: If that is impossible; the message has the reason and the
-            remedy.
+        RosUnavailableError: If ROS 2 cannot be installed.  The message contains the
+            reason and the remedy.
     """
     reason = why_not_installable()
     if reason is not None:
@@ -107,17 +111,17 @@ def install_ros2(progress: ProgressCallback) -> Ros2:
                 raise
         _select(prefix)
     made = find_own()
-    assert made is not None  # it has just been selected
+    assert made is not None  # the installation has just been selected
     return made
 
 
 def uninstall_ros2() -> int:
-    """Remove all of tool0's own installations; return their size [bytes]."""
+    """Remove all installations of tool0's own ROS 2; return the freed bytes."""
     return removed(own_folder(), "ROS 2", RosUnavailableError)
 
 
 def expected_prefix() -> Path:
-    """Return the folder for an installation by this version of tool0 and its Python."""
+    """Return the installation folder for this version of tool0 and its Python."""
     version = f"{sys.version_info.major}.{sys.version_info.minor}"
     digest = hashlib.sha256(f"{WHEELS} {version}".encode())
     for file in (Path(generate.__file__), *sorted(DEFINITIONS.glob("*/*/*"))):
@@ -132,7 +136,7 @@ def _leftovers(keep: Sequence[Path]) -> list[Path]:
 
 
 def _select(prefix: Path) -> None:
-    """Make the link point to this installation, atomically."""
+    """Make the link refer to this installation.  The change is atomic."""
     new = current_link().with_name("next")
     new.unlink(missing_ok=True)
     new.symlink_to(prefix.name)
@@ -143,7 +147,7 @@ def _select(prefix: Path) -> None:
 
 
 def why_not_installable() -> str | None:
-    """Return why there are no wheels for this machine; None if there are wheels."""
+    """Return the reason why no wheels fit this machine; None if there are wheels."""
     version = sys.version_info[:2]
     advice = (
         "install ROS 2 another way, and source its setup file (docs/how-to/ros2.md)"
@@ -195,12 +199,12 @@ def _require_space() -> None:
 
 
 def _base_python() -> str:
-    """Return the interpreter that tool0's virtual environment was made from."""
+    """Return the interpreter from which tool0's virtual environment was created."""
     return str(getattr(sys, "_base_executable", None) or sys.executable)
 
 
 def _compilers() -> dict[str, str]:
-    """Return the compilers' commands, by variable."""
+    """Return the commands of the compilers, by environment variable."""
     return {
         variable: os.environ.get(variable, "").strip()
         or next((name for name in names if shutil.which(name)), names[0])
@@ -263,8 +267,8 @@ def _run(
     """Run a program, and show its output as progress.
 
     Raises:
-        RosUnavailableError: If the program fails; the message has the end of its
-            output.
+        RosUnavailableError: If the program fails.  The message contains the end of the
+            program's output.
     """
     log = work / "output.txt"
     with (

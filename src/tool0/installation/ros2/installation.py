@@ -1,7 +1,7 @@
-"""Finds the ROS 2 to run: the sourced one, one in /opt/ros, or tool0's own.
+"""Finds the ROS 2 to run, which is sourced, in /opt/ros, or installed by tool0.
 
-tool0 does not import ROS 2 itself: tool0's node runs under the Python of the found ROS
-2, in the environment that this module returns.
+tool0 does not import ROS 2.  The node of tool0 runs under the Python of the ROS 2 that
+is found, in the environment that this module returns.
 """
 
 from __future__ import annotations
@@ -20,28 +20,28 @@ from tool0.installation.child_process import run_program
 from tool0.user_data import data_folder
 
 SUPPORTED: Final = ("rolling", "lyrical", "kilted", "jazzy", "iron", "humble")
-"""Supported distributions, the newest first."""
+"""Supported distributions, with the newest first."""
 OLDEST_PYTHON: Final = (3, 10)
 SYSTEM_ROOT: Final = Path("/opt/ros")
 NODE_FOLDER: Final = Path(__file__).parents[2] / "ros_packages" / "tool0_ros2"
-"""PYTHONPATH entry of tool0's node."""
+"""Folder of tool0's node, which is added to PYTHONPATH."""
 MARKER: Final = "tool0-ros2.json"
-"""File that is written last into tool0's own installation; without it, a folder is
-incomplete."""
+"""File that is written last into tool0's own installation.  An installation without
+this file is incomplete."""
 _FORMAT: Final = 1
 
 _FOREIGN: Final = (
     *("VIRTUAL_ENV", "VIRTUAL_ENV_PROMPT", "PYTHONHOME", "__PYVENV_LAUNCHER__"),
     "_ROS_WHEELS_BOOTSTRAP_COMPLETE",
 )
-"""Variables of tool0's Python and of other wheels, which would mislead another
-Python."""
+"""Variables of tool0's Python and of other wheels.  These variables would make another
+Python use wrong folders."""
 _ROS_VARIABLES: Final = (
     *("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH", "COLCON_PREFIX_PATH", "PYTHONPATH"),
     *("LD_LIBRARY_PATH", "ROS_DISTRO", "ROS_VERSION", "ROS_PYTHON_VERSION"),
     *("ROS_ROOT", "ROS_PACKAGE_PATH", "ROS_ETC_DIR", "ROS_MASTER_URI"),
 )
-"""Variables that a sourced ROS sets."""
+"""Environment variables that are set when a ROS is sourced."""
 _RCLPY: Final = re.compile(r"python(3\.\d+)/(?:site|dist)-packages$")
 
 _VERSION: Final = re.compile(r"<version[^>]*>\s*([^<\s]+)")
@@ -52,35 +52,36 @@ Kind = Literal["sourced", "system", "own"]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ros2:
-    """A ROS 2 with rclpy."""
+    """A ROS 2 installation that contains rclpy."""
 
     kind: Kind
-    """Whether it was sourced in this terminal, found in /opt/ros, or installed by
-    tool0."""
+    """Whether the ROS 2 was sourced in this terminal, found in /opt/ros, or installed
+    by tool0."""
     distro: str
-    """Name of the release, such as ``kilted``."""
+    """Name of the distribution, such as ``kilted``."""
     prefix: Path
-    """The folder that has rclpy."""
+    """The folder that contains rclpy's package."""
     python: Path
-    """Path of its Python interpreter."""
+    """Path of the ROS 2's Python interpreter."""
     environment: dict[str, str] = field(repr=False)
-    """All environment variables of a process that uses it, except the node's path."""
+    """All environment variables of a process that uses this ROS 2, without the node's
+    path."""
 
     @property
     def origin(self) -> str:
-        """Origin of this ROS 2, for users."""
+        """Origin of this ROS 2, as a text for users."""
         return {"system": "the system's", "own": "tool0's own"}.get(
             self.kind, "sourced"
         )
 
     @property
     def prefixes(self) -> list[Path]:
-        """The folders of ROS packages; the first takes precedence."""
+        """The folders of ROS packages.  The first folder takes precedence."""
         named = self.environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
         return [Path(name) for name in dict.fromkeys(named) if name]
 
     def version(self, package: str) -> str | None:
-        """Return the version of a package, if it is installed."""
+        """Return the version of a package; None if it is not installed."""
         for prefix in self.prefixes:
             manifest = prefix / "share" / package / "package.xml"
             with suppress(OSError):
@@ -90,11 +91,11 @@ class Ros2:
 
 
 def find_ros2(environ: Mapping[str, str] | None = None) -> Ros2 | None:
-    """Return the ROS 2 that would run, or None.
+    """Return the ROS 2 that tool0 would run; None if there is none.
 
     Args:
-        environ: Environment variables of this process, which may include a sourced ROS
-            2.
+        environ: Environment variables of this process, including variables of a sourced
+            ROS 2.
     """
     variables = dict(os.environ if environ is None else environ)
     return _sourced(variables) or _system(variables) or find_own(variables)
@@ -104,14 +105,14 @@ def find_ros2(environ: Mapping[str, str] | None = None) -> Ros2 | None:
 
 
 def _sourced(variables: dict[str, str]) -> Ros2 | None:
-    """Return the ROS 2 whose setup file has been read in this terminal."""
+    """Return the ROS 2 whose setup file has been sourced in this terminal."""
     distro = variables.get("ROS_DISTRO", "")
     named = variables.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     prefixes = [Path(name) for name in named if name]
     if variables.get("ROS_VERSION", "2") != "2" or not (distro and prefixes):
         return None
     for prefix in prefixes:
-        if prefix.joinpath(MARKER).is_file():  # by `tool0 ros2 env`
+        if prefix.joinpath(MARKER).is_file():  # set up by `tool0 ros2 env`
             return _own(prefix, variables)
     for prefix in prefixes:
         python = _python_of(prefix)
@@ -143,7 +144,7 @@ def _system(variables: dict[str, str]) -> Ros2 | None:
 
 
 def _python_of(prefix: Path) -> Path | None:
-    """Return the Python for which the ROS 2 in ``prefix`` has rclpy, or None."""
+    """Return the Python that can import rclpy of the ROS 2 in ``prefix``, or None."""
     for pattern in ("lib/python3*/site-packages", "local/lib/python3*/dist-packages"):
         for folder in sorted(prefix.glob(pattern)):
             match = _RCLPY.search(folder.as_posix())
@@ -161,7 +162,7 @@ def _python_of(prefix: Path) -> Path | None:
 
 
 def _after_setup(setup: Path, variables: dict[str, str]) -> dict[str, str]:
-    """Return the environment after sourcing the setup file in a shell."""
+    """Return the environment after the setup file is sourced in a shell."""
     before = plain_environment(variables)
     answer = run_program(
         ["bash", "-c", '. "$0" >&2 && env -0', str(setup)], environment=before
@@ -182,7 +183,7 @@ def _without_foreign(variables: Mapping[str, str]) -> dict[str, str]:
 
 
 def plain_environment(variables: Mapping[str, str]) -> dict[str, str]:
-    """Return the variables of a process with another Python, and without any ROS."""
+    """Return the variables for a process with another Python and without any ROS."""
     kept = _without_foreign(variables)
     return {name: text for name, text in kept.items() if name not in _ROS_VARIABLES}
 
@@ -191,7 +192,7 @@ def plain_environment(variables: Mapping[str, str]) -> dict[str, str]:
 
 
 def own_folder() -> Path:
-    """Return the folder of tool0's own installations; it may not exist."""
+    """Return the folder of tool0's own installations.  The folder may not exist."""
     return data_folder() / "ros2"
 
 
@@ -201,7 +202,7 @@ def current_link() -> Path:
 
 
 def find_own(environ: Mapping[str, str] | None = None) -> Ros2 | None:
-    """Return the ROS 2 that ``tool0 ros2 install`` made, if it is complete."""
+    """Return the ROS 2 that ``tool0 ros2 install`` installed; None if incomplete."""
     prefix = current_link().resolve()
     return _own(prefix, os.environ if environ is None else environ)
 
@@ -212,7 +213,8 @@ def _own(prefix: Path, variables: Mapping[str, str]) -> Ros2 | None:
         return None
     environment = plain_environment(variables)
     if environment.get("RMW_IMPLEMENTATION") != "rmw_fastrtps_cpp":
-        environment.pop("RMW_IMPLEMENTATION", None)  # the only one that it has
+        # this installation contains only rmw_fastrtps_cpp
+        environment.pop("RMW_IMPLEMENTATION", None)
     programs = str(prefix / "bin")
     path = environment.get("PATH", os.defpath).split(os.pathsep)
     path = [programs, *(entry for entry in path if entry != programs)]
@@ -245,7 +247,8 @@ def read_marker(prefix: Path) -> dict[str, Any] | None:
             return None
     except (OSError, ValueError, TypeError, KeyError):
         return None
-    # It links to the interpreter that it was made from, which may have been removed.
+    # The Python is a link to the interpreter from which it was created.  The original
+    # interpreter may have been removed.
     return marker if own_python(prefix).is_file() else None
 
 
@@ -253,9 +256,9 @@ def mark_complete(prefix: Path, *, distro: str, size: int) -> None:
     """Write the marker of a complete installation.
 
     Args:
-        prefix: The folder.
-        distro: Name such as ``kilted``.
-        size: Size on disk [bytes].
+        prefix: The folder of the installation.
+        distro: Name of the distribution, such as ``kilted``.
+        size: Size of the installation on disk [bytes].
     """
     marker = {"format": _FORMAT, "distro": distro, "size": size}
     (prefix / MARKER).write_text(f"{json.dumps(marker)}\n", encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The status of ROS 2 on this machine, and the environment for a terminal."""
+"""The status of ROS 2 on this machine, and the environment variables for a terminal."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ OPTIONAL: Final = {
     "ur_dashboard_msgs": "robot mode, safety mode and dashboard of the arm",
     "simulation_interfaces": "services that pause, step, reset and spawn",
 }
-"""Package → feature of the node that requires it."""
+"""Feature of the node that requires the package, by package."""
 INSTALL: Final = "tool0 ros2 install"
 _TIMEOUT: Final = 30.0
-"""Timeout of the program below [wall s], which takes about 1 s."""
+"""Time limit of the program below [wall s].  The program takes about 1 s."""
 _PROGRAM: Final = """\
 import importlib, json, platform, sys
 
@@ -58,19 +58,19 @@ class Ros2Status:
     """The output of ``tool0 ros2 status``."""
 
     ros2: Ros2 | None = None
-    """The ROS 2 that would run."""
+    """The ROS 2 that tool0 would run; None if there is none."""
     python: str | None = None
-    """Version of ROS 2's Python."""
+    """Version of the Python that ROS 2 uses."""
     rclpy: str | None = None
     """Version of rclpy."""
     rmw: str | None = None
     """Name of the RMW middleware, such as ``rmw_fastrtps_cpp``."""
     size: int | None = None
-    """Size on disk of tool0's own ROS 2 [bytes]."""
+    """Size of tool0's own ROS 2 on disk [bytes]."""
     missing: dict[str, str] = field(default_factory=dict)
-    """Package → why it cannot be imported."""
+    """Reason why a package cannot be imported, by package."""
     remedies: tuple[str, ...] = ()
-    """Commands that install what is missing."""
+    """Commands that install the missing parts."""
 
     @property
     def can_run(self) -> bool:
@@ -95,7 +95,7 @@ class Ros2Status:
         }
 
     def rows(self) -> list[tuple[str, str]]:
-        """Return names and values as text."""
+        """Return the names and values of the status as text."""
         if (found := self.ros2) is None:
             rows = [("ros2", "none")]
         else:
@@ -113,7 +113,7 @@ class Ros2Status:
 
 
 def ros2_status() -> Ros2Status:
-    """Return the status; runs ROS 2's Python briefly."""
+    """Return the status.  The Python of ROS 2 is run briefly."""
     found = find_ros2()
     if found is None:
         return Ros2Status(remedies=(INSTALL,))
@@ -161,7 +161,7 @@ def _remedies(found: Ros2, missing: Iterable[str]) -> tuple[str, ...]:
     packages = [f"ros-{found.distro}-{name.replace('_', '-')}" for name in missing]
     if not packages:
         return ()
-    if found.prefix.joinpath("conda-meta").is_dir():  # RoboStack
+    if found.prefix.joinpath("conda-meta").is_dir():  # this is RoboStack
         channels = f"-c conda-forge -c robostack-{found.distro}"
         return (f"mamba install {channels} {' '.join(packages)}",)
     return (f"sudo apt install {' '.join(packages)}",)
@@ -184,7 +184,7 @@ def shell_exports(environ: Mapping[str, str] | None = None) -> list[str]:
     if found is None:
         raise RosUnavailableError(f"there is no ROS 2 here; run: {INSTALL}")
     after = dict(found.environment)
-    # The shell keeps its other programs, tool0 among them, and its own modules.
+    # The shell keeps its other programs, including tool0, and its own modules.
     for name, first in (("PATH", ""), ("PYTHONPATH", str(NODE_FOLDER))):
         entries = [first, *_entries(after, name), *_entries(before, name)]
         after[name] = os.pathsep.join(

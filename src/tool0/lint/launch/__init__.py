@@ -1,1 +1,4 @@
-"""ROS 1 launch files as values, read as roslaunch reads them, but without ROS."""
+"""ROS 1 launch files as values.
+
+The launch files are read like in roslaunch, but without ROS.
+"""

@@ -1,4 +1,4 @@
-"""The origins of arguments' values, and the uses of the arguments."""
+"""Finds the origins of arguments' values, and the uses of the arguments."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from tool0.lint.launch.model import (
 from tool0.lint.launch.xacro_files import XacroFile, xacro_call
 
 MAX_VISITS = 300_000
-"""Largest number of entries visited to find the uses of an argument, since includes
-multiply."""
+"""Largest number of entries that are visited to find the uses of an argument.  A limit
+is needed because the number of entries grows exponentially with nested includes."""
 _ORIGINS = {
     "command line": "from the command line",
     "include": "given by the include",
@@ -49,15 +49,16 @@ class _Use:
     location: SourceLocation
     is_off: bool = False
     argument: tuple[LaunchFile, str] | None = None
-    """Argument, of this file or an included one, whose value includes theirs."""
+    """An argument of this file or of an included file, with the arguments in ``names``
+    in its value."""
     xacro: tuple[Parameter, str] | None = None
-    """Argument of xacro whose value includes theirs."""
+    """An argument of xacro, with the arguments in ``names`` in its value."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """Any part of a launch file that may use arguments or depend on a condition."""
+    """Any part of a launch file that may use arguments or may depend on a condition."""
 
     what: str
     place: Place
@@ -67,7 +68,7 @@ class _Part:
 
 
 def _uses(launch: LaunchFile) -> list[_Use]:
-    """Return all uses of the arguments of ``launch``, in the file's order."""
+    """Return all uses of the arguments of ``launch``, in file order."""
     parts = list(_parts(launch))
     found = [use for part in parts for use in part.uses]
     found += _conditions(launch, parts)
@@ -97,7 +98,10 @@ def _parts(launch: LaunchFile) -> Iterator[_Part]:
 
 
 def _of_entry(entry: Entry) -> Iterator[_Use]:
-    """Yield the uses in an entry's texts; in xacro commands, by xacro argument."""
+    """Yield the uses in an entry's texts.
+
+    For a xacro command, one use is yielded for each argument of xacro.
+    """
     call = xacro_call(entry) if isinstance(entry, Parameter) else None
     in_xacro: set[str] = set()
     if call is not None and isinstance(entry, Parameter):
@@ -114,7 +118,8 @@ def _of_entry(entry: Entry) -> Iterator[_Use]:
 def _of_include(include: Include) -> Iterator[_Part]:
     """Yield the uses of values that are passed as arguments to the included file."""
     child, of = include.launch, _included(include)
-    yield _Part(describe(include), include.place, ())  # its conditions come first
+    # the include's conditions come first
+    yield _Part(describe(include), include.place, ())
     for item in include.passed:
         is_known = child is not None and child.argument(item.name) is not None
         use = _use(
@@ -141,7 +146,7 @@ def _origin(launch: LaunchFile, name: str) -> str:
 
 
 def _conditions(launch: LaunchFile, parts: list[_Part]) -> Iterator[_Use]:
-    """Yield each ``if`` and ``unless`` once, even if it applies to a whole group."""
+    """Yield each ``if`` and ``unless`` once, even if it applies to a group."""
     seen = set()
     for part in parts:
         for number, condition in enumerate(reversed(part.place.conditions)):
@@ -203,14 +208,16 @@ def _included(include: Include) -> str:
 def argument_flow(
     launch: LaunchFile, robots: Mapping[Parameter, XacroFile]
 ) -> tuple[Item, ...]:
-    """Return an item for each file that has arguments, with the uses in the file.
+    """Return an item for each file that has arguments, with their uses in the file.
 
-    For included files, only arguments whose values do not come from another file's
-    argument are listed; the others appear on the path from that argument.
+    For an included file, the item lists only arguments whose values do not come from an
+    argument of another file.  Each remaining argument appears on the path that starts
+    at the argument from which its value comes.
 
     Args:
-        launch: Launch file.
-        robots: Xacro files that the launch file's parameters load (``xacro_robots``).
+        launch: The launch file.
+        robots: The xacro files that the launch file's parameters load
+            (``xacro_robots``).
     """
     explainer = _FlowExplainer(launch, robots)
     listed = [explainer.arguments(file) for file in launch.files()]
@@ -230,7 +237,7 @@ class _FlowExplainer:
         self._uses_in: dict[int, list[_Use]] = {}
 
     def arguments(self, launch: LaunchFile) -> Item:
-        """Return the arguments to list for one file."""
+        """Return an item with the arguments that are listed for one file."""
         is_root = launch is self._launch
         names = [argument.name for argument in launch.arguments]
         found = []
@@ -267,7 +274,7 @@ class _FlowExplainer:
     def _uses(
         self, launch: LaunchFile, name: str, path: tuple[tuple[int, str], ...]
     ) -> Iterator[Item]:
-        """Yield the uses of an argument, each with further uses of its own value."""
+        """Yield the uses of an argument, with the uses of arguments that it sets."""
         here = (id(launch), name)
         if here in path:
             return

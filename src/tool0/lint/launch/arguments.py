@@ -1,4 +1,4 @@
-"""The arguments of a file: declared, given by an include, missing and used."""
+"""The arguments of a launch file: declared, given, missing and used arguments."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from tool0.lint.launch.statements import read_statement
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GivenArgument:
-    """Value of an argument that is given from outside the file."""
+    """Value of an argument that an include or the command line passes to the file."""
 
     text: Text
     origin: Literal["command line", "include", "pass_all_args"]
@@ -85,7 +85,7 @@ class Arguments:
     def _with_value(
         self, argument: Argument, value: Text | None, scope: Scope
     ) -> Argument:
-        """Return the argument with its value from now on."""
+        """Return the argument with the value that it has after its declaration."""
         name = argument.name
         given = self._given.get(name)
         if value is not None:
@@ -95,7 +95,7 @@ class Arguments:
             return replace(argument, value=scope.values[name], origin="value")
         if given is not None:
             return replace(argument, value=given.text, origin=given.origin)
-        if name in scope.values:  # declared twice, which was reported
+        if name in scope.values:  # declared twice, which has already been reported
             return replace(argument, value=scope.values[name], origin="default")
         if argument.default is not None:
             scope.values[name] = _if_active(argument.default, scope)
@@ -131,7 +131,7 @@ class Arguments:
                 )
 
     def finished(self) -> tuple[Argument, ...]:
-        """Return all arguments at the end of the file; report unused ones."""
+        """Return all arguments at the end of the file, and report unused arguments."""
         first = {argument.name: argument for argument in reversed(self._found)}
         for name in dict.fromkeys(argument.name for argument in self._found):
             if name not in self._scope.used:
@@ -162,7 +162,7 @@ class Arguments:
 
 
 def _if_active(text: Text, scope: Scope) -> Text:
-    """Return ``text``, without a value if the element may be inactive."""
+    """Return ``text``, without its value if the element may be inactive."""
     if scope.holds is not None:
         return text
     reason = "it depends on an if or unless that is unknown"
@@ -172,7 +172,7 @@ def _if_active(text: Text, scope: Scope) -> Text:
 def read_include(
     scope: Scope,
 ) -> tuple[Include, dict[str, GivenArgument], list[Statement]]:
-    """Return an ``<include>``, the arguments that it passes, and its environment."""
+    """Return an ``<include>`` with the arguments and environment that it passes."""
     file = scope.required("file")
     namespace = scope.inner_namespace()
     passes_all = scope.boolean("pass_all_args")
@@ -198,7 +198,7 @@ def read_include(
 
 
 def _all_given(scope: Scope) -> dict[str, GivenArgument]:
-    """Return the arguments of the file in the form that pass_all_args passes."""
+    """Return the file's arguments in the form in which pass_all_args passes them."""
     scope.used.update(scope.declared, scope.values)
     given = {}
     for name in {**scope.declared, **scope.values}:

@@ -1,8 +1,8 @@
-"""roslaunch's ``$(eval …)``: arithmetic, texts and arguments, and nothing else.
+"""Evaluates roslaunch's ``$(eval …)``, limited to arithmetic, texts and arguments.
 
-roslaunch passes the expression to Python.  Here, its syntax tree is walked, and only
-the constructs below are supported.  Sizes are bounded, so that no expression takes
-long.
+roslaunch passes the expression to Python.  This module evaluates the syntax tree of the
+expression directly, and supports only the constructs below.  Sizes are bounded, so that
+no expression takes long.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ METHODS: Final = frozenset(
         *("rstrip", "split", "startswith", "strip", "title", "upper"),
     }
 )
-"""Methods of texts whose results are not longer than the text."""
+"""Methods of texts that return a result that is not longer than the text."""
 UNARY: Final[dict[type[ast.unaryop], Function]] = {
     ast.Not: operator.not_,
     ast.UAdd: operator.pos,
@@ -80,12 +80,12 @@ _BINARY: Final[dict[type[ast.operator], Function]] = {
 
 
 class EvaluationError(Exception):
-    """Raised if the expression has no value; the message has the reason."""
+    """Raised if the expression has no value.  The message contains the reason."""
 
 
 @final
 class NotUnderstoodError(EvaluationError):
-    """Raised if the expression may have a value in roslaunch, but not here."""
+    """Raised if the expression is not supported, but may have a value in roslaunch."""
 
 
 def evaluate(
@@ -93,13 +93,14 @@ def evaluate(
     functions: Mapping[str, Function],
     argument: Callable[[str], object],
 ) -> str:
-    """Return the value of ``expression`` as roslaunch would write it.
+    """Return the value of ``expression`` as the text that roslaunch would write.
 
     Args:
         expression: The content of ``$(eval …)``.
-        functions: Functions of texts that the expression may call, by name.
-        argument: Function that returns the value of a name; raises KeyError if there is
-            none.
+        functions: Functions that take texts, by name.  The expression may call these
+            functions.
+        argument: Function that returns the value of a name.  The function raises
+            KeyError if the name does not exist.
 
     Raises:
         EvaluationError: If the text is not an expression, has no value, or is not
@@ -111,7 +112,7 @@ def evaluate(
         raise EvaluationError("it must not contain a double underscore")
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of Python, about odd escapes
+            warnings.simplefilter("ignore")  # Python warns of invalid escape sequences
             tree = ast.parse(expression.strip(), mode="eval")
         return str(_Evaluator(functions, argument).value(tree.body))
     except EvaluationError:
@@ -127,10 +128,10 @@ def evaluate(
 @final
 @dataclass(frozen=True, slots=True)
 class _Evaluator:
-    """Walks the tree of one expression."""
+    """Evaluates the syntax tree of one expression."""
 
     of_texts: Mapping[str, Function]
-    """Functions that accept texts."""
+    """Functions that take texts, by name."""
     argument: Callable[[str], object]
 
     def value(self, node: ast.expr) -> object:
@@ -213,7 +214,7 @@ def _item(whole: object, index: object) -> object:
 
 
 def binary(op: ast.operator, left: object, right: object) -> object:
-    """Return the result of an operator, provided that it cannot be large."""
+    """Return the result of an operator, provided that the result cannot be large."""
     for value in (left, right):
         _small(value)
     are_numbers = isinstance(left, int | float) and isinstance(right, int | float)
@@ -258,7 +259,7 @@ def _bound_text(length: int) -> None:
 
 
 def _round(number: float, digits: int | None = None) -> object:
-    if digits is not None and abs(digits) > 400:  # beyond every float
+    if digits is not None and abs(digits) > 400:  # beyond the range of a float
         raise EvaluationError(f"round() to {digits} digits")
     return round(number, digits)
 

@@ -1,4 +1,4 @@
-"""Explanation of a launch file: a tree of its includes, nodes and parameters."""
+"""Explains a launch file as a tree of its includes, nodes and parameters."""
 
 from __future__ import annotations
 
@@ -27,14 +27,15 @@ class Item:
     """An element of a launch file, with its children."""
 
     kind: str
-    """Kind of the item: ``include``, ``node``, ``param``, ``argument``, ``use`` and so
-    on."""
+    """Kind of the item, such as ``include``, ``node``, ``param``, ``argument`` or
+    ``use``."""
     name: str
     value: str | None = None
-    """Value of the element; None if it has none or the value is unknown."""
+    """Value of the element; None if it has no value or if its value is unknown."""
     location: SourceLocation
     note: str = ""
-    """Remark, for instance why the element has no value or is inactive."""
+    """Remark on the element, for example the reason why it has no value or is
+    inactive."""
     items: tuple[Item, ...] = ()
 
 
@@ -42,8 +43,9 @@ def contents(launch: LaunchFile, robots: Mapping[Parameter, XacroFile]) -> Item:
     """Return the explanation of a file and of all files that it includes.
 
     Args:
-        launch: Launch file.
-        robots: Xacro files that the launch file's parameters load (``xacro_robots``).
+        launch: The launch file.
+        robots: The xacro files that the launch file's parameters load
+            (``xacro_robots``).
     """
     explainer = _ContentsExplainer(robots)
     return Item(
@@ -62,7 +64,7 @@ class _ContentsExplainer:
         self._robots = robots
 
     def entry(self, entry: Entry) -> Item:
-        """Return one entry with its children."""
+        """Return the item of one entry, with its children."""
         match entry:
             case Include():
                 return self._include(entry)
@@ -116,7 +118,7 @@ class _ContentsExplainer:
         )
 
     def _robot(self, parameter: Parameter, robot: XacroFile) -> Item:
-        """Return the xacro file that a parameter loads, and the file's arguments."""
+        """Return the item of a xacro file, with its arguments."""
         call = xacro_call(parameter)
         declared = {name for file in robot.walk() for name in file.defaults}
         given = [
@@ -142,7 +144,7 @@ def _item(
     note: str = "",
     items: tuple[Item, ...] = (),
 ) -> Item:
-    """Return an item; the remark "off" comes before all others."""
+    """Return an item.  The remark "off" comes before all other remarks."""
     return Item(
         kind=kind,
         name=name,
@@ -189,7 +191,7 @@ def _shown(text: Text) -> str:
 
 
 def _off(place: Place) -> str:
-    """Return why an element is or may be inactive; empty if it is active."""
+    """Return the reason why an element is or may be inactive, or an empty text."""
     for condition in place.conditions:
         if condition.holds is False:
             return f'off: {condition.kind}="{condition.text.raw}"'

@@ -1,7 +1,7 @@
-"""roslaunch's grammar: its elements and attributes, its names and values.
+"""The grammar of roslaunch: its elements, attributes, names and values.
 
-From https://wiki.ros.org/roslaunch/XML; ``if`` and ``unless`` are allowed on every
-element.
+The source is https://wiki.ros.org/roslaunch/XML.  ``if`` and ``unless`` are allowed on
+every element.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ CHILDREN: Final[dict[str, frozenset[str]]] = {
     "node": _OF_NODES,
     "test": _OF_NODES,
 }
-"""Allowed children of each element; elements that are not listed have none."""
+"""Allowed children of each element.  An element that is not listed has no children."""
 
 _OBSOLETE: Final[dict[tuple[str, str], str]] = {
     ("machine", name): "was removed in ROS Fuerte; write env-loader instead"
@@ -66,7 +66,7 @@ _LEGAL: Final = re.compile(r"[~/A-Za-z][\w/]*", re.ASCII)
 
 
 def findings(tag: Tag) -> Iterator[Finding]:
-    """Yield unknown and missing attributes of a known element."""
+    """Yield the unknown attributes and the missing attributes of a known element."""
     name = tag.tag
     known, allowed = ATTRIBUTES[name], CHILDREN.get(name, frozenset())
     for key, _ in tag.attributes:
@@ -102,19 +102,19 @@ def findings(tag: Tag) -> Iterator[Finding]:
 
 
 def is_legal(name: str) -> bool:
-    """Whether ROS accepts ``name`` for a node or a topic."""
+    """Return whether ROS accepts ``name`` for a node or a topic."""
     return not name or (bool(_LEGAL.fullmatch(name)) and "//" not in name)
 
 
 def join(namespace: str, name: str) -> str:
-    """Return ``name`` in ``namespace``; global and private names stay unchanged."""
+    """Return ``name`` in ``namespace``.  Global and private names do not change."""
     if not namespace or name.startswith(("/", "~")):
         return name
     return f"{namespace.removesuffix('/')}/{name}"
 
 
 def canonical(name: str) -> str:
-    """Return ``name`` without doubled and trailing slashes."""
+    """Return ``name`` without double slashes and without trailing slashes."""
     start = "/" if name.startswith("/") else ""
     return start + "/".join(part for part in name.split("/") if part)
 
@@ -126,7 +126,7 @@ def as_namespace(name: str) -> str:
 
 
 def converted(value: str) -> str | float | int | bool:
-    """Return the value that roslaunch assigns to a text without a type."""
+    """Return the value that roslaunch assigns to a text if no type is given."""
     try:
         if "." in value:
             return float(value)
@@ -139,7 +139,7 @@ def converted(value: str) -> str | float | int | bool:
 
 
 def as_boolean(value: str) -> bool | None:
-    """Return the value of a text in ``if``; None if the text is an error there."""
+    """Return the value of a text in ``if``; None if roslaunch rejects the text."""
     word = value.lower().strip()
     if word in ("true", "1"):
         return True

@@ -1,4 +1,4 @@
-"""State shared by all files of one run: packages, limits, parsed files, node names."""
+"""State that is shared by all files of one run, such as limits and node names."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ MAX_NESTING: Final = 40
 MAX_FILES: Final = 500
 MAX_ELEMENTS: Final = 20_000
 MAX_CHARACTERS: Final = 5_000_000
-"""Largest total size of all texts after substitution, in characters."""
+"""Largest total size of all texts after substitution [characters]."""
 MAX_BYTES: Final = 1_000_000
 """Largest size of one file [bytes]."""
 
 _START: Final = re.compile(r"<(?:[^<>'\"]|'[^']*'|\"[^\"]*\")*>")
-"""A start tag; quoted values in it may contain any bracket."""
+"""A start tag.  Quoted values in the tag may contain any bracket."""
 
 
 @final
 class LoadContext:
-    """One reading of a launch file and all files that it includes."""
+    """State of reading a launch file and all files that it includes."""
 
     def __init__(self, packages: PackageIndex) -> None:
         self.packages = packages
         self.nodes: dict[str, SourceLocation] = {}
-        """Full names of nodes that are certainly active, with their locations."""
+        """Full names of nodes that are certainly active, with the nodes' locations."""
         self.depth = 0
         self._open: list[object] = []
         self._left = {
@@ -46,24 +46,27 @@ class LoadContext:
         self._anonymous = 0
 
     def spend(self, what: str, count: int = 1) -> bool:
-        """Count ``count`` more; return whether the limit still allows them."""
+        """Add ``count`` to a counter, and return whether its limit is still kept."""
         self._left[what] -= count
         return self._left[what] >= 0
 
     def anonymous(self, name: str) -> str:
-        """Return a unique name; roslaunch derives such names from host and time."""
+        """Return a unique name. roslaunch derives a name from host and time."""
         self._anonymous += 1
         return f"{name}_anonymous_{self._anonymous}"
 
     def enter(self, reading: object) -> bool:
-        """Start reading a file with its arguments; False if already in progress."""
+        """Start to read a file with its arguments.
+
+        The result is False if the file is already being read with these arguments.
+        """
         if reading in self._open:
             return False
         self._open.append(reading)
         return True
 
     def leave(self) -> None:
-        """Finish the file that was started last."""
+        """Finish reading the file that was started last."""
         self._open.pop()
 
     def text_line(self, path: Path, element: Element) -> int | None:
@@ -79,14 +82,14 @@ class LoadContext:
         return line if tag is None else line + rest.count("\n", 0, tag.end())
 
     def root(self, path: Path) -> Element | Finding:
-        """Return the file's ``<launch>``, or a finding if there is none."""
+        """Return the file's ``<launch>`` element, or a finding if there is none."""
         if path not in self._roots:
             self._roots[path] = _root(path)
         return self._roots[path]
 
 
 def is_file(path: str | Path) -> bool:
-    """Whether the file exists; False for an impossible path."""
+    """Return whether a path is a file.  The result for an invalid path is False."""
     return os.path.isfile(path)  # noqa: PTH113  # Path's raises if a name is too long
 
 
@@ -94,8 +97,8 @@ def read_limited(path: Path) -> bytes:
     """Return the content of a file.
 
     Raises:
-        DescriptionError: If the path is not a file, or the file cannot be read or is
-            too large.
+        DescriptionError: If the path is not a file, if the file cannot be read, or if
+            it is too large.
     """
     if not is_file(path):
         raise DescriptionError("is no file")
@@ -116,7 +119,8 @@ def parse_limited(path: Path) -> Element | None:
     """
     try:
         return parse_text(read_limited(path), path).documentElement
-    except (LookupError, ValueError) as error:  # unknown encodings
+    # LookupError is raised for an unknown encoding
+    except (LookupError, ValueError) as error:
         raise DescriptionError(f"cannot be decoded: {error}") from None
 
 

@@ -1,7 +1,7 @@
-"""A launch file as values: its arguments, nodes, parameters and includes.
+"""The content of a launch file as values: arguments, nodes, parameters, includes.
 
-Every entry has a ``place`` and names its ``texts``: each attribute that may contain an
-argument, with its display name.
+Every entry has a ``place`` and ``texts``.  ``texts`` contains each attribute that may
+contain an argument, with the attribute's display name.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Origin: TypeAlias = Literal[
     "missing",
     "switched off",
 ]
-"""Origin of an argument's value; ``value`` marks a value that cannot be overridden."""
+"""Origin of an argument's value.  ``value`` marks a value that cannot be overridden."""
 
 
 @final
@@ -32,30 +32,31 @@ class Text:
     """An attribute's value, or the text of an element."""
 
     raw: str
-    """Text as written."""
+    """Text as it is written in the file."""
     resolved: str | None
-    """Text with every ``$(…)`` replaced; None if one of them has no value."""
+    """Text in which every ``$(…)`` is replaced by its value; None if one of the values
+    is unknown."""
     location: SourceLocation
     uses: tuple[str, ...] = ()
-    """Names of the arguments in the text, each once; they belong to the file in which
-    the text is written."""
+    """Names of the arguments in the text, without duplicates.  The arguments are those
+    of the file in which the text is written."""
     reason: str = ""
-    """Reason why the text is not resolved."""
+    """Reason why the text is not resolved; empty if it is resolved."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Condition:
-    """An ``if`` or ``unless``."""
+    """An ``if`` or ``unless`` attribute."""
 
     kind: Literal["if", "unless"]
     text: Text
     holds: bool | None
-    """Whether the element is active; None if unknown."""
+    """Whether the condition makes the element active; None if this is unknown."""
 
 
 def all_hold(conditions: Iterable[Condition]) -> bool | None:
-    """Return whether an element with these conditions is active; None if unknown."""
+    """Return whether an element under these conditions is active; None if unknown."""
     held = [condition.holds for condition in conditions]
     return False if False in held else None if None in held else True
 
@@ -63,19 +64,20 @@ def all_hold(conditions: Iterable[Condition]) -> bool | None:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Place:
-    """Location of an element, and whether the element is active."""
+    """Location of an element, its namespace and its conditions."""
 
     location: SourceLocation
     namespace: str | None
-    """Global namespace, with a slash at its end; None if it cannot be resolved."""
+    """Global namespace, with a trailing slash; None if it cannot be resolved."""
     conditions: tuple[Condition, ...] = ()
-    """Conditions of this element and of all elements around it, outermost first."""
+    """Conditions of this element and of all elements around it, with the outermost
+    first."""
 
     @property
     def holds(self) -> bool | None:
-        """Whether roslaunch would act on the element.
+        """Whether roslaunch would process the element.
 
-        The result is None if this depends on an argument without a value.
+        The result is None if it depends on an argument without a value.
         """
         return all_hold(self.conditions)
 
@@ -86,35 +88,35 @@ NamedText: TypeAlias = tuple[str, Text]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Argument:
-    """A declared ``<arg>`` and its value."""
+    """An argument that is declared with ``<arg>``, and its value."""
 
     name: str
     place: Place
     value: Text | None = None
-    """Value of the argument; None if it has none.  The text's location is that of the
-    origin, and the text uses arguments of the file there."""
+    """Value of the argument; None if it has no value.  The text's location is the place
+    where the value is given, and the text uses arguments of the file at that place."""
     origin: Origin
     default: Text | None = None
-    """Default in the declaration, which may differ from the value."""
+    """Default value in the declaration.  The default may differ from the value."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Statement:
-    """A ``<remap>``, ``<env>`` or ``<machine>``, which only has attributes.
+    """A ``<remap>``, ``<env>`` or ``<machine>``, which has only attributes.
 
-    In ROS 2, it can also be a process that is not a node.
+    In ROS 2, a statement can also be a process that is not a node.
     """
 
     kind: Literal["remap", "env", "machine", "process"]
     place: Place
     texts: tuple[NamedText, ...]
-    """Attributes: ``from`` and ``to`` of a remap, ``name`` and ``value`` of an env,
-    ``name`` and ``cmd`` of a process."""
+    """Attributes of the statement: ``from`` and ``to`` for a remap, ``name`` and
+    ``value`` for an env, and ``name`` and ``cmd`` for a process."""
 
     @property
     def subject(self) -> Text:
-        """First attribute, which is the remapped name or the variable."""
+        """First attribute: the remapped name, or the name of the variable."""
         return self.texts[0][1]
 
 
@@ -126,14 +128,15 @@ class Parameter:
     place: Place
     name: Text
     full_name: str | None
-    """Full name, such as ``/robot_description``; None if unknown, or private and not in
-    a node."""
+    """Full name, such as ``/robot_description``.  The name is None if it is unknown, or
+    if it is private and the parameter is not in a node."""
     type: str = "auto"
     source: Literal["value", "textfile", "binfile", "command"]
     content: Text
     """Text of the value, of the file's path, or of the command."""
     words: tuple[str, ...] = ()
-    """Command, split as by a shell; empty if there is none or it is unresolved."""
+    """Words of the command, split like by a shell; empty if there is no command, or if
+    it is unresolved."""
 
     @property
     def texts(self) -> tuple[NamedText, ...]:
@@ -153,15 +156,16 @@ class Rosparam:
     place: Place
     command: Literal["load", "delete", "dump"]
     namespace: str | None
-    """Full name under which the parameters are set; None if unknown."""
+    """Full name under which the parameters are set; None if it is unknown."""
     file: Text | None
     path: Path | None
-    """Path of the file, if known; the file need not exist."""
+    """Path of the file; None if it is unknown.  The file need not exist."""
     yaml: Text | None
-    """Loaded YAML, with its arguments replaced if ``subst_value`` is set.  The location
-    is that of the YAML's first line.  None if the file cannot be read."""
+    """Loaded YAML; None if the file cannot be read.  Arguments in the YAML are replaced
+    if ``subst_value`` is set.  The text's location is the location of the YAML's first
+    line."""
     names: tuple[NamedText, ...] = ()
-    """Attributes ``ns`` and ``param``, if they are given."""
+    """The attributes ``ns`` and ``param``, if they are given."""
 
     @property
     def texts(self) -> tuple[NamedText, ...]:
@@ -182,14 +186,15 @@ class Node:
     full_name: str | None
     args: Text | None
     words: tuple[str, ...]
-    """Arguments of the node, split as by a shell; empty if they are unresolved."""
+    """Arguments of the node, split like by a shell; empty if they are unresolved."""
     settings: tuple[NamedText, ...] = ()
     """All other attributes, such as ``output`` and ``respawn``."""
     parameters: tuple[Parameter, ...] = ()
-    """Parameters of the node, including private ones set before it in the file."""
+    """Parameters of the node, including private parameters that are set before the node
+    in the file."""
     rosparams: tuple[Rosparam, ...] = ()
     remaps: tuple[Statement, ...] = ()
-    """Remaps that apply to the node; its own come last."""
+    """Remaps that apply to the node.  Remaps inside the node's element come last."""
     environment: tuple[Statement, ...] = ()
 
     @property
@@ -201,7 +206,7 @@ class Node:
 
     @property
     def parts(self) -> tuple[Entry, ...]:
-        """All elements of the node."""
+        """All elements inside the node."""
         return (*self.parameters, *self.rosparams, *self.remaps, *self.environment)
 
 
@@ -228,7 +233,7 @@ class Include:
     settings: tuple[NamedText, ...] = ()
     launch: LaunchFile | None = None
     reason: str = ""
-    """Reason why there is no ``launch``."""
+    """Reason why ``launch`` is None; empty otherwise."""
 
     @property
     def texts(self) -> tuple[NamedText, ...]:
@@ -241,16 +246,16 @@ Entry: TypeAlias = Statement | Parameter | Rosparam | Node | Include
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LaunchFile:
-    """A launch file, read with certain arguments in a certain namespace."""
+    """A launch file that is read with certain arguments in a certain namespace."""
 
     file: Path
     arguments: tuple[Argument, ...] = ()
     entries: tuple[Entry, ...] = ()
-    """Entries in the order of the file; groups are replaced by their entries."""
+    """Entries in file order.  Each group is replaced by its entries."""
     findings: tuple[Finding, ...] = ()
     """Findings in this file and in the files that it includes."""
     notes: tuple[str, ...] = ()
-    """Parts of this file, or of an included one, that could not be analysed."""
+    """Parts of this file or of an included file that could not be analyzed."""
 
     @property
     def is_python(self) -> bool:
@@ -258,10 +263,10 @@ class LaunchFile:
         return self.file.suffix == ".py"
 
     def walk(self, *, active_only: bool = True) -> Iterator[Entry]:
-        """Yield the entries in the order in which roslaunch acts on them.
+        """Yield the entries in the order in which roslaunch processes them.
 
-        An include comes before the entries that it includes.  Elements that depend on
-        an argument without a value count as active.
+        An include comes before the entries of the included file.  Elements that depend
+        on an argument without a value are treated as active.
         """
         for entry in self.entries:
             if active_only and entry.place.holds is False:
@@ -282,16 +287,16 @@ class LaunchFile:
         return (entry for entry in self.walk() if isinstance(entry, Node))
 
     def parameters(self, *, active_only: bool = True) -> Iterator[Parameter]:
-        """Yield every parameter, including those in nodes."""
+        """Yield every parameter, including parameters in nodes."""
         settings = self.settings(active_only=active_only)
         return (item for item in settings if isinstance(item, Parameter))
 
     def rosparams(self) -> Iterator[Rosparam]:
-        """Yield every ``<rosparam>``, including those in nodes."""
+        """Yield every ``<rosparam>``, including elements in nodes."""
         return (item for item in self.settings() if isinstance(item, Rosparam))
 
     def settings(self, *, active_only: bool = True) -> Iterator[Parameter | Rosparam]:
-        """Yield every element that sets parameters, in roslaunch's order."""
+        """Yield the elements that set parameters, in the order of roslaunch."""
         for entry in self.walk(active_only=active_only):
             inner: tuple[Entry, ...] = (entry,)
             if isinstance(entry, Node):
@@ -302,7 +307,7 @@ class LaunchFile:
                     yield item
 
     def argument(self, name: str) -> Argument | None:
-        """Return the argument of this name with a value, or else any of that name."""
+        """Return the argument named ``name``, preferably one with a value."""
         found = [argument for argument in self.arguments if argument.name == name]
         valued = [argument for argument in found if argument.value is not None]
         return next(iter(valued or found), None)

@@ -1,9 +1,9 @@
-"""Reads launch files: arguments, groups and includes, as roslaunch does.
+"""Reads launch files like roslaunch does, with arguments, groups and includes.
 
-Python launch files are read as in ROS 2 (package ``python``).
+Python launch files are read like in ROS 2 (package ``python``).
 
-Every problem becomes a finding, and reading continues; values that depend on it are
-unresolved.
+Every problem is reported as a finding, and reading continues.  Values that depend on a
+problem are unresolved.
 """
 
 from __future__ import annotations
@@ -41,12 +41,12 @@ def read_launch(
     arguments: Mapping[str, str] | None = None,
     packages: PackageIndex | None = None,
 ) -> LaunchFile:
-    """Return the content of a launch file, with all its includes.
+    """Return the content of a launch file, including all files that it includes.
 
     Args:
         file: The launch file.
-        arguments: The file's arguments, as given by ``name:=value``.
-        packages: Packages for ``$(find …)``.
+        arguments: The file's arguments, which the user gives as ``name:=value``.
+        packages: The packages in which ``$(find …)`` searches.
     """
     texts = {
         name: Text(raw=value, resolved=value, location=SourceLocation(None))
@@ -73,7 +73,7 @@ def read_launch(
 
 @final
 class _FileReader:
-    """Reads one file; used only once."""
+    """Reads one file.  An instance is used only once."""
 
     def __init__(
         self,
@@ -168,7 +168,7 @@ class _FileReader:
         self._context.depth -= 1
 
     def _claim_name(self, node: Node, scope: Scope) -> None:
-        """Report a second node with the same name, which roslaunch refuses."""
+        """Report a second node with the same name, because roslaunch refuses it."""
         name = node.full_name
         if name is None or not scope.holds:
             return
@@ -182,7 +182,7 @@ class _FileReader:
             )
 
     def _include(self, scope: Scope) -> Include:
-        """Return an ``<include>`` with the included file."""
+        """Return an ``<include>``, with the content of the included file."""
         include, given, environment = read_include(scope)
         if include.reason or include.path is None or scope.holds is False:
             return replace(include, reason=include.reason or "switched off")
@@ -212,7 +212,8 @@ class _FileReader:
                 file=path,
                 element=root,
                 namespace=include.place.namespace,
-                private=scope.private or [],  # like roslaunch: not shared if empty
+                # like in roslaunch, an empty list is not shared
+                private=scope.private or [],
                 environment=[*scope.environment, *environment],
             )
             reader = _FileReader(outer, given, include)

@@ -1,4 +1,4 @@
-"""The scope at a place in a launch file: arguments, namespace, conditions."""
+"""The scope at a place in a launch file: arguments, namespace and conditions."""
 
 from __future__ import annotations
 
@@ -31,7 +31,8 @@ from tool0.lint.robot.elements import Tag
 class Scope:
     """One element, and its context in roslaunch.
 
-    A file has one context, shared by its elements; each group in the file has a copy.
+    A file has one context, which its elements share.  Each group in the file has a copy
+    of the file's context.
     """
 
     context: LoadContext
@@ -39,26 +40,29 @@ class Scope:
     element: Element
     namespace: str | None
     values: dict[str, Text] = field(default_factory=dict)
-    """Arguments that have, or should have, a value."""
+    """Arguments that have a value or should have a value."""
     declared: dict[str, SourceLocation] = field(default_factory=dict)
     used: set[str] = field(default_factory=set)
     """Arguments that are used in the file."""
     findings: list[Finding] = field(default_factory=list)
     conditions: tuple[Condition, ...] = ()
     private: list[Parameter] = field(default_factory=list)
-    """Private parameters set so far, for the nodes that follow."""
+    """Private parameters that have been set, for the nodes that follow."""
     remaps: list[Statement] = field(default_factory=list)
     environment: list[Statement] = field(default_factory=list)
     anonymous: dict[str, str] = field(default_factory=dict)
 
     def at(self, element: Element) -> Scope:
-        """Return the scope of another element, with that element's conditions added."""
+        """Return the scope of another element.
+
+        The conditions of the other element are added.
+        """
         inner = replace(self, element=element)
         inner.conditions += inner._conditions()
         return inner
 
     def children(self) -> Iterator[Scope]:
-        """Yield the scopes of this element's children that roslaunch reads here."""
+        """Yield the scopes of this element's children that roslaunch allows."""
         for child in children(self.element):
             if child.tagName in grammar.CHILDREN[self.tag]:
                 inner = self.at(child)
@@ -66,7 +70,10 @@ class Scope:
                 yield inner
 
     def group(self, namespace: str | None) -> Scope:
-        """Return the scope of a group; its declarations end with the group."""
+        """Return the scope of a group.
+
+        Declarations in the group end with the group.
+        """
         return replace(
             self,
             namespace=namespace,
@@ -89,12 +96,12 @@ class Scope:
 
     @property
     def holds(self) -> bool | None:
-        """Whether roslaunch would act on the element; None if unknown."""
+        """Whether roslaunch would process the element; None if this is unknown."""
         return all_hold(self.conditions)
 
     @property
     def tag(self) -> str:
-        """Name of the element."""
+        """Tag name of the element."""
         return self.element.tagName
 
     @property
@@ -103,19 +110,19 @@ class Scope:
         return getattr(self.element, "location", None) or SourceLocation(self.file)
 
     def text(self, name: str) -> Text | None:
-        """Return an attribute with its substitutions; None if it is not there."""
+        """Return an attribute with its substitutions; None if it is missing."""
         if not self.element.hasAttribute(name):
             return None
         return self.resolved(self.element.getAttribute(name), self.location)
 
     def required(self, name: str) -> Text:
-        """Return a required attribute; unresolved if it is missing."""
+        """Return a required attribute, or an unresolved text if it is missing."""
         reason = f"'{name}' is missing"
         missing = Text(raw="", resolved=None, location=self.location, reason=reason)
         return self.text(name) or missing
 
     def resolved(self, raw: str, location: SourceLocation) -> Text:
-        """Return a text with its substitutions, and report its faults."""
+        """Return a text with its substitutions, and report their faults."""
         work = Substitution(
             file=self.file,
             location=location,
@@ -134,7 +141,10 @@ class Scope:
         return text
 
     def boolean(self, name: str) -> bool:
-        """Return a ``true`` or ``false`` attribute as bool; False if it is neither."""
+        """Return a ``true`` or ``false`` attribute as a bool.
+
+        Other values give False.
+        """
         text = self.text(name)
         word = "false" if text is None or text.resolved is None else text.resolved
         if word.lower() not in ("true", "false"):
@@ -147,7 +157,7 @@ class Scope:
         return word.lower() == "true"
 
     def require_file(self, text: Text, user: str) -> None:
-        """Report a file that does not exist."""
+        """Report an error if a file does not exist."""
         if text.resolved is not None and not is_file(text.resolved):
             self.report(
                 "missing-file",
@@ -173,7 +183,7 @@ class Scope:
             return ()
 
     def inner_namespace(self) -> str | None:
-        """Return the namespace that the element's ``ns`` opens within this one."""
+        """Return the namespace of the element's ``ns``, relative to this namespace."""
         text = self.text("ns")
         clears = self.boolean("clear_params")
         if clears and self.tag not in ("node", "test") and not (text and text.raw):
@@ -207,7 +217,7 @@ class Scope:
         severity: Severity = "error",
         location: SourceLocation | None = None,
     ) -> None:
-        """Add a finding about the element, unless the element is inactive."""
+        """Add a finding about the element unless the element is inactive."""
         if self.holds is not False:
             where = location or self.location
             self.findings.append(

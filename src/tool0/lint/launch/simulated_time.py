@@ -1,4 +1,4 @@
-"""ROS 2 nodes that use the wall clock although a simulation runs."""
+"""Finds ROS 2 nodes that use the wall clock although a simulation runs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from tool0.lint.launch.model import Include, LaunchFile, Node
 
 _SIMULATIONS: Final = ("ros_gz_sim", "ros_ign_gazebo", "gazebo_ros", "webots_ros2")
 _STAMPING: Final = ("robot_state_publisher", "move_group", "servo_node")
-"""Programs that compare or publish stamps, and fail with a different clock."""
+"""Programs that compare or publish time stamps, and that fail if their clock is not the
+simulation's clock."""
 _NAME: Final = "use_sim_time"
 
 
@@ -44,7 +45,7 @@ def _simulates(launch: LaunchFile) -> bool:
 
 
 def _is_set(node: Node) -> bool:
-    """Whether the parameter is or may be set, in a file or under a condition."""
+    """Return whether the parameter is set, or may be set in a file or conditionally."""
     named = any(parameter.name.resolved == _NAME for parameter in node.parameters)
     in_file = any(
         rosparam.yaml is None or _NAME in rosparam.yaml.raw

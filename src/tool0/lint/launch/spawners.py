@@ -1,4 +1,4 @@
-"""The controllers that the nodes of a launch file request from a manager."""
+"""Finds the controllers that the nodes of a launch file request from a manager."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _TAKES_VALUE: Final = frozenset(
         "--fallback_controllers",
     }
 )
-"""Options of the ROS 1 spawner, and of the ROS 2 spawner."""
+"""Options with a value, of the ROS 1 spawner and of the ROS 2 spawner."""
 _PARAM_FILE: Final = ("-p", "--param-file")
 _NOT_STARTED: Final = frozenset({"--stopped", "--inactive", "--load-only"})
 
@@ -67,7 +67,7 @@ def _names(words: Sequence[str]) -> Iterator[str]:
 
 
 def parameter_files(node: Node) -> Iterator[str]:
-    """Yield the files that a ROS 2 spawner passes to its controllers."""
+    """Yield the parameter files that a ROS 2 spawner passes to its controllers."""
     if node.type.resolved in _SPAWNERS:
         for option, value in zip(node.words, node.words[1:], strict=False):
             if option in _PARAM_FILE and value:
@@ -77,7 +77,7 @@ def parameter_files(node: Node) -> Iterator[str]:
 def spawn_findings(
     wanted: Sequence[SpawnRequest], config: ControllerConfig, files: Sequence[str]
 ) -> Iterator[Finding]:
-    """Yield controllers that ``files`` do not define, and conflicting controllers."""
+    """Yield findings about undefined controllers and about conflicting controllers."""
     known = config.names
     for request in wanted:
         if request.name in known or _has_type(request.name, config):
@@ -97,7 +97,10 @@ def spawn_findings(
 
 
 def _has_type(name: str, config: ControllerConfig) -> bool:
-    """Whether a controller's own parameters have its type, set by the spawner."""
+    """Return whether a controller's own parameters contain its type.
+
+    The spawner sets the type in these parameters.
+    """
     end = f"/{name}/ros__parameters/type"
     return any(f"/{leaf.key}".endswith(end) for leaf in config.tree.root.leaves())
 
@@ -125,7 +128,10 @@ def _conflicts(
 
 
 def _claims(name: str, config: ControllerConfig) -> Iterator[str]:
-    """Yield a controller's resources: joints in ROS 1, interfaces in ROS 2."""
+    """Yield the resources that a controller claims.
+
+    The resources are joints in ROS 1, and interfaces in ROS 2.
+    """
     entry = config.dialect.parameters(config.tree.root, name)
     kind = config.types.get(name, "")
     if entry is None or _only_reads(kind):
@@ -154,5 +160,5 @@ def _interfaces(kind: str, entry: YamlEntry) -> Iterator[str]:
         yield str(one.scalar)
     else:
         package = kind.partition("/")[0]
-        if package.endswith("_controllers"):  # position_controllers and the like
+        if package.endswith("_controllers"):  # for example, position_controllers
             yield package.removesuffix("_controllers")

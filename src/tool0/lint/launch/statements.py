@@ -1,4 +1,4 @@
-"""Reads the statements of a launch file: node, param, rosparam, remap, env, machine."""
+"""Reads the statements of a launch file, such as nodes, parameters and remaps."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _TYPES = ("auto", "str", "string", "int", "double", "bool", "boolean", "yaml")
 
 
 def read_param(scope: Scope) -> Parameter | None:
-    """Return a ``<param>`` outside nodes; private ones are kept for later nodes."""
+    """Return a ``<param>`` outside nodes.  Store private parameters for later nodes."""
     parameter = _param(scope)
     if parameter is None:
         return None
@@ -50,7 +50,7 @@ def read_param(scope: Scope) -> Parameter | None:
 
 
 def _in_node(parameter: Parameter, namespace: str | None) -> Parameter:
-    """Return ``parameter`` in the form that a node in ``namespace`` gets."""
+    """Return ``parameter`` with the name that it has in a node in ``namespace``."""
     name = parameter.name.resolved
     if name is None or namespace is None:
         return parameter
@@ -153,7 +153,7 @@ def _rosparam_namespace(texts: tuple[NamedText, ...], scope: Scope) -> str | Non
 
 
 def _yaml(file: Text | None, scope: Scope) -> Text | None:
-    """Return the loaded YAML as written."""
+    """Return the loaded YAML as it is written."""
     if file is None:
         parts = [n.nodeValue or "" for n in scope.element.childNodes if n.nodeValue]
         where = SourceLocation(
@@ -178,7 +178,7 @@ def _yaml(file: Text | None, scope: Scope) -> Text | None:
 
 
 def read_node(scope: Scope) -> Node:
-    """Return a ``<node>`` or ``<test>`` with everything that applies to it."""
+    """Return a ``<node>`` or ``<test>`` with its parameters, remaps and environment."""
     is_test = scope.tag == "test"
     has_name = scope.element.hasAttribute("name") or not is_test
     name = scope.required("name" if has_name else "test-name")
@@ -227,7 +227,7 @@ def read_node(scope: Scope) -> Node:
 
 
 def _check_package(package: Text, scope: Scope) -> None:
-    """Report a node's missing package, without which roslaunch cannot start it."""
+    """Report a missing package, because roslaunch cannot start the package's node."""
     name, packages = package.resolved, scope.context.packages
     if not name:
         return
@@ -236,7 +236,7 @@ def _check_package(package: Text, scope: Scope) -> None:
     except DescriptionError:
         near = packages.nearest(name)
         if near is None and not packages.has_ros:
-            return  # without ROS, no ROS package is found
+            return  # without ROS, ROS packages are never found
         scope.report(
             "missing-package",
             name,
@@ -283,7 +283,8 @@ def _check_node(name: Text, scope: Scope) -> None:
 def read_statement(scope: Scope) -> Statement:
     """Return a ``<remap>``, ``<env>`` or ``<machine>``.
 
-    A remap applies to the rest of the scope, and replaces a remap of the same name.
+    A remap applies to all later entries in the scope, and it replaces an earlier remap
+    of the same name.
     """
     kind = cast("Literal['remap', 'env', 'machine']", scope.tag)
     given = [

@@ -1,4 +1,4 @@
-"""``$(find PACKAGE)``, ``$(arg NAME)`` and the other substitutions of roslaunch."""
+"""Resolves roslaunch's substitutions, such as ``$(find PACKAGE)``."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from tool0.lint.packages import PackageIndex
 
 COMMANDS: Final = ("find", "env", "optenv", "dirname", "anon", "arg", "eval")
 MAX_LENGTH: Final = 100_000
-"""Largest number of characters in a resolved text, since nested arguments could grow
-without bound."""
+"""Largest number of characters in a resolved text.  Without a limit, nested arguments
+could create texts of any length."""
 
 _WORD = re.compile(r"\$\(([^()]+)\)")
 _BROKEN = re.compile(r"\$\([^()]*(\(|$)")
@@ -32,25 +32,25 @@ _FIND = re.compile(r"\$\(find ([^()]*)\)([^ $]*)")
 
 
 class _UnresolvedError(Exception):
-    """Raised if a word has no value."""
+    """Raised if a substitution has no value."""
 
 
 @final
 @dataclass(slots=True, kw_only=True)
 class Substitution:
-    """Substitutions in one text, with the values of its file and scope."""
+    """Resolver of the substitutions in one text, with the values of its scope."""
 
     file: Path
     location: SourceLocation
     values: Mapping[str, Text]
-    """Arguments that have, or should have, a value."""
+    """Arguments that have a value or should have a value."""
     declared: Collection[str]
-    """Arguments that have been declared so far."""
+    """Arguments that have been declared before this text."""
     packages: PackageIndex
     anonymous: Callable[[str], str]
     uses: list[str] = field(default_factory=list)
     problems: list[Finding] = field(default_factory=list)
-    """Faults of the substitutions, available after ``resolve``."""
+    """Faults of the substitutions, which are available after ``resolve``."""
     reason: str = ""
 
     def resolve(self, raw: str) -> Text:
@@ -65,7 +65,7 @@ class Substitution:
         )
 
     def _result(self, raw: str) -> str | None:
-        """Return the text, or None if a substitution has no value."""
+        """Return the text; None if a substitution has no value."""
         try:
             if raw.startswith("$(eval ") and raw.endswith(")"):
                 return _limited(self._evaluate(raw[7:-1]))
@@ -85,7 +85,7 @@ class Substitution:
             return None
 
     def _replaced(self, raw: str) -> str | None:
-        """Replace all substitutions except ``find``, then ``find``, like roslaunch."""
+        """Replace ``find`` after all other substitutions, like roslaunch does."""
         is_whole = True
         parts: list[str] = []
         length = end = 0
@@ -107,7 +107,7 @@ class Substitution:
     def _word(self, whole: str, inside: str) -> str:
         command, *words = inside.split() or [""]
         if command == "find" and len(words) == 1:
-            return f"$(find {words[0]})"  # in its turn
+            return f"$(find {words[0]})"  # replaced in the second pass
         if command == "dirname":
             return str(self.file.absolute().parent)
         if command == "optenv" and words:

@@ -1,4 +1,4 @@
-"""The xacro files that commands of a launch file load, and their arguments."""
+"""Finds the xacro files that commands of a launch file load, and their arguments."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class XacroCall:
 
     file: Path | None
     args: Mapping[str, str]
-    """Arguments as given in the command."""
+    """Arguments as they are given in the command."""
     uses: Mapping[str, tuple[str, ...]]
-    """Arguments of the launch file that each xacro argument uses."""
+    """Arguments of the launch file that each xacro argument uses, by xacro argument."""
 
 
 @final
@@ -48,18 +48,18 @@ class XacroUse:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class XacroFile:
-    """A xacro file, and the files that it includes."""
+    """A xacro file, including the files that it includes."""
 
     file: Path | None
-    """Path of the file; None if unknown."""
+    """Path of the file; None if it is unknown."""
     written: str
-    """Name of the file as written in the including file."""
+    """Name of the file as it is written in the including file."""
     location: SourceLocation
     """Location of the element that includes the file."""
     reason: str = ""
-    """Reason why the file could not be read."""
+    """Reason why the file could not be read; empty if it was read."""
     defaults: Mapping[str, str] = field(default_factory=dict)
-    """Arguments that the file declares, with their defaults."""
+    """Default values of the arguments that the file declares, by argument."""
     uses: tuple[XacroUse, ...] = ()
     includes: tuple[XacroFile, ...] = ()
 
@@ -77,7 +77,7 @@ def xacro_call(parameter: Parameter) -> XacroCall | None:
     raw = parameter.content.raw
     words = list(parameter.words)
     while words and PurePath(words[0]).name not in ("xacro", "xacro.py"):
-        words.pop(0)  # as `rosrun xacro`
+        words.pop(0)  # for example, `rosrun xacro`
     if not words and not re.search(r"\bxacro(\.py)?\b", raw):
         return None
     while len(words) > 1 and PurePath(words[1]).name in ("xacro", "xacro.py"):
@@ -94,7 +94,7 @@ def xacro_call(parameter: Parameter) -> XacroCall | None:
 def xacro_robots(
     launch: LaunchFile, packages: PackageIndex
 ) -> dict[Parameter, XacroFile]:
-    """Return the xacro files of every parameter that calls xacro."""
+    """Return the xacro file of every parameter that calls xacro, by parameter."""
     found = {}
     for parameter in launch.parameters(active_only=False):
         call, content = xacro_call(parameter), parameter.content
@@ -112,7 +112,7 @@ def xacro_robots(
 
 @final
 class _XacroReader:
-    """Follows the includes of one call."""
+    """Reads the xacro files that one call includes."""
 
     def __init__(self, packages: PackageIndex, args: Mapping[str, str]) -> None:
         self._packages = packages

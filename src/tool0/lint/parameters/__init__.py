@@ -1,1 +1,1 @@
-"""Rules for the YAML of ros_control (ROS 1) and ros2_control."""
+"""Rules for the YAML files of ros_control (ROS 1) and ros2_control (ROS 2)."""

@@ -1,4 +1,4 @@
-"""Rules for ros_control's YAML (ROS 1)."""
+"""Rules for the YAML files of ros_control (ROS 1)."""
 
 from __future__ import annotations
 
@@ -51,15 +51,15 @@ OTHER_TYPES: Final = (
 _ROS2_MARKS = ("joint_trajectory_controller/", "joint_state_broadcaster/")
 _LIKE_A_CONTROLLER = frozenset({"joints", "joint", "gains", "constraints", "pid"})
 _ENOUGH = 0.6
-"""Fraction of a list's joints that the usual robot must have for the list to be taken
-as its own."""
+"""Fraction of a list's joints that the usual robot must have.  If the fraction is
+smaller, the list is assumed to be for another robot."""
 _MOVEIT_KEYS = frozenset(
     {
         *("controller_list", "controller_manager_name", "controller_manager_ns"),
         *("moveit_controller_manager", "moveit_simple_controller_manager"),
     }
 )
-"""Keys of MoveIt, whose setup assistant writes them into the same files."""
+"""Keys of MoveIt.  MoveIt's setup assistant writes these keys into the same files."""
 _KINEMATICS = "kinematics_solver"
 """Prefix of MoveIt's keys for a joint group."""
 
@@ -70,7 +70,7 @@ def controller_findings(
     plugins: PluginIndex,
     started: Collection[str] = (),
 ) -> Iterator[Finding]:
-    """Yield the faults of a YAML's controllers, for ``robot`` if it is known."""
+    """Yield the faults of controllers in YAML, for ``robot`` if it is known."""
     joints = None if robot is None else robot.movable_joints
     linted = [
         finding
@@ -91,14 +91,15 @@ def controller_findings(
                 if not is_reported and not follows:
                     yield finding
         elif robot is None and "pid_gains" in entry.children:
-            gains = entry.children["pid_gains"]  # the linter knows no joints
+            # the controllers' linter does not check joint names
+            gains = entry.children["pid_gains"]
             yield from unknown_joints(list(gains.children.items()), robot)
 
 
 def _is_controller(finding: Finding, config: ControllerConfig) -> bool:
     """Return whether an entry without a type is probably a controller.
 
-    The same files may contain parameters of other nodes.
+    The same YAML file may also contain parameters of other nodes.
     """
     if finding.rule != "no-type":
         return True
@@ -117,7 +118,7 @@ def _is_controller(finding: Finding, config: ControllerConfig) -> bool:
 @final
 @dataclass(frozen=True, slots=True)
 class _Ros1Controller:
-    """One controller in the YAML."""
+    """One controller in the YAML file."""
 
     config: ControllerConfig
     name: str
@@ -125,7 +126,7 @@ class _Ros1Controller:
     robot: RobotFacts | None
     plugins: PluginIndex
     started: Collection[str]
-    """Controllers that a launch file starts; empty if unknown."""
+    """Controllers that a launch file starts; empty if they are unknown."""
 
     @property
     def type(self) -> str:
@@ -148,7 +149,7 @@ class _Ros1Controller:
             yield from self._values(joints)
 
     def _missing(self) -> Iterator[Finding]:
-        """Yield the missing keys that the controller needs in order to load."""
+        """Yield the missing keys that the controller needs in order to be loaded."""
         patterns = ROS1.parameters_of(self.type)
         publishes = "publish_rate" in patterns
         for key in ("publish_rate",) if publishes else ("joints", "joint"):
@@ -199,7 +200,8 @@ class _Ros1Controller:
                     f"name '{joint.mimic_of}' instead",
                 )
             elif not offered and self.robot.transmissions:
-                # A robot without any is not for Gazebo: its own driver needs none.
+                # A robot without any transmission is not for Gazebo.  The robot's own
+                # driver needs no transmissions.
                 yield entry.finding(
                     "no-transmission",
                     f"'{name}' has no <transmission>, so ros_control cannot find it",
@@ -215,13 +217,14 @@ class _Ros1Controller:
                     f"'{offered[0].written}'",
                     "change the controller's type, or the interface",
                 )
-                return  # the others are probably alike
+                return  # the other joints probably have the same fault
 
     def is_meant_for(self, joint: str, offered: InterfaceFacts) -> bool:
-        """Return whether the controller should drive a joint with another interface.
+        """Return whether a controller is meant for a joint with another interface.
 
-        It should if a launch file starts it, or if no other controller in the YAML
-        fits: many YAML files have one controller for each interface.
+        The controller is meant for the joint if a launch file starts the controller, or
+        if no other controller in the YAML file fits the joint.  Many YAML files have
+        one controller for each interface.
         """
         if self.started:
             return self.name in self.started
@@ -235,7 +238,7 @@ class _Ros1Controller:
         return True
 
     def _gains(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
-        """Yield joints without the gains that this controller needs."""
+        """Yield the joints for which this controller lacks gains."""
         patterns = ROS1.parameters_of(self.type)
         for pattern, path in (
             ("gains/*/p", "gains/{}"),
@@ -257,7 +260,7 @@ class _Ros1Controller:
                 )
 
     def _values(self, joints: list[tuple[str, YamlEntry]]) -> Iterator[Finding]:
-        """Yield other reasons why the controller does not load."""
+        """Yield other reasons why the controller cannot be loaded."""
         robot = RobotJoints.assumed((name for name, _ in joints), self.type)
         try:
             self.config.spec(self.name, robot)
@@ -271,27 +274,28 @@ class _Ros1Controller:
 
 
 def _fits(offered: InterfaceFacts, wanted: Interface) -> bool:
-    """Return whether a <hardwareInterface>, with or without package, is that kind."""
+    """Return whether a <hardwareInterface> is ``wanted``, with or without a package."""
     written = offered.written
     return not written or written.rpartition("/")[2] == wanted.value.rpartition("/")[2]
 
 
 @cache
 def usual_joints() -> frozenset[str]:
-    """Return the movable joints of the usual robot, a UR5 with a 2F-85."""
+    """Return the movable joints of the usual robot, which is a UR5 with a 2F-85."""
     from tool0.description.loading import assemble
 
     return frozenset(joint.name for joint in assemble().model.movable_joints)
 
 
 _OF_HAND: Final = 3
-"""Joints of the usual gripper that show that a list is meant for it."""
+"""Number of the usual gripper's joints that a list must contain to be considered a list
+for that gripper."""
 
 
 def unknown_joints(
     entries: Sequence[tuple[str, YamlEntry]], robot: RobotFacts | None
 ) -> Iterator[Finding]:
-    """Yield a finding for each joint in a list that the robot lacks."""
+    """Yield a finding for each joint in a list that the robot does not have."""
     names = [name for name, _ in entries]
     if robot is not None:
         known = set(robot.movable_joints)

@@ -1,4 +1,4 @@
-"""Rules for ros2_control's YAML (ROS 2)."""
+"""Rules for the YAML files of ros2_control (ROS 2)."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ _KEYS_OF_INTERFACES: Final = (
     *("command_interfaces", "state_interfaces"),
 )
 _FILLED_IN = "$"
-"""Character that marks texts which a launch file or a program replaces."""
+"""Character that marks texts that a launch file or a program replaces."""
 
 
 def is_ros2(root: YamlEntry) -> bool:
@@ -64,9 +64,9 @@ def is_ros2(root: YamlEntry) -> bool:
 def controller_findings(
     tree: Tree, robot: RobotFacts | None, plugins: PluginIndex
 ) -> Iterator[Finding]:
-    """Yield the faults of a YAML's controllers, for ``robot`` if it is known.
+    """Yield the faults of controllers in YAML, for ``robot`` if it is known.
 
-    The level ``ros__parameters`` is added to ``tree`` where it is missing.
+    The level ``ros__parameters`` is added to ``tree`` wherever it is missing.
     """
     yield from _restore_levels(tree.root)
     joints = None if robot is None else robot.movable_joints
@@ -81,7 +81,7 @@ def _is_filled_in(finding: Finding) -> bool:
 
 
 def _restore_levels(root: YamlEntry) -> Iterator[Finding]:
-    """Add missing or misspelt levels, and yield findings about them."""
+    """Add missing or misspelled levels, and yield findings about these levels."""
     for name, entry in list(root.children.items()):
         children = entry.children
         if PARAMETERS in children:
@@ -108,7 +108,7 @@ def _missing_level(entry: YamlEntry, remedy: str) -> Finding:
 @final
 @dataclass(frozen=True, slots=True)
 class _Ros2Controller:
-    """One controller that the manager should load."""
+    """One controller that the controller manager loads."""
 
     name: str
     declared: Declared
@@ -130,7 +130,8 @@ class _Ros2Controller:
         missing = list(self._missing())
         yield from missing
         named = [(str(e.scalar), e) for e in joint_entries(self.parameters)]
-        is_chained = any("/" in name for name, _ in named)  # to other controllers
+        # chained to other controllers
+        is_chained = any("/" in name for name, _ in named)
         joints = [] if is_chained else [p for p in named if _FILLED_IN not in p[0]]
         wrong: list[Finding] = []
         if self.robot is not None or len(joints) > 1:
@@ -199,7 +200,7 @@ class _Ros2Controller:
                 )
 
     def _has_other_hardware(self) -> bool:
-        """Return whether the controller names interfaces that tool0's joints lack."""
+        """Return whether the controller uses interfaces that tool0's joints lack."""
         entries = map(self.parameters.children.get, _KEYS_OF_INTERFACES)
         return any(
             str(item.scalar) not in JOINT_STATES
@@ -212,7 +213,7 @@ class _Ros2Controller:
         )
 
     def _values(self) -> Iterator[Finding]:
-        """Yield another reason why the controller does not load."""
+        """Yield another reason why the controller cannot be loaded."""
         texts = (leaf.plain() for leaf in self.parameters.leaves())
         if any(_FILLED_IN in str(text) for text in texts) or self._has_other_hardware():
             return
@@ -224,7 +225,7 @@ class _Ros2Controller:
         ]
         robot = replace(
             RobotJoints.assumed(names, self.type),
-            speed_scaling=dict.fromkeys(arms, 1.0),  # whatever the arms are called
+            speed_scaling=dict.fromkeys(arms, 1.0),  # any name of an arm is accepted
         )
         parse = ROS2.parser_of(self.type, self.declared.type.location)
         try:

@@ -1,4 +1,4 @@
-"""YAML text: its layout, lost indentation, and its controllers."""
+"""Checks the syntax, indentation and controllers of YAML text."""
 
 from __future__ import annotations
 
@@ -23,23 +23,24 @@ from tool0.lint.robot.facts import RobotFacts
 
 _NONE: Packages = MappingProxyType({})
 _KEY = re.compile(r"^( *)([\w/.*-]+) *:(?: *| +[&!]\S+ *)(?:#.*)?$")
-"""Pattern of a key with nothing after it."""
+"""Pattern of a key without a value on the same line."""
 _ANY = re.compile(r"^( *)([\w/.*-]+) *:")
 _OPENCV = "%YAML:"
-"""Start of an OpenCV file, which is not standard YAML."""
+"""First characters of an OpenCV file, which is not standard YAML."""
 _MARKS = re.compile(
     r"(?:^|[{,])[ \t]*(?:[\w/*]*type *: *['\"]?[\w]+/\w*(?:Controller|Broadcaster)\b"
     r"|[\w/]*pid_gains *:|gazebo_ros_control *:|ros_+parameters? *:"
     r"|controller_manager *:)",
     re.MULTILINE,
 )
-"""Text that marks a file with controllers, even if the file is faulty."""
+"""Pattern of text that occurs only in files with controllers.  The text is found even
+if the file is faulty."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class YamlText:
-    """YAML text, and the location of its first line."""
+    """YAML text and the location of its first line."""
 
     text: str
     location: SourceLocation
@@ -56,13 +57,14 @@ def yaml_findings(
     packages: Packages = _NONE,
     started: Collection[str] = (),
 ) -> Iterator[Finding]:
-    """Yield the faults of controllers in texts that are loaded together.
+    """Yield the faults of controllers in YAML texts that are loaded together.
 
     Args:
-        texts: Texts in the order of loading; later ones override earlier ones.
-        robot: The robot that the controllers are for, if known.
-        packages: Packages of the workspace, which may export types of controllers.
-        started: The controllers that a launch file starts, if known.
+        texts: Texts in the order in which they are loaded.  Later texts override
+            earlier texts.
+        robot: The robot that the controllers command, if it is known.
+        packages: Packages of the workspace, which may export controller types.
+        started: The controllers that a launch file starts, if they are known.
     """
     trees: list[YamlText] = []
     for text in texts:
@@ -90,7 +92,7 @@ def yaml_findings(
 
 
 def syntax_findings(text: YamlText) -> Iterator[Finding]:
-    """Yield a finding if the text, whatever its content, cannot be parsed."""
+    """Yield a finding if the text cannot be parsed, whatever its content is."""
     if text.text.startswith(_OPENCV):
         return
     try:
@@ -110,7 +112,7 @@ def _not_yaml(error: ConfigError, text: YamlText) -> Finding:
 
 
 def _flat_findings(text: str, first: SourceLocation) -> Iterator[Finding]:
-    """Yield a finding if keys stand beside their parent instead of below it.
+    """Yield a finding if keys are at the level of their parent instead of below it.
 
     Args:
         text: YAML text, which may be faulty.
@@ -134,7 +136,7 @@ def _flat_findings(text: str, first: SourceLocation) -> Iterator[Finding]:
 
 @cache
 def _inner_keys() -> frozenset[str]:
-    """Return the keys that always stand below another key, never at the top."""
+    """Return the keys that always occur below another key, never at the top level."""
     inner = {
         key.split("/")[0] for name in ROS1.types for key in ROS1.parameters_of(name)
     }
@@ -145,9 +147,9 @@ def _inner_keys() -> frozenset[str]:
 
 
 def _restored(text: str) -> str:
-    """Return a flattened YAML text with its lost indentation restored."""
+    """Return YAML text in which lost indentation is restored."""
     flat = {row for row, _, _ in _flat_keys(text)}
-    around: list[int] = []  # the indents of the keys that lines are moved below
+    around: list[int] = []  # indents of the keys below which lines are moved
     lines = []
     for row, line in enumerate(text.splitlines()):
         match = _ANY.match(line)
@@ -165,7 +167,7 @@ def _restored(text: str) -> str:
 
 
 def _flat_keys(text: str) -> Iterator[tuple[int, str, str]]:
-    """Yield each key that lost its contents, with its row and the next key."""
+    """Yield each key that lost its contents, with the key's row and the next key."""
     empty: tuple[int, str, str] | None = None
     for row, line in enumerate(text.splitlines()):
         if not line.strip() or line.lstrip().startswith("#"):

@@ -1,1 +1,1 @@
-"""Rules for robots in URDF and xacro; they never raise exceptions."""
+"""Rules for robots in URDF and xacro.  The rules never raise exceptions."""

@@ -1,4 +1,4 @@
-"""XML that may be faulty: unreadable values are None or empty, and never raise."""
+"""Reads XML that may be faulty.  Unreadable values are None or empty."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from tool0.description.xml_source import children, locate, text_of
 from tool0.errors import SourceLocation, nearest_name
 
 HUGE = 1e12
-"""Absolute value above which a number cannot belong to a robot; its cube might
-overflow."""
+"""Largest absolute value of a number that is accepted in a robot.  The cube of a larger
+number might overflow."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """Subject of findings, and its location."""
+    """Subject of findings, and the subject's location."""
 
     key: str
     location: SourceLocation
@@ -34,7 +34,7 @@ class Subject:
         key: str | None = None,
         severity: Severity = "error",
     ) -> Finding:
-        """Return a finding about this subject; ``key`` replaces the subject's key."""
+        """Return an error about this subject.  ``key`` replaces the subject's key."""
         return Finding(
             location=self.location,
             rule=rule,
@@ -47,31 +47,32 @@ class Subject:
     def warning(
         self, rule: str, message: str, remedy: str = "", *, key: str | None = None
     ) -> Finding:
-        """Return a warning about this subject."""
+        """Return a warning about this subject.  ``key`` replaces the subject's key."""
         return self.error(rule, message, remedy, key=key, severity="warning")
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Tag:
-    """An element, or an absent one, which is false and has only empty parts."""
+    """An XML element.  An absent element is false, and all of its parts are empty."""
 
     element: Element | None
     owner: str = ""
-    """Enclosing link, joint or transmission, which is the subject of findings."""
+    """Name of the enclosing link, joint or transmission, which is the subject of
+    findings."""
 
     def __bool__(self) -> bool:
         return self.element is not None
 
     def __getitem__(self, attribute: str) -> str:
-        """Attribute without surrounding blanks; empty if it is missing."""
+        """Attribute without surrounding whitespace; empty if it is missing."""
         return self.written(attribute).strip()
 
     def __contains__(self, attribute: str) -> bool:
         return self.element is not None and self.element.hasAttribute(attribute)
 
     def written(self, attribute: str) -> str:
-        """Return the attribute as written; empty if it is missing."""
+        """Return the attribute as it is written in the file; empty if it is missing."""
         return "" if self.element is None else self.element.getAttribute(attribute)
 
     @property
@@ -81,35 +82,35 @@ class Tag:
 
     @property
     def text(self) -> str:
-        """Text in the element."""
+        """Text inside the element."""
         return "" if self.element is None else text_of(self.element)
 
     @property
     def attributes(self) -> list[tuple[str, str]]:
-        """All attributes as written."""
+        """All attributes as they are written in the file."""
         return [] if self.element is None else list(self.element.attributes.items())
 
     @property
     def location(self) -> SourceLocation:
-        """Location of the element; without a file if unknown."""
+        """Location of the element, without a file if the file is unknown."""
         return locate(self.element) or SourceLocation(None)
 
     @property
     def at(self) -> Subject:
-        """Owner of the element as the subject, at this element's location."""
+        """Owner of the element as a subject, at the location of this element."""
         return Subject(self.owner, self.location)
 
     def children(self, tag: str | None = None) -> Iterator[Tag]:
-        """Yield the child elements, or only those called ``tag``."""
+        """Yield all child elements, or only child elements named ``tag``."""
         for element in () if self.element is None else children(self.element, tag):
             yield Tag(element, self.owner or element.getAttribute("name").strip())
 
     def child(self, tag: str) -> Tag:
-        """Return the first child called ``tag``, the one that urdfdom reads."""
+        """Return the first child named ``tag``, which is the one that urdfdom reads."""
         return next(self.children(tag), Tag(None))
 
     def descendants(self, tag: str | None = None) -> Iterator[Tag]:
-        """Yield the element and its descendants, or those called ``tag``, in order."""
+        """Yield the element and its descendants, or all ``tag`` elements, in order."""
         waiting = [self]
         while waiting:
             found = waiting.pop()
@@ -122,25 +123,25 @@ class Tag:
 
         Args:
             attribute: Name of the attribute.
-            default: Value to return if the attribute is missing or empty.
+            default: The value to return if the attribute is missing or empty.
         """
         text = self[attribute]
         return _to_number(text) if text else default
 
     def vector(self, attribute: str) -> tuple[float, ...] | None:
-        """Return three numbers from the attribute, or None."""
+        """Return the attribute as three numbers; None if this is not possible."""
         values = [_to_number(word) for word in self[attribute].split()]
         found = tuple(value for value in values if value is not None)
         return found if len(values) == len(found) == 3 else None
 
 
 def _to_number(text: str) -> float | None:
-    """Return ``text`` as a finite number of plausible size, or None."""
+    """Return ``text`` as a finite, plausible number; None if this is not possible."""
     try:
         value = float(text)
     except ValueError:
         return None
-    return value if abs(value) <= HUGE else None  # not so for NaN
+    return value if abs(value) <= HUGE else None  # the comparison is false for NaN
 
 
 def length(values: tuple[float, ...]) -> float:
@@ -149,6 +150,9 @@ def length(values: tuple[float, ...]) -> float:
 
 
 def suggestion(name: str, known: Collection[str], write: str, otherwise: str) -> str:
-    """Return ``write`` with the most similar name for ``{}``, or else ``otherwise``."""
+    """Return ``write`` with the most similar name in place of ``{}``.
+
+    Return ``otherwise`` if no name is similar.
+    """
     close = nearest_name(name, known)
     return write.replace("{}", close) if close else otherwise

@@ -1,4 +1,4 @@
-"""The content of a robot as plain values, even if the robot is faulty."""
+"""The content of a robot as plain values.  The robot may be faulty."""
 
 from __future__ import annotations
 
@@ -26,17 +26,18 @@ _INTERFACES = (
     _PACKAGE + "PosVelJointInterface",
     _PACKAGE + "PosVelAccJointInterface",
 )
-"""Interfaces that DefaultRobotHWSim drives, or that a robot's own driver may drive."""
+"""Interfaces that ``DefaultRobotHWSim`` drives, or that a robot's own driver may
+drive."""
 _LONGEST = 100
 
 
 def is_interface(text: str) -> bool:
-    """Return whether ROS knows the interface ``text``, with or without its package."""
+    """Return whether ROS has the interface ``text``, with or without its package."""
     return text in _INTERFACES or _PACKAGE + text in _INTERFACES
 
 
 def meant_interface(text: str) -> str | None:
-    """Return the interface that ``text`` means or probably means, or None."""
+    """Return the interface that ``text`` names or misspells, or None."""
     bare = text.strip().strip("\"'").strip()
     if len(bare) > _LONGEST:
         return None
@@ -51,7 +52,7 @@ def meant_interface(text: str) -> str | None:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointFacts:
-    """One joint; missing values are empty texts."""
+    """Content of one joint.  Missing values are empty texts."""
 
     at: Subject
     type: str
@@ -66,12 +67,15 @@ class JointFacts:
 
     @property
     def is_movable(self) -> bool:
-        """Whether joints of this type can move."""
+        """Whether a joint of this type can move."""
         return self.type in MOVABLE
 
     @property
     def is_drivable(self) -> bool:
-        """Whether one motor can drive the joint: it has one axis and mimics none."""
+        """Whether one motor can drive the joint.
+
+        One motor can drive a joint that has one axis and mimics no other joint.
+        """
         return self.type in _DRIVABLE and self.mimic_of is None
 
 
@@ -84,8 +88,9 @@ class InterfaceFacts:
     meant: str | None
     """Interface, in the form ``hardware_interface/…``; None if it is unclear."""
     in_actuator: bool
-    """Whether it is written in <actuator>, which is deprecated and only read if <joint>
-    names no interface."""
+    """Whether the interface is written in <actuator>.  An interface in <actuator> is
+    deprecated.  ROS reads an interface in <actuator> only if <joint> names no
+    interface."""
 
     @property
     def written(self) -> str:
@@ -95,28 +100,29 @@ class InterfaceFacts:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TransmissionFacts:
-    """One <transmission> as ROS 1 reads it."""
+    """One <transmission>, in the form in which ROS 1 reads it."""
 
     at: Subject
     type: str
     joints: tuple[str, ...]
     interfaces: tuple[InterfaceFacts, ...]
-    """Interfaces, of which the first one applies."""
+    """All interfaces.  Only the first interface applies."""
     n_actuators: int
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PluginFacts:
-    """One Gazebo <plugin>."""
+    """One <plugin> of Gazebo."""
 
     at: Subject
     filename: str
     parameters: tuple[tuple[Subject, str], ...]
-    """Text of each child element, by element name."""
+    """Subject and text of each child element.  The subject's key is the name of the
+    element."""
 
     def parameter(self, name: str) -> str | None:
-        """Return the text of the parameter; None if it is missing."""
+        """Return the text of a parameter; None if the parameter is missing."""
         return next((text for at, text in self.parameters if at.key == name), None)
 
     @property
@@ -148,7 +154,10 @@ class GearboxFacts:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotFacts:
-    """One <robot>.  If links or joints share a name, the first one counts."""
+    """Content of one <robot>.
+
+    If links or joints share a name, the first link or joint applies.
+    """
 
     name: str
     links: Mapping[str, SourceLocation]
@@ -157,14 +166,14 @@ class RobotFacts:
     plugins: tuple[PluginFacts, ...] = ()
     gearboxes: tuple[GearboxFacts, ...] = ()
     ros2_joints: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """Command interfaces of each joint in <ros2_control>."""
+    """Command interfaces of each joint in <ros2_control>, by joint."""
     passive_joints: frozenset[str] = frozenset()
-    """Joints that need no gearbox because a loop holds them, from tool0's
-    <passive_joint>."""
+    """Joints that need no gearbox because a closed loop holds them.  These joints are
+    declared with tool0's <passive_joint>."""
     unmerged: frozenset[str] = frozenset()
-    """Fixed joints whose links Gazebo does not merge."""
+    """Fixed joints at which Gazebo does not merge the two links."""
     has_extensions: bool = False
-    """Whether there is any <gazebo> element."""
+    """Whether the robot contains a <gazebo> element."""
 
     @property
     def control_plugins(self) -> tuple[PluginFacts, ...]:
@@ -173,18 +182,18 @@ class RobotFacts:
 
     @property
     def driven_joints(self) -> frozenset[str]:
-        """Joints that a controller can command, in ROS 1 or 2."""
+        """Joints that a controller can command in ROS 1 or ROS 2."""
         commanded = {name for name, kinds in self.ros2_joints.items() if kinds}
         by_transmissions = (name for item in self.transmissions for name in item.joints)
         return frozenset(commanded.union(by_transmissions))
 
     @property
     def movable_joints(self) -> tuple[str, ...]:
-        """Joints that are not fixed."""
+        """Names of the joints that are not fixed."""
         return tuple(joint.name for joint in self.joints.values() if joint.is_movable)
 
     def interfaces_of(self, joint: str) -> tuple[InterfaceFacts, ...]:
-        """Return the interfaces of ``joint``; the first one applies."""
+        """Return the interfaces of ``joint``.  Only the first interface applies."""
         return tuple(
             interface
             for transmission in self.transmissions
@@ -193,11 +202,15 @@ class RobotFacts:
         )
 
     def moves(self, joint: JointFacts) -> bool:
-        """Return whether ``joint`` joins two bodies; a fixed joint makes them one."""
+        """Return whether ``joint`` separates two bodies.
+
+        Gazebo merges the links of a fixed joint into one body, unless the joint is in
+        ``unmerged``.
+        """
         return joint.is_movable or joint.name in self.unmerged
 
     def bodies(self) -> Mapping[str, str]:
-        """Return the first link of the body that Gazebo makes of each link, by link."""
+        """Return the first link of the Gazebo body that contains each link, by link."""
         above: dict[str, JointFacts] = {}
         for joint in self.joints.values():
             above.setdefault(joint.child, joint)
@@ -235,7 +248,8 @@ def facts_of(root: Tag) -> RobotFacts:
         transmissions=tuple(
             _transmission(item)
             for item in root.children("transmission")
-            if "type" not in item  # that of a PR2, not of ros_control
+            # a transmission with a type attribute is of the PR2, not of ros_control
+            if "type" not in item
         ),
         plugins=tuple(
             _plugin(item)
@@ -311,19 +325,19 @@ def _gearboxes(extensions: list[Tag]) -> Iterator[GearboxFacts]:
 @final
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """A robot for the rules, with its XML and its content."""
+    """The robot that the rules check, with its XML and its content."""
 
     root: Tag
     facts: RobotFacts
     body: Mapping[str, str]
-    """First link of the body that Gazebo makes of each link, by link."""
+    """First link of the Gazebo body that contains each link, by link."""
     packages: PackageIndex
     is_spawned: bool | None
     """Whether the robot is spawned in Gazebo for control; None if no launch file loads
-    it."""
+    the robot."""
 
     @property
     def is_controlled(self) -> bool:
-        """Whether ROS 1 should control the robot in Gazebo."""
+        """Whether ROS 1 is expected to control the robot in Gazebo."""
         facts = self.facts
         return bool(facts.transmissions or facts.control_plugins or self.is_spawned)

@@ -1,4 +1,4 @@
-"""Gazebo's elements: plugins, references, and the coupling of mimic joints."""
+"""Checks Gazebo's elements: plugins, references, and the coupling of mimic joints."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ def extension_findings(robot: Robot) -> Iterator[Finding]:
 
 
 def follower_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the mimic joints that do not follow in Gazebo, or that Gazebo teleports."""
+    """Yield the mimic joints that do not follow, or that a plugin sets directly."""
     if robot.is_controlled and not robot.facts.ros2_joints:
         yield from _loose(robot)
     for plugin in filter(_is_upatras_mimic, robot.facts.plugins):
@@ -178,7 +178,7 @@ def follower_findings(robot: Robot) -> Iterator[Finding]:
 def _loose(robot: Robot) -> Iterator[Finding]:
     facts, body = robot.facts, robot.body
     if not robot.is_controlled or facts.ros2_joints:
-        return  # it is not for Gazebo classic of ROS 1
+        return  # the robot is not for Gazebo classic of ROS 1
     geared = {
         body.get(link) for box in facts.gearboxes for link in (box.parent, box.child)
     }

@@ -1,4 +1,4 @@
-"""Joints that ROS cannot read or that never move: types, limits, numbers, mimics."""
+"""Checks joints: types, limits, numbers and mimic joints."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from tool0.lint.robot.facts import MOVABLE, JointFacts, Robot, RobotFacts
 _TYPES = (*MOVABLE, "fixed")
 _LIMITED = ("revolute", "prismatic")
 _FASTEST = {"revolute": 100.0, "continuous": 1000.0, "prismatic": 20.0}
-"""Largest plausible velocity by type of joint [rad/s | m/s]; joints of arms turn at 3
-rad/s, and those of grippers at 2 rad/s."""
+"""Largest plausible velocity by joint type [rad/s | m/s].  Joints of arms turn at
+3 rad/s, and joints of grippers turn at 2 rad/s."""
 _COUNTS: dict[str, dict[str, int]] = {
     "origin": {"xyz": 3, "rpy": 3},
     "axis": {"xyz": 3},
@@ -30,11 +30,11 @@ _COUNTS: dict[str, dict[str, int]] = {
     "sphere": {"radius": 1},
     "mesh": {"scale": 3},
 }
-"""Number of values in each attribute."""
+"""Number of values in each attribute, by element and attribute."""
 
 
 def joint_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the faults of the joints themselves."""
+    """Yield the faults of single joints."""
     driven = robot.facts.driven_joints
     for joint in robot.root.children("joint"):
         name, kind = joint["name"], joint["type"]
@@ -58,7 +58,7 @@ def joint_findings(robot: Robot) -> Iterator[Finding]:
             )
         if kind in _FASTEST:
             yield from _limit(joint, name, kind)
-            if name in driven:  # 0 is common for joints without a drive
+            if name in driven:  # an effort of 0 is common for joints without a drive
                 yield from _no_power(joint.child("limit"), name)
 
 
@@ -152,7 +152,7 @@ def _values(tag: Tag) -> Iterator[Finding]:
 
 
 def _is_number(text: str) -> bool:
-    """Return whether ROS reads ``text`` as a finite number, however large."""
+    """Return whether ROS reads ``text`` as a finite number of any size."""
     try:
         return math.isfinite(float(text)) and "_" not in text
     except ValueError:
@@ -160,7 +160,7 @@ def _is_number(text: str) -> bool:
 
 
 def mimic_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the joints that mimic a joint which they cannot follow."""
+    """Yield the joints that mimic a joint that they cannot follow."""
     for joint in robot.facts.joints.values():
         if joint.mimic_of is not None:
             yield from _leader(joint, joint.mimic_of, robot.facts)

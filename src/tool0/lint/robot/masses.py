@@ -1,4 +1,4 @@
-"""Physically impossible masses and efforts, and bodies without mass."""
+"""Finds physically impossible masses and efforts, and bodies without mass."""
 
 from __future__ import annotations
 
@@ -14,18 +14,20 @@ from tool0.lint.robot.facts import JointFacts, Robot
 
 _WORLD = "world"
 _DENSEST = 22600.0
-"""Density of osmium, the densest element [kg/m³]:
+"""Density of osmium, which is the densest element [kg/m³]:
 https://en.wikipedia.org/wiki/Osmium."""
 _ROUNDING = 1e-3
-"""Relative tolerance of the triangle inequality, for numbers rounded by a CAD
-program."""
+"""Relative tolerance of the triangle inequality.  The tolerance is needed because CAD
+programs round numbers."""
 _LONGEST = 10.0
 _SIZES = (0.02, 3.0)
 """Plausible range of the radius of gyration, as a multiple of the link's size."""
 _LIGHT = 0.5
-"""Moving mass below which a joint belongs to a finger rather than an arm [kg]."""
+"""Mass below which the links that a joint moves are considered a finger and not an arm
+[kg]."""
 _STRONG = {"revolute": 100.0, "continuous": 100.0, "prismatic": 1000.0}
-"""Effort that no motor of such a finger has [N·m | N]; a 2F-85 has at most 23 N·m."""
+"""Effort that no motor of a finger reaches [N·m | N].  The largest effort of a 2F-85 is
+23 N·m."""
 _MOST_LINKS = 100
 """Largest number of links in a finger."""
 
@@ -71,14 +73,14 @@ def inertia_findings(robot: Robot) -> Iterator[Finding]:
                 severity="error" if mass < 0 or for_gazebo else "warning",
             )
     weighed = {name for name, link in links.items() if link.child("inertial")}
-    if weighed or for_gazebo:  # else it is drawn only
+    if weighed or for_gazebo:  # otherwise, the robot is only displayed
         yield from _without(robot, weighed, for_gazebo)
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class _Body:
-    """One link as a body: name, mass [kg], principal moments [kg·m²], extent [m]."""
+    """One link as a body, with mass [kg], principal moments [kg·m²], and extent [m]."""
 
     name: str
     mass: float
@@ -94,7 +96,7 @@ class _Body:
 
 
 def _moments(tensor: Tag, mass: float) -> tuple[float, float, float] | None:
-    """Return the principal moments, smallest first; None if a number is missing."""
+    """Return the principal moments in ascending order; None if a number is missing."""
     given = [tensor.number(name) for name in ("ixx", "iyy", "izz")]
     given += [tensor.number(name, 0.0) for name in ("ixy", "ixz", "iyz")]
     found = [value for value in given if value is not None]
@@ -103,7 +105,8 @@ def _moments(tensor: Tag, mass: float) -> tuple[float, float, float] | None:
     scale = max(map(abs, found))
     if not scale > 0:
         return (0.0, 0.0, 0.0)
-    # With this scale, and rounding errors set to 0, no power over- or underflows.
+    # Because of this scale, and because rounding errors are set to 0, no power
+    # overflows or underflows.
     values = [value / scale if abs(value) > 1e-9 * scale else 0.0 for value in found]
     ixx, iyy, izz, ixy, ixz, iyz = values
     low, middle, high = Inertial(
@@ -115,9 +118,9 @@ def _moments(tensor: Tag, mass: float) -> tuple[float, float, float] | None:
 def _tensor(
     link: Tag, mass: float, *, is_alone: bool, has_gear: bool
 ) -> Iterator[Finding]:
-    """Yield the findings about an inertia; fewer if it is merged into another.
+    """Yield the findings about an inertia.  A merged inertia has fewer findings.
 
-    With ``has_gear``, the link's inertia may include that of a rotor.
+    With ``has_gear``, the link's inertia may include the inertia of a rotor.
     """
     tensor = link.child("inertial").child("inertia")
     moments = _moments(tensor, mass)
@@ -153,7 +156,7 @@ def _tensor(
 
 
 def _implausible(body: _Body, has_gear: bool) -> str:
-    """Return why the radius of gyration is implausible; empty if it is plausible."""
+    """Return the reason why the radius of gyration is implausible, or an empty text."""
     high = body.moments[2]
     gyration = math.sqrt(high / body.mass)
     compact = _moment_of_ball(body.mass)
@@ -182,7 +185,7 @@ def _implausible(body: _Body, has_gear: bool) -> str:
 def _moment_of_ball(mass: float) -> float:
     """Return the smallest moment [kg·m²] that a body of ``mass`` [kg] can have.
 
-    For a given mass and density, this is the moment of a solid ball.
+    For a given mass and density, the smallest moment is the moment of a solid ball.
     """
     radius: float = (3 * mass / (4 * math.pi * _DENSEST)) ** (1 / 3)
     return 0.4 * mass * radius * radius
@@ -191,7 +194,7 @@ def _moment_of_ball(mass: float) -> float:
 def _without(
     robot: Robot, weighed: Collection[str], for_gazebo: bool
 ) -> Iterator[Finding]:
-    """Yield the moving or supporting bodies that have no inertia."""
+    """Yield the moving bodies and the supporting bodies that have no inertia."""
     facts, body = robot.facts, robot.body
     heavy = {body[name] for name in weighed if name in body}
     moved = {joint.child for joint in facts.joints.values() if facts.moves(joint)}
@@ -221,9 +224,10 @@ def _mass(link: Tag) -> float | None:
 
 
 def _extent(link: Tag) -> float | None:
-    """Return the approximate length of ``link`` [m]; None if unknown.
+    """Return the approximate length of ``link`` [m]; None if it is unknown.
 
-    The collision shapes count; if some of them are meshes, the visual shapes count.
+    The length is computed from the collision shapes.  If some collision shapes are
+    meshes, the length is computed from the visual shapes.
     """
     for tag in ("collision", "visual"):
         balls = [(_origin(owner), _diameter(owner)) for owner in link.children(tag)]
@@ -242,7 +246,7 @@ def _origin(owner: Tag) -> tuple[float, ...]:
 
 
 def _diameter(owner: Tag) -> float | None:
-    """Return the diameter of the ball around a shape [m]; None for a mesh."""
+    """Return the diameter of the bounding sphere of a shape [m]; None for a mesh."""
     geometry = owner.child("geometry")
     box = geometry.child("box").vector("size")
     if box is not None and min(box) > 0:
@@ -260,9 +264,10 @@ def _diameter(owner: Tag) -> float | None:
 
 
 def _reach(link: Tag) -> float:
-    """Return the largest distance of the link's parts from its origin [m].
+    """Return the largest distance of the link's parts from the link's origin [m].
 
-    Meshes are not opened: only their origins and the centre of mass count.
+    Meshes are not opened.  For a mesh, only its origin is used.  The center of mass is
+    also used.
     """
     shapes = [*link.children("collision"), *link.children("visual")]
     reaches = [length(_origin(o)) + (_diameter(o) or 0.0) / 2 for o in shapes]
@@ -270,16 +275,20 @@ def _reach(link: Tag) -> float:
 
 
 def effort_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the joints with an effort limit that no real finger has."""
+    """Yield the joints of fingers with an effort limit that no real finger has."""
     links = {link["name"]: link for link in robot.root.children("link")}
     in_reverse = reversed(list(robot.root.children("joint")))
-    tags = {joint["name"]: joint for joint in in_reverse}  # so that the first counts
+    # reversed, so that the first of several joints with the same name is used
+    tags = {joint["name"]: joint for joint in in_reverse}
     below: dict[str, list[JointFacts]] = {}
     for joint in robot.facts.joints.values():
         below.setdefault(joint.parent, []).append(joint)
 
     def load(start: str) -> tuple[float, float] | None:
-        """Return mass [kg] and reach [m] of all links beyond one; None for an arm."""
+        """Return the mass [kg] and reach [m] of a link and all links beyond it.
+
+        The result is None for an arm.
+        """
         mass = reach = 0.0
         seen: set[str] = set()
         waiting = [(start, 0.0)]

@@ -1,4 +1,4 @@
-"""Meshes that are missing or cannot be displayed."""
+"""Finds meshes that are missing or that cannot be displayed."""
 
 from __future__ import annotations
 
@@ -15,11 +15,12 @@ from tool0.lint.robot.facts import Robot
 
 _UNRESOLVED = "unresolved-uri"
 _REMOTE = ("model", "http", "https")
-"""URI schemes of meshes that Gazebo and RViz download; no local path can be checked."""
+"""URI schemes of meshes that Gazebo and RViz download.  A downloaded mesh has no local
+path that could be checked."""
 
 
 def mesh_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the meshes that cannot be loaded, once for each folder."""
+    """Yield the meshes that cannot be loaded, with one finding for each folder."""
     done: set[str] = set()
     for link in robot.root.children("link"):
         for mesh in link.descendants("mesh"):
@@ -124,7 +125,7 @@ def _exists(path: Path, at: Subject, done: set[str]) -> Iterator[Finding]:
 
 
 def _is_first(key: str, done: set[str]) -> bool:
-    """Return whether ``key`` is new, and note it."""
+    """Return whether ``key`` is new, and add it to ``done``."""
     is_new = key not in done
     done.add(key)
     return is_new

@@ -1,4 +1,4 @@
-"""Transmissions that ros_control skips, misreads, or fails on."""
+"""Finds transmissions that ros_control skips, reads wrongly or rejects."""
 
 from __future__ import annotations
 
@@ -82,7 +82,8 @@ def _type(transmission: TransmissionFacts) -> Iterator[Finding]:
     if not transmission.type or transmission.type == SIMPLE:
         return
     known = {name.rpartition("/")[2]: name for name in (SIMPLE, *_OTHERS)}
-    # A robot's own HalfDifferentialTransmission has a similarity of 0.92 to these.
+    # The name HalfDifferentialTransmission, which a robot may define, has a similarity
+    # of 0.92 to a name of ros_control.
     close = nearest_name(transmission.type.rpartition("/")[2], known, cutoff=0.93)
     has_type = f"{_shown(transmission)} has the type '{short(transmission.type)}'"
     if close is not None and transmission.type not in _OTHERS:
@@ -149,13 +150,16 @@ def _joint(
 
 
 def _counting(transmission: TransmissionFacts) -> tuple[InterfaceFacts, ...]:
-    """Return the interfaces that are read; those in <actuator> only if alone."""
+    """Return the interfaces that ROS reads.
+
+    Interfaces in <actuator> are read only if there are no other interfaces.
+    """
     named = tuple(item for item in transmission.interfaces if not item.in_actuator)
     return named or transmission.interfaces
 
 
 def _unknown_interfaces(facts: RobotFacts) -> Iterator[Finding]:
-    """Yield the interfaces that ROS does not know, once for each place in a macro."""
+    """Yield the interfaces that ROS does not have, once for each place in a macro."""
     simulators = {plugin.parameter("robotSimType") for plugin in facts.control_plugins}
     found: dict[Subject, tuple[str | None, list[str]]] = {}
     for transmission in facts.transmissions:

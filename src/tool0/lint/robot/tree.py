@@ -1,6 +1,6 @@
-"""Links and joints that are not a tree: duplicate or unknown names, loops.
+"""Finds links and joints that do not form a tree.
 
-A link with two parents is not allowed, either.
+The causes are duplicate names, unknown names, loops and links with two parents.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _REFUSED = "so ROS refuses the whole robot_description"
 
 
 def tree_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the faults that keep links and joints from forming one tree."""
+    """Yield the faults because of which links and joints do not form one tree."""
     root, facts = robot.root, robot.facts
     for tag in (root, *root.children("link"), *root.children("joint")):
         if not tag["name"]:
@@ -102,7 +102,7 @@ def _roots(root: Subject, facts: RobotFacts) -> Iterator[Finding]:
         return
     children_of_joints = {joint.child for joint in facts.joints.values()}
     if not children_of_joints <= facts.links.keys():
-        return  # a misspelt child leaves the intended link without a joint
+        return  # a misspelled child leaves the intended link without a joint
     roots = [name for name in facts.links if name not in children_of_joints]
     if not roots:
         yield root.error(

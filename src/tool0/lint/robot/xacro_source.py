@@ -1,4 +1,4 @@
-"""Rules for a xacro file as written: includes, macros, prefixes, interfaces."""
+"""Rules for a xacro file before expansion: includes, macros, prefixes, interfaces."""
 
 from __future__ import annotations
 
@@ -15,17 +15,18 @@ from tool0.lint.packages import PackageIndex, nearest_file
 from tool0.lint.robot.elements import Tag
 from tool0.lint.robot.facts import is_interface, meant_interface
 
-# As xacro reads them: a name, perhaps := or = and a value, which may be quoted.
+# The pattern follows xacro's own rules: a name, which may be followed by := or = and a
+# value.  The value may be quoted.
 _PARAMETER = re.compile(
     r"\s*([^\s:=]+?)(?:\s*(?::=|=)\s*(\^\|)?(?:'([^']*)'|\"([^\"]*)\"|(\S*)))?(?:\s+|$)"
 )
 _FIND = re.compile(r"\$\(find\s+([^\s)]+)\s*\)")
 _TRUE = ("true", "1")
 _PATTERN = re.compile(r"[*?\[]")
-"""Wildcards of an include: xacro includes all matching files, or none."""
+"""Wildcards of an include. xacro includes all files that match; there may be none."""
 _WORD = re.compile(r"[^\W\d]\w*")
 _OUTER = "^"
-"""Default that stands for the parameter of the same name in the calling macro."""
+"""Default value that stands for the parameter of the same name in the calling macro."""
 _EMPTY = ("", "''", "${''}", '${""}')
 _MACRO = "xacro:macro"
 _LIKE = re.compile(r"interf|hardware", re.IGNORECASE)
@@ -34,16 +35,16 @@ _LIKE = re.compile(r"interf|hardware", re.IGNORECASE)
 @final
 @dataclass(frozen=True, slots=True)
 class MacroParameter:
-    """One parameter of a macro, written ``name`` or ``name:=default``."""
+    """One parameter of a macro, written as ``name`` or ``name:=default``."""
 
     name: str
-    """Name of the parameter, without the asterisks of a block."""
+    """Name of the parameter, without the asterisks that mark a block."""
     default: str | None
     is_block: bool
 
 
 def own_tags(macro: Tag) -> Iterator[Tag]:
-    """Yield the elements in ``macro``, except inner macros with the same parameters."""
+    """Yield the elements in ``macro``, without inner macros of the same parameters."""
     names = {parameter.name for parameter in parameters_of(macro)}
     waiting = [macro]
     while waiting:
@@ -72,7 +73,7 @@ def parameters_of(macro: Tag) -> tuple[MacroParameter, ...]:
 
 
 def include_findings(root: Tag, packages: PackageIndex) -> Iterator[Finding]:
-    """Yield the includes whose files do not exist."""
+    """Yield the includes of files that do not exist."""
     named: set[str] = set()
     for tag in root.descendants("xacro:include"):
         text = tag["filename"]
@@ -98,25 +99,26 @@ def include_findings(root: Tag, packages: PackageIndex) -> Iterator[Finding]:
 
 
 def included_files(root: Tag, packages: PackageIndex) -> Iterator[Path]:
-    """Yield the files that a xacro file includes regardless of its arguments."""
+    """Yield the files that a xacro file includes, whatever its arguments are."""
     paths = (_included(tag, packages) for tag in root.descendants("xacro:include"))
     return (path for path in paths if path is not None)
 
 
 def _included(tag: Tag, packages: PackageIndex) -> Path | None:
-    """Return the file of an include if it is always the same."""
+    """Return the file of an include; None if the file depends on arguments."""
     text, file = tag["filename"], tag.location.file
     folder = Path() if file is None else file.parent
     filled = _FIND.sub(lambda match: str(packages.get(match.group(1))), text)
     filled = filled.replace("$(dirname)", str(folder))
     if "$" in filled or _PATTERN.search(text):
         return None
-    return source_path(folder / filled)  # an absolute one stays as it is
+    return source_path(folder / filled)  # an absolute path does not change
 
 
 def parameter_findings(root: Tag, _: PackageIndex) -> Iterator[Finding]:
     """Yield unused parameters, and arguments that are declared twice."""
-    # A macro sees its caller's parameters, so a use anywhere in the file counts.
+    # A macro can use the parameters of its caller.  Therefore, a parameter is used if
+    # it occurs anywhere in the file.
     used = set(_used_words(root))
     for macro in root.descendants(_MACRO):
         for parameter in parameters_of(macro):
@@ -164,7 +166,7 @@ def _used_words(root: Tag) -> Iterator[str]:
 
 
 def call_findings(root: Tag, _: PackageIndex) -> Iterator[Finding]:
-    """Yield the calls in macros with a prefix that pass on an empty one."""
+    """Yield calls with an empty prefix in macros that have a prefix parameter."""
     for macro in root.descendants(_MACRO):
         names = {parameter.name for parameter in parameters_of(macro)}
         prefixes = sorted(name for name in names if name.endswith("prefix"))
@@ -188,7 +190,7 @@ def _hard_coded(macro: str, call: Tag, prefix: str) -> Finding:
 
 
 def interface_findings(root: Tag, _: PackageIndex) -> Iterator[Finding]:
-    """Yield the misspelt interfaces that are written out in a xacro file."""
+    """Yield the misspelled interfaces that a xacro file contains as literal text."""
     for tag in root.descendants():
         kind = "default" if tag.tag in {_MACRO, "xacro:arg"} else "value"
         for name, text in _values(tag):

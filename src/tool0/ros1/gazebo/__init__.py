@@ -1,1 +1,1 @@
-"""The services and topics of gazebo_ros, with either engine."""
+"""The services and topics of gazebo_ros, for both physics engines."""

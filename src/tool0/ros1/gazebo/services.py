@@ -1,4 +1,4 @@
-"""The services and topics of gazebo_ros, with either engine."""
+"""The services and topics of gazebo_ros, for both physics engines."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ from tool0.ros1.namespace import RosNamespace
 from tool0.ros1.options import NODE_NAME
 
 Handler = Callable[[Message, Message], str]
-"""Takes a request, fills the response, and returns the text of its status_message."""
+"""Function that takes a request, fills in the response, and returns the text of its
+status_message."""
 
 _JOINT_TYPES = {
     JointType.REVOLUTE: 0,
@@ -28,13 +29,13 @@ _JOINT_TYPES = {
     JointType.PRISMATIC: 2,
     JointType.FIXED: 3,
 }
-"""Joint type in gazebo_msgs/GetJointProperties; gazebo_ros itself reports every joint
-as revolute."""
+"""Number of each joint type in gazebo_msgs/GetJointProperties. gazebo_ros reports every
+joint as revolute."""
 _SUCCESS = "got properties"
 
 
 def offer_gazebo_services(ros: RosNamespace, robot: Robot) -> GazeboStatePublisher:
-    """Offer the services under the node's name; return the topics' publisher."""
+    """Offer the services under the node's name, and return the topics' publisher."""
     world = GazeboWorld(robot)
     queries = GazeboQueries(ros, robot, world)
     changes = GazeboChanges(robot, world, ros.node.clock.from_ros)
@@ -101,7 +102,10 @@ def _with_status(kind: Any, handler: Handler) -> Callable[[Message], Message]:
 
 @final
 class GazeboQueries:
-    """The services that read the world; each raises ControlError for a refusal."""
+    """The services that read the world.
+
+    The services raise ControlError to refuse a request.
+    """
 
     def __init__(self, ros: RosNamespace, robot: Robot, world: GazeboWorld) -> None:
         self._ros, self._robot, self._world = ros, robot, world
@@ -114,7 +118,7 @@ class GazeboQueries:
         return _SUCCESS
 
     def get_physics_properties(self, request: Message, response: Message) -> str:
-        """Fill in step, rate and gravity; ODE's parameters remain zero."""
+        """Fill in the step, rate and gravity.  The parameters of ODE remain zero."""
         snapshot, dt = self._robot.snapshot, self._robot.engine.dt
         response.time_step = dt
         response.pause = snapshot.is_paused
@@ -190,7 +194,7 @@ class GazeboQueries:
 
 @final
 class GazeboStatePublisher:
-    """Topics ``model_states`` and ``link_states``, for every snapshot."""
+    """Topics ``model_states`` and ``link_states``, published for every snapshot."""
 
     def __init__(self, ros: RosNamespace, world: GazeboWorld) -> None:
         self._world = world

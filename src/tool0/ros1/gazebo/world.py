@@ -1,4 +1,4 @@
-"""The world in Gazebo's terms: models with links, in the world frame."""
+"""The world as Gazebo represents it: models with links, in the world frame."""
 
 from __future__ import annotations
 
@@ -24,14 +24,15 @@ GROUND = "ground_plane"
 _RESERVED = ("collision", "link", "sun", "visual")
 """Names that Gazebo reserves."""
 MAX_NAME_LENGTH = 60
-"""Longest name [characters], as the Gazebo engine uses names as file names."""
+"""Largest length of a name [characters].  The length is limited because the Gazebo
+engine uses names as file names."""
 _WORLD = ("", "world", "map", "/map")
 _AT_ORIGIN = FrameMotion()
 
 
 @final
 class GazeboWorld:
-    """The constant part of the world, and the models that objects were spawned from."""
+    """The constant part of the world, and the models of spawned objects."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -44,7 +45,7 @@ class GazeboWorld:
         self._spawned: dict[str, tuple[SceneObject, RigidModel]] = {}
 
     def record_model(self, item: SceneObject, model: RigidModel) -> None:
-        """Record the model that an object was spawned from; forget removed objects."""
+        """Record a spawned object's model, and drop records of removed objects."""
         present = {item.name: item for item in self._robot.scene.objects}
         self._spawned = {
             name: (known, spawned)
@@ -53,7 +54,7 @@ class GazeboWorld:
         } | {item.name: (item, model)}
 
     def model_of(self, item: SceneObject) -> RigidModel:
-        """Return the model of an object, however it was added."""
+        """Return the model of an object, whether it was spawned or not."""
         known, model = self._spawned.get(item.name, (None, None))
         if model is not None and known is item:
             return model
@@ -74,7 +75,7 @@ class GazeboWorld:
         return name in (ROBOT, self.model.name)
 
     def joint(self, name: str) -> Joint | None:
-        """Return the robot's joint ``name``, which may begin with the model's name."""
+        """Return the robot's joint ``name``.  The name may include the model's name."""
         model, separator, joint = name.rpartition("::")
         if separator and not self.is_robot(model):
             return None
@@ -83,7 +84,7 @@ class GazeboWorld:
 
 @final
 class WorldState:
-    """Poses and velocities of everything in the world at one instant."""
+    """Poses and velocities of all models and links at one instant."""
 
     def __init__(self, world: GazeboWorld, snapshot: Snapshot) -> None:
         self._world = world
@@ -91,7 +92,7 @@ class WorldState:
 
     @cached_property
     def objects(self) -> Mapping[str, tuple[SceneObject, RigidModel, FrameMotion]]:
-        """The objects around the robot, with the motion of their models' frames."""
+        """The objects around the robot, with their models and the models' motion."""
         found = {}
         items, states = self.snapshot.scene, self.snapshot.objects
         for item, state in zip(items, states, strict=True):
@@ -117,7 +118,7 @@ class WorldState:
         return {link: in_root[link].placed_in(T_world_root) for link in in_root}
 
     def models(self) -> dict[str, FrameMotion]:
-        """Return all models, in the order in which Gazebo would have added them."""
+        """Return all models, in the order in which Gazebo adds them."""
         found = {GROUND: _AT_ORIGIN} if self._world.has_ground else {}
         found[ROBOT] = FrameMotion(pose=self._world.T_world_root)
         for name, (_, _, motion) in self.objects.items():
@@ -125,7 +126,7 @@ class WorldState:
         return found
 
     def links(self) -> dict[str, FrameMotion]:
-        """Return the links that Gazebo would have, by their full names."""
+        """Return the links that exist in Gazebo, by their full names."""
         found = {f"{GROUND}::link": _AT_ORIGIN} if self._world.has_ground else {}
         for link in self._world.robot_links:
             found[f"{ROBOT}::{link}"] = self._robot_links[link]
@@ -134,21 +135,21 @@ class WorldState:
         return found
 
     def model(self, name: str) -> FrameMotion | None:
-        """Return the model called ``name``."""
+        """Return the model named ``name``; None if there is none."""
         return self.models().get(ROBOT if self._world.is_robot(name) else name)
 
     def link(self, name: str) -> FrameMotion | None:
-        """Return a link; the names of the robot's links need no model name."""
+        """Return a link.  The names of the robot's links need no model name."""
         model, separator, link = name.rpartition("::")
         if not separator or self._world.is_robot(model):
             return self._robot_links.get(link)
         return self.links().get(name)
 
     def body(self, name: str) -> str:
-        """Return the robot's link or the object that has a link of this name.
+        """Return the robot's link ``name``, or the object that has this link.
 
         Raises:
-            ControlError: If there is none.
+            ControlError: If neither the robot nor an object has this link.
         """
         model, separator, link = name.rpartition("::")
         if not separator or self._world.is_robot(model):
@@ -162,10 +163,10 @@ class WorldState:
         )
 
     def frame(self, name: str) -> FrameMotion:
-        """Return a reference frame: the world, a link or a model.
+        """Return a reference frame, which is the world, a link or a model.
 
         Raises:
-            ControlError: If there is none of this name.
+            ControlError: If there is no frame of this name.
         """
         if name in _WORLD:
             return _AT_ORIGIN
@@ -179,7 +180,10 @@ class WorldState:
 
 
 def lumped_links(model: RobotModel) -> tuple[str, ...]:
-    """Return the links that Gazebo keeps: it merges fixed links into their parents."""
+    """Return the links that Gazebo does not merge into a parent link.
+
+    Gazebo merges a link into its parent if the joint between them is fixed.
+    """
     root = model.root
     if root == "world" and model.child_joints[root]:
         fixed = [joint for joint in model.child_joints[root] if not joint.is_movable]
@@ -191,7 +195,10 @@ def lumped_links(model: RobotModel) -> tuple[str, ...]:
 
 @final
 class GazeboChanges:
-    """Handlers that carry out a request, or raise a Tool0Error and change nothing."""
+    """Handlers that either execute a request or raise a Tool0Error.
+
+    After a Tool0Error, nothing has changed.
+    """
 
     def __init__(
         self,
@@ -199,7 +206,10 @@ class GazeboChanges:
         world: GazeboWorld,
         to_simulated: Callable[[Message], float | None],
     ) -> None:
-        """Take the function that converts a ROS time to simulated time [s]."""
+        """Create handlers.
+
+        ``to_simulated`` returns the simulated time of a ROS time [s].
+        """
         self._robot, self._world, self._to_simulated = robot, world, to_simulated
 
     def spawn_model(self, request: Message, response: Message) -> str:
@@ -246,10 +256,12 @@ class GazeboChanges:
         )
 
     def apply_body_wrench(self, request: Message, response: Message) -> str:
-        """Push a link for a span of ROS time, without end if the duration is negative.
+        """Apply a wrench to a link for a duration in ROS time.
 
-        The force acts at the reference point or, as in gazebo_ros, at the centre of
-        mass if there is no reference frame.
+        If the duration is negative, the wrench has no end.
+
+        The force acts at the reference point.  If there is no reference frame, the
+        force acts at the center of mass, like in gazebo_ros.
         """
         duration = request.duration.to_sec()
         if duration == 0.0:
@@ -271,11 +283,14 @@ class GazeboChanges:
         return "wrench applied"
 
     def clear_body_wrenches(self, name: str) -> None:
-        """End the wrenches on a link."""
+        """End all wrenches on a link."""
         self._robot.clear_wrenches(self._world.now().body(name))
 
     def set_model_configuration(self, request: Message, response: Message) -> str:
-        """Set the positions of the robot's joints immediately; nothing else changes."""
+        """Set the positions of the robot's joints immediately.
+
+        The objects do not change.
+        """
         name, joints = request.model_name, request.joint_names
         if self._world.now().model(name) is None:
             raise ControlError(f"model [{name}] does not exist")
@@ -309,7 +324,7 @@ class GazeboChanges:
                     state.quat_wxyz,
                     linear=state.linear,
                     angular=state.angular,
-                    allow_penetration=True,  # where it was
+                    allow_penetration=True,  # the object's pose before the reset
                 )
         finally:
             if not was_paused:
@@ -317,7 +332,7 @@ class GazeboChanges:
         return "success"
 
     def _object(self, state: WorldState, name: str, verb: str) -> RigidModel:
-        """Return the model of the object ``name``, or raise ControlError."""
+        """Return the model of the object named ``name``, or raise ControlError."""
         if self._world.is_robot(name):
             raise ControlError(
                 f"'{name}' is the robot, which is bolted to the world and cannot be "

@@ -24,7 +24,7 @@ class DeclaredArguments:
         self._file, self._given = file, given
 
     def declare(self, made: Made, resolver: Resolver) -> None:
-        """Execute a DeclareLaunchArgument."""
+        """Process a ``DeclareLaunchArgument`` action."""
         state = resolver.state
         name = resolver.text(made.get("name"), made.location).resolved
         if name is None:
@@ -89,11 +89,12 @@ class DeclaredArguments:
             )
 
     def report_unused(self, resolver: Resolver, texts: Sequence[str]) -> None:
-        """Report arguments that are used neither in this file nor in an included one.
+        """Report arguments that are used neither in this file nor in an included file.
 
         Args:
-            resolver: The resolver at the end of the file.
-            texts: All texts in the file; a second text equal to a name counts as a use.
+            resolver: The resolver in its state at the end of the file.
+            texts: All texts in the file.  A text that equals an argument's name is
+                treated as a use of the argument if the text occurs more than once.
         """
         if resolver.state.unread:
             return

@@ -1,4 +1,4 @@
-"""The programs of a package in the workspace, according to its build files."""
+"""The programs of a package in the workspace, found in the package's build files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MAX_FILES: Final = 2000
 def check_executable(
     package: str, folder: Path, program: str, where: SourceLocation, resolver: Resolver
 ) -> None:
-    """Report that a package does not have such a program."""
+    """Report an error if a package does not contain the given program."""
     if _is_installed(folder):
         return
     words = _words(folder)
@@ -39,15 +39,15 @@ def check_executable(
 
 
 def _is_installed(folder: Path) -> bool:
-    """Whether a folder is an installed share folder without sources."""
+    """Return whether a folder is an installed share folder without sources."""
     return not any(is_file(folder / name) for name in _BUILD_FILES)
 
 
 @cache
 def _words(folder: Path) -> frozenset[str]:
-    """Return all words in a package's build files, and the names of its files.
+    """Return all words in a package's build files, and the names of all its files.
 
-    File names count because CMake may glob for programs.
+    File names are included because CMake may find programs with a glob pattern.
     """
     words: set[str] = set()
     for name in _BUILD_FILES:

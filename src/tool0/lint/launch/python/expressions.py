@@ -1,4 +1,4 @@
-"""Python expressions, evaluated as far as possible without execution."""
+"""Evaluates Python expressions as far as possible without executing them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Comprehension: TypeAlias = ast.ListComp | ast.SetComp | ast.GeneratorExp | ast.D
 @final
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A call, with its arguments."""
+    """A call of a function, with its arguments."""
 
     function: Value
     arguments: tuple[Value, ...]
@@ -51,10 +51,12 @@ class Expressions:
     call: Callable[[Call], Value]
     look_up: Callable[[str, Scope], Value]
     misused: Callable[[Made, SourceLocation], None]
-    """Called with a substitution that is used as a text where it has no value yet."""
+    """Function that is called with a substitution that is used as a text where the
+    substitution has no value yet."""
     locate: Callable[[ast.AST], SourceLocation]
     spend: Callable[[], None]
-    """Function that counts one step, and raises if there were too many."""
+    """Function that counts one step and raises an error if there were too many
+    steps."""
 
     def value(self, node: ast.expr, scope: Scope) -> Value:
         """Return the value of an expression."""
@@ -279,7 +281,7 @@ class Expressions:
 
 
 def choice(*values: Value) -> Value:
-    """Return one of several possible values; a ``Choice`` if the values differ."""
+    """Return the only value, or a ``Choice`` if there are different values."""
     first, *others = values
     if all(same(first, other) for other in others):
         return first
@@ -287,14 +289,14 @@ def choice(*values: Value) -> Value:
 
 
 def iterated(value: Value) -> list[Value]:
-    """Return the items of a loop; empty if they are unknown."""
+    """Return the items of a loop, or an empty list if they are unknown."""
     if isinstance(value, dict | list | tuple | str):
         return list(value)
     return []
 
 
 def assign(target: ast.expr, value: Value, scope: Scope) -> None:
-    """Assign to names; the caller handles other targets."""
+    """Assign a value to names.  The caller handles all other targets."""
     match target:
         case ast.Name(id=name):
             scope.names[name] = value
@@ -319,7 +321,7 @@ def _attribute(owner: Value, name: str) -> Value:
 
 
 def _joined(left: list[Value] | tuple[Value, ...], right: Value) -> Value:
-    """Return a list joined with ``right``, which may be unknown."""
+    """Return a list that is joined with ``right``, which may be unknown."""
     if isinstance(right, list | tuple):
         if len(left) + len(right) > MAX_ITEMS:
             return Unknown(f"more than {MAX_ITEMS} items")

@@ -1,7 +1,7 @@
-"""The classes of launch and launch_ros, and their arguments.
+"""The classes of the packages launch and launch_ros, and the classes' arguments.
 
-The source is the code of both, https://github.com/ros2/launch and
-https://github.com/ros2/launch_ros, branches humble to rolling.
+The source is the code of launch and launch_ros, https://github.com/ros2/launch and
+https://github.com/ros2/launch_ros, in the branches from humble to rolling.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ _NODE: Final = (
 _HANDLER: Final = "handle_once"
 
 _CLASSES: Final = {
-    # actions: positional arguments | keywords; ! marks those that are required
+    # Actions, with positional arguments before the bar and keywords after it.  An
+    # exclamation mark marks a required argument.
     "AppendEnvironmentVariable": f"name! value! prepend separator | {_ACTION}",
     "DeclareLaunchArgument": f"name! | default_value description choices {_ACTION}",
     "EmitEvent": f"| event! {_ACTION}",
@@ -150,7 +151,8 @@ class Signature:
     names: frozenset[str]
     required: tuple[str, ...]
     takes_any: str = ""
-    """Name for any number of positional arguments."""
+    """Name under which any number of positional arguments is stored; empty if the class
+    has a fixed number of arguments."""
 
 
 def _signature(text: str) -> Signature:
@@ -182,7 +184,7 @@ def make(
     """Return the object that a call creates, and the faults of the call.
 
     Args:
-        name: Name of the class, a key of ``SIGNATURES``.
+        name: Name of the class, which is a key of ``SIGNATURES``.
         arguments: The positional arguments.
         keywords: The keyword arguments.
         location: Location of the call.
@@ -244,6 +246,6 @@ def make(
 
 
 def misspelt(name: str) -> str | None:
-    """Return the class of which a name is a misspelling; None if there is none."""
+    """Return the class whose name is misspelled as ``name``; None if there is none."""
     near = nearest_name(name, SIGNATURES)
     return near if near is not None and is_typo(name, near) else None

@@ -1,4 +1,4 @@
-"""Includes of Python launch files: the included file, and its arguments."""
+"""Reads the includes of Python launch files: the included file and its arguments."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ _OTHER_SOURCES: Final = (
 
 
 def read_include(made: Made, resolver: Resolver) -> Include:
-    """Return an IncludeLaunchDescription; it has a reason if its file is not read."""
+    """Return an ``IncludeLaunchDescription`` action as an include.
+
+    The include has a reason if its file is not read.
+    """
     source = made.get("launch_description_source")
     where, is_other = made.location, False
     if isinstance(source, Made) and source.name in (*_SOURCES, *_OTHER_SOURCES):
@@ -81,7 +84,7 @@ def _passed(made: Made, resolver: Resolver) -> tuple[Passed, ...]:
 
 
 def set_passed(include: Include, resolver: Resolver) -> None:
-    """Set the configurations that an include passes; they stay set after it."""
+    """Set the configurations that an include passes, which remain set after it."""
     state = resolver.state
     for item in include.passed:
         if item.value is not None:
@@ -94,12 +97,13 @@ def check_include(
     missing: Iterable[Argument],
     resolver: Resolver,
 ) -> None:
-    """Report passed arguments that are not declared, and required ones that lack.
+    """Report undeclared arguments that an include passes, and missing arguments.
 
     Args:
         include: The include.
         launch: The included launch file.
-        missing: The arguments that the file requires and does not get.
+        missing: The arguments that the file requires and that the include does not
+            pass.
         resolver: The resolver of the including file.
     """
     declared = {argument.name for argument in launch.arguments}

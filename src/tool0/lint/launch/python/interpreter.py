@@ -1,7 +1,7 @@
-"""Interprets the Python of a launch file, without executing it.
+"""Interprets the Python code of a launch file without executing it.
 
-Statements are followed in order.  Where a condition is unknown, both branches are
-followed, and anything that they add is uncertain.
+Statements are processed in order.  If a condition is unknown, both branches are
+processed, and everything that they add is marked as uncertain.
 """
 
 from __future__ import annotations
@@ -42,25 +42,25 @@ from tool0.lint.launch.python.values import (
 )
 
 MAX_STEPS: Final = 200_000
-"""Expressions and statements of one file."""
+"""Largest number of expressions and statements that are evaluated in one file."""
 MAX_CALLS: Final = 30
-"""Largest depth of nested calls of the file's functions."""
+"""Largest depth of nested calls of functions that the file defines."""
 _XACRO: Final = ("xacro.process_file", "xacro.process")
 
 
 class TooLongError(Exception):
-    """Raised if the file takes too many steps."""
+    """Raised if the evaluation of the file takes too many steps."""
 
 
 class _Return(Exception):  # noqa: N818  # control flow
-    """Raised by a ``return``, with its value."""
+    """Raised by a ``return`` statement, with the returned value."""
 
     def __init__(self, value: Value) -> None:
         self.value = value
 
 
 class _Leave(Exception):  # noqa: N818  # control flow
-    """Raised if the rest of a branch or loop is not reached."""
+    """Raised if the remaining statements of a branch or loop are not reached."""
 
     def __init__(self, node: ast.stmt) -> None:
         self.is_continue = isinstance(node, ast.Continue)
@@ -69,7 +69,10 @@ class _Leave(Exception):  # noqa: N818  # control flow
 
 @final
 class Interpreter:
-    """One file: first its module, then its functions."""
+    """Interpreter of one file.
+
+    The module is interpreted first, and then the module's functions.
+    """
 
     def __init__(
         self,
@@ -84,7 +87,7 @@ class Interpreter:
             file: The launch file.
             tree: The file's syntax tree.
             package_folder: Function that returns the share folder of a package.
-            perform: Function that returns the present value of a substitution.
+            perform: Function that returns the current value of a substitution.
         """
         self.findings: list[Finding] = []
         self._file = file
@@ -322,7 +325,7 @@ class Interpreter:
         raise _Leave(node)
 
     def _branch(self, bodies: tuple[list[ast.stmt], ...], scope: Scope) -> None:
-        """Follow several branches, one of which would be executed."""
+        """Process several branches of which Python would execute only one."""
         before = dict(scope.names)
         after = []
         for body in bodies:
@@ -394,7 +397,7 @@ class Interpreter:
 
     @property
     def _is_certain(self) -> bool:
-        """Whether the current statement is certainly executed."""
+        """Return whether the current statement is certainly executed."""
         return not self._uncertain
 
     def _look_up(self, name: str, scope: Scope) -> Value:

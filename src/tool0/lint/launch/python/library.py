@@ -1,6 +1,7 @@
 """Functions and methods of plain values that a launch file may call.
 
-Only functions with a short result that is known without running anything are included.
+Only functions with a short result that can be computed without running a program are
+included.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ PACKAGE_FOLDERS: Final = frozenset(
     for middle in ("", "packages.")
     for what in ("share_directory", "share_path")
 )
-"""Functions that return the folder of a package."""
+"""Functions that return the share folder of a package."""
 
 
 def _join(*parts: str | PurePath) -> str:
@@ -83,7 +84,7 @@ def call_function(
         return Unknown(f"{name}() of something unknown")
     try:
         return _bounded(FUNCTIONS[name](*arguments, **keywords))
-    except Exception as error:  # whatever it would raise in Python, too
+    except Exception as error:  # any exception that Python would also raise
         return Unknown(f"{name}() fails: {error}")
 
 
@@ -104,14 +105,14 @@ def call_method(
         or (isinstance(owner, list | tuple) and name in _OF_LISTS)
     )
     if isinstance(owner, PurePath) and name in (*_OF_PATHS_TOO, "resolve"):
-        return owner  # no file is looked up
+        return owner  # the file system is not accessed
     if isinstance(owner, str) and name == "format" and len(owner) < 1000:
         is_read = all(isinstance(a, str | int | float) for a in arguments)
     if not is_read:
         return unknown
     try:
         return _bounded(getattr(owner, name)(*arguments, **keywords))
-    except Exception as error:  # whatever it would raise in Python, too
+    except Exception as error:  # any exception that Python would also raise
         return Unknown(f".{name}() fails: {error}")
 
 
@@ -135,13 +136,13 @@ def change(
     values: tuple[Value, ...],
     is_certain: bool,
 ) -> bool:
-    """Change a list or dict; return whether the method is one that changes it.
+    """Change a list or dict, and return whether the method changes its object.
 
     Args:
-        owner: The list or dict.
-        name: The method.
-        values: The method's arguments.
-        is_certain: Whether the call is certainly executed.
+        owner: The list or dict that is changed.
+        name: The name of the method.
+        values: The arguments of the method.
+        is_certain: Whether the method is certainly called.
     """
     if isinstance(owner, dict):
         if name != "update" or not values:

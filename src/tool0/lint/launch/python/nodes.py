@@ -1,4 +1,4 @@
-"""Nodes of a Python launch file: programs, arguments, parameters, remappings."""
+"""Reads the nodes of a Python launch file: programs, arguments and parameters."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _TEXTS: Final = ("output", "prefix", "exec_name")
 
 @final
 class NodeReader:
-    """Reads one Node, LifecycleNode or ComposableNodeContainer."""
+    """Reads a ``Node``, ``LifecycleNode`` or ``ComposableNodeContainer``."""
 
     def __init__(self, made: Made, resolver: Resolver) -> None:
         self._made, self._state, self._resolver = made, resolver.state, resolver
@@ -145,7 +145,7 @@ class NodeReader:
             )
 
     def _words(self, key: str) -> list[Text]:
-        """Return the items of a list of texts."""
+        """Return the items of an argument that is a list of texts."""
         value, where = self._made.get(key), self._made.place(key)
         if isinstance(value, list | tuple):
             return [self._resolver.text(item, where) for item in value]
@@ -192,7 +192,8 @@ class NodeReader:
         given, where = self._made.get("parameters"), self._made.place("parameters")
         if isinstance(given, dict) or is_text(given):
             self._must_be_list("parameters", given, "[…]")
-        items: list[Value] = [dict(self._state.parameters)]  # set by SetParameter
+        # parameters that SetParameter has set
+        items: list[Value] = [dict(self._state.parameters)]
         items += given if isinstance(given, list | tuple) else ()
         reader = ParameterReader(
             self._resolver, where, self._namespace, self._full_name

@@ -1,4 +1,4 @@
-"""Parameters of nodes in a Python launch file: values, commands and files."""
+"""Reads node parameters in a Python launch file: values, commands and files."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ class ParameterReader:
         namespace: str | None,
         full_name: str | None,
     ) -> None:
-        """Prepare for a node at a place; the node's name may be unknown."""
+        """Prepare to read the parameters of a node.  Its name may be unknown."""
         self._resolver, self._where = resolver, where
         self._namespace, self._full_name = namespace, full_name
 
     def read(self, items: list[Value]) -> tuple[list[Parameter], list[Rosparam]]:
-        """Return the single parameters, and the parameter files."""
+        """Return the single parameters and the parameter files of the node."""
         parameters: list[Parameter] = []
         rosparams: list[Rosparam] = []
         where = self._where
@@ -161,7 +161,7 @@ class ParameterReader:
         if path.parent.is_dir():
             near = [p.name for p in path.parent.iterdir() if p.suffix == path.suffix]
         if self._resolver.state.context.packages.package_of(path) is None:
-            return  # made at run time, or of another machine
+            return  # the file is created at run time, or it is on another machine
         self._resolver.report(
             where,
             "missing-file",
@@ -184,7 +184,7 @@ class ParameterReader:
         return Text(raw=raw, resolved=resolved, location=SourceLocation(path, 1))
 
     def _variable(self, match: re.Match[str]) -> str:
-        """Return the value of ``$(var NAME)``, or the text as written without one."""
+        """Return the value of ``$(var NAME)``, or its text if it has no value."""
         one = _ONE_VAR.fullmatch(match[0])
         if one is None:
             return match[0]
@@ -195,7 +195,7 @@ class ParameterReader:
 
 
 def _has_numbers(items: Value) -> bool:
-    """Whether a list is itself a value, rather than the parts of a text."""
+    """Return whether a list is a parameter value, and not the parts of one text."""
     if not isinstance(items, list | tuple):
         return False
     return all(isinstance(item, str) for item in items) or any(

@@ -1,8 +1,9 @@
-"""Reads Python launch files of ROS 2: their actions, in the order of launch.
+"""Reads the actions of Python launch files of ROS 2, in launch order.
 
 First, the file is interpreted (``interpreter``), which gives the tree of its actions.
-Then the actions are executed as launch does, except that no program is started.
-Anything that cannot be known without running Python becomes a note.
+After that, the actions are processed in the same way as in launch, but no program is
+started.  Any part that cannot be determined without running Python is reported as a
+note.
 """
 
 from __future__ import annotations
@@ -69,18 +70,18 @@ _NESTED = {
     "OnProcessIO": ("on_stdin", "on_stdout", "on_stderr"),
     "OnShutdown": (),
 }
-"""Action or event handler → arguments that hold actions to execute later."""
+"""Arguments that contain actions to execute later, by action or event handler."""
 
 
 def read_python_launch(
     file: Path, arguments: Mapping[str, Text], context: LoadContext
 ) -> LaunchFile:
-    """Return the content of a launch file, with all its includes.
+    """Return the content of a launch file, including all files that it includes.
 
     Args:
         file: The launch file.
         arguments: The arguments given on the command line.
-        context: The packages, and the limits.
+        context: The packages and the limits.
     """
     state = LaunchState(context=context, configurations=dict(arguments))
     reader = PythonLaunchReader(file, state, dict.fromkeys(arguments, "command line"))
@@ -101,7 +102,7 @@ def read_python_launch(
 
 @final
 class PythonLaunchReader:
-    """Reads one file; used only once."""
+    """Reads one file.  An instance is used only once."""
 
     def __init__(
         self, file: Path, state: LaunchState, given: Mapping[str, Origin]
@@ -143,12 +144,13 @@ class PythonLaunchReader:
         )
 
     def _interpreted(self) -> Value:
-        """Return the value of generate_launch_description; None if there is none."""
+        """Return the result of ``generate_launch_description``; None if missing."""
         start = SourceLocation(self.file)
         try:
             raw = read_limited(self.file)
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # of Python, about odd escapes
+                # Python warns of invalid escape sequences
+                warnings.simplefilter("ignore")
                 tree = ast.parse(raw, filename=str(self.file))
         except DescriptionError as error:
             self._report(start, "not-python", self.file.name, error.message)
@@ -183,7 +185,7 @@ class PythonLaunchReader:
 
     @property
     def resolver(self) -> Resolver:
-        """Resolver for the present state."""
+        """Resolver for the current state."""
         return Resolver(self.file, self.state, self._report)
 
     def _perform(self, value: Value) -> Value:
@@ -206,7 +208,7 @@ class PythonLaunchReader:
         *,
         severity: Severity = "error",
     ) -> None:
-        """Add a finding, unless the current action is inactive."""
+        """Add a finding unless the current action is inactive."""
         if self.state.holds is not False:
             self.findings.append(
                 error_at(location, rule, key, message, remedy, severity=severity)
@@ -215,7 +217,7 @@ class PythonLaunchReader:
     # --- actions ---
 
     def _within(self, state: LaunchState, actions: Value) -> None:
-        """Execute actions in another state."""
+        """Process actions in the given state."""
         before, self.state = self.state, state
         try:
             self._execute(actions)
@@ -223,7 +225,7 @@ class PythonLaunchReader:
             self.state = before
 
     def _execute(self, value: Value) -> None:
-        """Execute an action or a list of them."""
+        """Process an action or a list of actions."""
         match value:
             case list() | tuple():
                 for item in value:
@@ -256,7 +258,7 @@ class PythonLaunchReader:
         self.state = before.under(condition)
         self._dispatch(made)
         self.state, changed = before, self.state
-        if condition.holds is not False:  # what it sets remains set
+        if condition.holds is not False:  # settings made by the action remain set
             self.state = replace(changed, conditions=before.conditions)
 
     def _dispatch(self, made: Made) -> None:
@@ -292,7 +294,7 @@ class PythonLaunchReader:
             self.resolver.text(made.get("msg"), made.location)
 
     def _nested(self, made: Made) -> None:
-        """Keep actions until after all others; an event or a timer starts them."""
+        """Store actions that an event or a timer starts, to process them last."""
         for key in _NESTED[made.name]:
             self._execute_later(made.get(key))
 
@@ -321,7 +323,7 @@ class PythonLaunchReader:
         self._context.depth -= 1
 
     def _opaque(self, made: Made) -> None:
-        """Execute the actions of an OpaqueFunction, as far as they are declarative."""
+        """Process the actions of an ``OpaqueFunction``, if they can be interpreted."""
         function = made.get("function")
         if not isinstance(function, Function) or self._interpreter is None:
             self._note(f"the function at line {made.location.line} is not in the file")
@@ -335,7 +337,7 @@ class PythonLaunchReader:
     # --- includes ---
 
     def _include(self, made: Made) -> None:
-        """Execute an IncludeLaunchDescription."""
+        """Process an ``IncludeLaunchDescription`` action."""
         include = read_include(made, self.resolver)
         if self.state.holds is False:
             include = replace(include, reason=include.reason or "switched off")

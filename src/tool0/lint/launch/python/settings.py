@@ -1,4 +1,4 @@
-"""Conditions of actions, and the settings that actions make for later ones."""
+"""Reads conditions of actions, and settings that actions make for later actions."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def read_condition(
 
 
 def set_configuration(made: Made, resolver: Resolver) -> None:
-    """Execute SetLaunchConfiguration or UnsetLaunchConfiguration."""
+    """Process ``SetLaunchConfiguration`` or ``UnsetLaunchConfiguration``."""
     key = resolver.text(made.get("name"), made.location).resolved
     if resolver.state.holds is False:
         return
@@ -63,7 +63,7 @@ def set_configuration(made: Made, resolver: Resolver) -> None:
 
 
 def push_namespace(made: Made, resolver: Resolver) -> None:
-    """Execute PushROSNamespace."""
+    """Process ``PushROSNamespace``."""
     text = resolver.text(made.get("namespace"), made.location)
     if resolver.state.namespace is None or text.resolved is None:
         resolver.state.namespace = None
@@ -73,7 +73,7 @@ def push_namespace(made: Made, resolver: Resolver) -> None:
 
 
 def set_statement(made: Made, resolver: Resolver) -> Statement:
-    """Execute SetRemap or SetEnvironmentVariable, and return it."""
+    """Process ``SetRemap`` or ``SetEnvironmentVariable``, and return the statement."""
     is_remap = made.name == "SetRemap"
     keys = (("src", "from"), ("dst", "to"))
     keys = keys if is_remap else (("name", "name"), ("value", "value"))
@@ -92,7 +92,7 @@ def set_statement(made: Made, resolver: Resolver) -> Statement:
 
 
 def set_parameter(made: Made, resolver: Resolver) -> None:
-    """Execute SetParameter or SetUseSimTime, for all later nodes."""
+    """Process ``SetParameter`` or ``SetUseSimTime``, which apply to all later nodes."""
     key: str | None = "use_sim_time"
     if made.name == "SetParameter":
         key = resolver.text(made.get("name"), made.location).resolved
@@ -101,7 +101,7 @@ def set_parameter(made: Made, resolver: Resolver) -> None:
 
 
 def read_process(made: Made, resolver: Resolver) -> Statement:
-    """Return an ExecuteProcess."""
+    """Return an ``ExecuteProcess`` action as a statement."""
     where = made.place("cmd")
     command = made.get("cmd")
     words = command if isinstance(command, list | tuple) else [command]

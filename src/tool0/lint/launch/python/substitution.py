@@ -1,4 +1,4 @@
-"""The values of substitutions such as LaunchConfiguration and PathJoinSubstitution."""
+"""Computes values of substitutions, such as LaunchConfiguration."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ def as_boolean(word: str) -> bool | None:
 @final
 @dataclass(frozen=True, slots=True)
 class Resolver:
-    """Resolves the texts of one file, in the present state of launch."""
+    """Resolves the texts of one file in the current state of launch."""
 
     file: Path
     state: LaunchState
     report: Report
-    """Function that reports a finding: location, rule, key, message, remedy and
-    severity."""
+    """Function that reports a finding.  Its arguments are the location, rule, key,
+    message, remedy and severity."""
 
     def text(self, value: Value, location: SourceLocation) -> Text:
-        """Return a text, list of texts or substitution as a text with its value."""
+        """Return a text, a list of texts or a substitution as a ``Text``."""
         match value:
             case str() | PurePath():
                 return Text(raw=str(value), resolved=str(value), location=location)
@@ -155,7 +155,7 @@ class Resolver:
         return self.package_folder(name.resolved, made.location)
 
     def package_folder(self, name: str, where: SourceLocation) -> Text:
-        """Return the share folder of a package; report a package that is not found."""
+        """Return the share folder of a package.  Report a package that is not found."""
         raw, packages = f"$(find {name})", self.state.context.packages
         try:
             folder = packages.find(name)
@@ -222,7 +222,7 @@ class Resolver:
         return replace(whole, resolved=chosen.resolved, reason=chosen.reason)
 
     def _logic(self, made: Made) -> Text:
-        """Return the value of EqualsSubstitution, NotSubstitution or similar."""
+        """Return the value of a logic substitution, such as ``EqualsSubstitution``."""
         where = made.location
         names = ("left", "right") if "left" in made.arguments else ("value",)
         items = _list(made.get("args")) or [made.get(name) for name in names]

@@ -1,4 +1,4 @@
-"""The values of an interpreted launch file.
+"""The types of the values of an interpreted launch file.
 
 All other values are plain Python values: None, bool, int, float, str, Path, list, tuple
 or dict.
@@ -20,7 +20,7 @@ Value: TypeAlias = object
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Unknown:
-    """A value that is only known by executing the file."""
+    """A value that can be determined only by executing the file."""
 
     reason: str
 
@@ -28,7 +28,7 @@ class Unknown:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Choice:
-    """One of several values, or none of them, depending on something unknown."""
+    """A value that may be any of several values, depending on something unknown."""
 
     values: tuple[Value, ...]
 
@@ -36,7 +36,7 @@ class Choice:
 @final
 @dataclass(frozen=True, slots=True)
 class Name:
-    """A module or a name in one, such as ``launch.actions.GroupAction``."""
+    """A module or a name in a module, such as ``launch.actions.GroupAction``."""
 
     dotted: str
 
@@ -46,7 +46,7 @@ class Name:
 
     @property
     def is_of_launch(self) -> bool:
-        """Whether the name belongs to launch or launch_ros."""
+        """Whether the name is defined in launch or launch_ros."""
         return self.dotted.partition(".")[0] in ("launch", "launch_ros")
 
 
@@ -59,23 +59,23 @@ class Made:
     """Class of the object."""
     location: SourceLocation
     arguments: Mapping[str, Value] = field(default_factory=dict)
-    """Arguments by name, including positional ones."""
+    """Arguments of the call by name, including positional arguments."""
     places: Mapping[str, SourceLocation] = field(default_factory=dict)
     """Location of each argument."""
 
     def get(self, name: str) -> Value:
-        """Return an argument; None if it is not given."""
+        """Return the value of an argument; None if the argument is not given."""
         return self.arguments.get(name)
 
     def place(self, name: str) -> SourceLocation:
-        """Return the location of an argument, or else of the call."""
+        """Return the location of an argument, or of the call if it is not given."""
         return self.places.get(name, self.location)
 
 
 @final
 @dataclass(slots=True)
 class Scope:
-    """Variables of a module or of one call of a function."""
+    """Variables of a module or of one function call."""
 
     outer: Scope | None = None
     names: dict[str, Value] = field(default_factory=dict)
@@ -106,12 +106,12 @@ class Method:
 
 
 def is_text(value: Value) -> bool:
-    """Whether a value is a plain text or path."""
+    """Return whether a value is a plain text or a path."""
     return isinstance(value, str | PurePath)
 
 
 def truth(value: Value) -> bool | None:
-    """Return whether a value counts as true; None if unknown."""
+    """Return whether Python treats a value as true; None if this is unknown."""
     if isinstance(value, Unknown | Choice):
         return None
     if isinstance(value, Made | Name | Function | Method):
@@ -120,7 +120,7 @@ def truth(value: Value) -> bool | None:
 
 
 def same(first: Value, second: Value) -> bool:
-    """Whether two values are certainly equal."""
+    """Return whether two values are certainly equal."""
     if first is second:
         return True
     plain = (bool, int, float, str, PurePath)

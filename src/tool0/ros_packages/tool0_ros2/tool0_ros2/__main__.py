@@ -1,4 +1,4 @@
-"""``python -m tool0_ros2``: the node next to a running bring-up."""
+"""``python -m tool0_ros2`` runs the node for a running bring-up."""
 
 import argparse
 import gc
@@ -9,7 +9,7 @@ import sys
 from typing import Any
 
 MAX_RATE = 500.0
-UNABLE = 78  # the bring-up does not start a program again that lacks what it needs
+UNABLE = 78  # The bring-up does not restart a program that lacks something it needs.
 
 
 class _Stop(BaseException):
@@ -17,7 +17,7 @@ class _Stop(BaseException):
 
 
 def main() -> None:
-    """Present a bring-up in ROS 2 until it ends, or until Ctrl-C."""
+    """Present a bring-up in ROS 2 until it ends or Ctrl-C is pressed."""
     options, rest = _options()
     is_stopping = False
 
@@ -35,7 +35,8 @@ def main() -> None:
         status = 0
     sys.stdout.flush()
     sys.stderr.flush()
-    # Threads of the middleware may still run: the interpreter must not wait for them.
+    # Threads of the middleware may still run, and the interpreter must not wait for
+    # them.
     os._exit(status)
 
 
@@ -66,7 +67,7 @@ def _run(options: argparse.Namespace, rest: list[str]) -> int:
         connection = Connection(options.name, wait=options.wait)
         robot.start(connection, options)
         gc.collect()
-        gc.freeze()  # do not scan present objects 500 times a second
+        gc.freeze()  # do not examine existing objects 500 times a second
         _report(ready=True, node=robot.node.get_fully_qualified_name())
         robot.has_ended.wait()
     except (TransportError, RequestFailedError) as error:
@@ -79,7 +80,7 @@ def _run(options: argparse.Namespace, rest: list[str]) -> int:
 
 
 def _report(**values: Any) -> None:
-    """Report values to the program that started this one, as a line of JSON."""
+    """Report values as a line of JSON to the program that started this program."""
     print(json.dumps(values), flush=True)
 
 

@@ -17,8 +17,8 @@ from tool0_ros2.requests import GoalStarted, Outcome, Request
 
 _SUCCEEDED, _PREEMPTED = "SUCCEEDED", "PREEMPTED"
 _EVERY_REQUEST = QoSProfile(history=HistoryPolicy.KEEP_ALL)
-"""Quality of service of an action's services, as many goals may arrive while one is
-checked."""
+"""Quality of service of an action's services.  All requests are kept, because many
+goals may be received while one goal is checked."""
 
 
 @dataclass
@@ -26,7 +26,7 @@ class ActiveGoal:
     """A goal that the simulation executes."""
 
     number: int
-    """Number of the goal in requests."""
+    """Number that identifies the goal in requests."""
     handle: Any
     """The goal's rclpy.action.server.ServerGoalHandle."""
     accepted_at: float = float("nan")
@@ -39,21 +39,24 @@ class ActiveGoal:
 
 
 class _DeferringServer(ActionServer):  # type: ignore[misc]  # rclpy has no types
-    """An action server that waits for a goal's end without a thread or a coroutine.
+    """An action server that needs no thread or coroutine to wait for a goal's end.
 
-    The executors of older rclpy versions spin without pause while a coroutine waits.
+    In older rclpy versions, an executor runs without pause while a coroutine waits.
     """
 
     def notify_execute(self, goal_handle: Any, execute_callback: Any) -> None:
-        """Do nothing yet, as ``end`` executes the goal's callback."""
+        """Do nothing.  ``end`` executes the callback of the goal."""
 
     def end(self, goal_handle: Any, finish: Callable[[Any], Any]) -> None:
-        """Call ``finish``, which returns the result, in the executor's thread."""
+        """Call ``finish``, which returns the result, in the thread of the executor."""
         super().notify_execute(goal_handle, finish)
 
 
 class SimulatedAction:
-    """A controller's action: the simulation accepts, executes and ends its goals."""
+    """An action of a controller.
+
+    The simulation accepts, executes and ends the goals.
+    """
 
     def __init__(
         self,
@@ -67,7 +70,7 @@ class SimulatedAction:
     ) -> None:
         """Offer an action of class ``kind``, with feedback at ``monitor_rate`` [Hz].
 
-        ``start`` returns the request for a goal's message, or raises
+        ``start`` returns the request that sends a goal's message, or raises
         RequestFailedError.  ``result`` returns the result message for an outcome.
         """
         self._context = context
@@ -92,14 +95,14 @@ class SimulatedAction:
 
     @property
     def active(self) -> list[ActiveGoal]:
-        """The goals that have not ended, with the newest last."""
+        """The goals that have not ended.  The newest goal is last."""
         with self._lock:
             return list(self._active.values())
 
     def publish(self, now: float, feedback: Callable[[ActiveGoal], Any]) -> None:
-        """Publish feedback if it is due; ``now`` is simulated time [s].
+        """Publish feedback if it is due.  ``now`` is simulated time [s].
 
-        The feedback rate refers to wall time, as in ROS.
+        The rate of feedback refers to wall time, like in ROS.
         """
         if not self._active or not self._rate.is_due(time.monotonic()):
             return
@@ -111,7 +114,7 @@ class SimulatedAction:
                 goal.handle.publish_feedback(message)
 
     def close(self) -> None:
-        """End the action; goals that are still running get no answer."""
+        """End the action.  Goals that are still running get no result."""
         self._server.destroy()
 
     # ---- in the executor's thread ---------------------------------------------------
@@ -127,7 +130,7 @@ class SimulatedAction:
         return GoalResponse.ACCEPT
 
     def _follow(self, handle: Any) -> None:
-        assert self._started is not None  # _accept was the last call
+        assert self._started is not None  # _accept was called just before this method
         number, self._started = self._started, None
         goal = ActiveGoal(number, handle)
         with self._lock:
@@ -143,7 +146,7 @@ class SimulatedAction:
         return CancelResponse.ACCEPT
 
     def _end(self, goal: ActiveGoal, outcome: Outcome) -> None:
-        """End a goal; any thread may call this."""
+        """End a goal.  Any thread may call this method."""
         with self._lock:
             self._active.pop(goal.number, None)
         self._server.end(goal.handle, lambda handle: self._finished(handle, outcome))

@@ -11,7 +11,7 @@ from tool0_ros2.connection import RequestFailedError
 
 
 class ActivationPart:
-    """Service ``~/reactivate_gripper``, which opens the gripper in any case."""
+    """Service ``~/reactivate_gripper``, which always opens the gripper."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
@@ -23,7 +23,7 @@ class ActivationPart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Publish nothing, as this part only has a service."""
+        """Publish nothing, because this part has only a service."""
 
     def close(self) -> None:
         self._context.node.destroy_service(self._service)

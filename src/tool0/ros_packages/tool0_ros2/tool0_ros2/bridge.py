@@ -1,4 +1,4 @@
-"""What all parts of the node share: their context and the updates."""
+"""The interface of the node's parts, their context, and the updates."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -24,7 +24,7 @@ REPEAT_PERIOD = 1.0
 
 
 class Update:
-    """The robot's state at one control update; lists are in the order of the joints."""
+    """The robot's state at one control update.  Lists are ordered by joint."""
 
     __slots__ = (
         *("command", "control_boxes", "effort", "index", "motions"),
@@ -44,7 +44,7 @@ class Update:
         self.stamp = stamp
         """ROS time of the update, as a builtin_interfaces/Time."""
         self.index = index
-        """Full name of each movable joint → index in the lists."""
+        """Index of each movable joint in the lists, by the joint's full name."""
         self.position: list[float] = message["position"]
         """Measured positions [rad | m]."""
         self.velocity: list[float] = message["velocity"]
@@ -52,54 +52,59 @@ class Update:
         self.effort: list[float] = message["effort"]
         """Applied efforts [N·m | N]."""
         self.command: list[float] = message.get("command", [])
-        """The last commands if a part of the node wants a motion, otherwise empty."""
+        """The last commands, if a part of the node requests a motion; otherwise
+        empty."""
         self.motions: dict[str, ControllerMotion] = message.get("motions", {})
-        """Motion of each requested controller, by its full name."""
+        """Motion of each requested controller, by the controller's full name."""
         self.control_boxes = control_boxes
-        """The control box of each arm; the list object stays the same until a box
+        """The control box of each arm.  The list is the same object until a box
         changes."""
 
 
 class Part(Protocol):
     """Presents a part of the robot, such as one controller, in ROS.
 
-    A part is created and closed in the executor's thread.  The reader's thread calls
-    ``publish`` at every update while the part's controller is active, or always if the
-    part belongs to no controller.  Without subscribers, a call should cost little.
+    A part is created and closed in the thread of the executor.  The reader's thread
+    calls ``publish`` at every update while the part's controller is active.  If the
+    part has no controller, ``publish`` is called at every update.  If there are no
+    subscribers, the call must be fast.
     """
 
     def wants(self) -> Sequence[str]:
-        """Return the controllers whose motion the part now needs in updates."""
+        """Return the controllers whose motion the part currently needs in updates."""
 
     def publish(self, update: Update) -> None:
-        """Publish the messages that are due; time may have gone back to zero."""
+        """Publish the messages that are due.  Time may have been reset to zero."""
 
     def close(self) -> None:
-        """Destroy publishers, services …; the controller's node is destroyed later."""
+        """Destroy the publishers, services and so on.  The node is destroyed later."""
 
 
 class Rate:
-    """Determines when events are due, in simulated time or wall time."""
+    """Determines when periodic events are due, in simulated time or in wall time."""
 
     def __init__(self, rate: float) -> None:
-        """Set the rate of events [Hz]; 0 for none."""
+        """Set the rate of events [Hz].  At a rate of 0, there are no events."""
         self._period = 1.0 / rate if rate > 0.0 else None
         self._last = float("-inf")
 
     def is_due(self, now: float) -> bool:
-        """Return whether an event is due at ``now`` [s]; if so, mark it as done."""
+        """Return whether an event is due at ``now`` [s].  Mark a due event as done."""
         period, elapsed = self._period, now - self._last
         if period is None or 0.0 <= elapsed < period - 1e-6:
             return False
-        # Stay on multiples of the period, so that the mean rate is right even if the
-        # rate of updates is not a multiple of it.
+        # The events remain at multiples of the period.  The mean rate of the events is
+        # therefore correct even if the rate of updates is not a multiple of this rate.
         is_regular = 0.0 <= elapsed < 2.0 * period
         self._last = self._last + period if is_regular else now
         return True
 
 
 class Reporter:
-    """Logs on /rosout: repeated errors at most once a second, each warning once."""
+    """Logs on /rosout.
+
+    A repeated error is logged once a second, and a warning is logged only once.
+    """
 
     def __init__(self, logger: Any) -> None:
         self._logger = logger
@@ -124,33 +129,35 @@ class Context:
     """Context of a part of the node."""
 
     connection: Connection
-    """Connection for requests to the simulation."""
+    """Connection that is used for requests to the simulation."""
     names: Names
-    """The namespace in ROS, and the names of joints and frames in it."""
+    """The namespace in ROS, and the names of joints and frames in this namespace."""
     clock: Clock
     """Converter between simulated time and ROS time."""
     node: Any
-    """The rclpy.Node: the controller's own node, or else the main node."""
+    """The rclpy.Node.  A controller has its own node; other parts use the main node."""
     report: Reporter
     """The node's log."""
     refresh: Callable[[], None]
-    """Function to call when a part's ``wants`` have changed; otherwise the change is
-    noticed within half a second."""
+    """Function to call when the ``wants`` of a part have changed.  Without the call,
+    the change is detected within half a second."""
     new_node: Callable[[str], Any]
-    """Returns another rclpy.Node of this name in the namespace, for services that may
-    take long; its callbacks run in a separate thread."""
+    """Function that returns another rclpy.Node with the given name in the namespace.
+    The node is for services that may take long, and the node's callbacks run in a
+    separate thread."""
     description: DescriptionInfo
     """The response to ``read_description``."""
     info: SimulationInfo
     """The response to ``read_info``."""
     options: Any
-    """Command-line options: ``tf_rate``, ``camera_rate`` [Hz], …"""
+    """Command-line options, such as ``tf_rate`` and ``camera_rate`` [Hz]."""
 
     def ask(self, request: Request[T], use: str) -> T | None:
         """Return the response to a request; None if the robot does not offer it.
 
-        As not every robot offers every request, a warning then says that ``use`` is
-        left out.
+        Not every robot offers every request.  If the robot does not offer the
+        request, a warning
+        reports that ``use`` is not available.
         """
         try:
             return self.connection.call(request)
@@ -169,9 +176,11 @@ class ControllerContext(Context):
     """The full name of the controller, which requests use."""
     type: str
     parameters: dict[str, Any]
-    """Parameters, including defaults: dotted name → value, with full names of joints.
+    """Parameters, including defaults, by dotted name.  The parameters contain the full
+    names of joints.
 
-    Values change when somebody sets a parameter.
+    The values change when a client sets a parameter.
     """
     status: ControllerStatus
-    """The controller's entry in ``list_controllers`` when the part was created."""
+    """The controller's entry in ``list_controllers`` at the time when the part was
+    created."""

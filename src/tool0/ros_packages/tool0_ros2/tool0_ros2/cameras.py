@@ -26,16 +26,16 @@ from tool0_ros2.messages import fill_frame, to_vector
 from tool0_ros2.requests import Camera, Picture
 
 _WAIT = 0.5
-"""Longest wait of the thread before it checks whether to end [wall s]."""
+"""Longest wait of the thread before it checks whether it must end [wall s]."""
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class CamerasPart:
     """The cameras of a namespace.
 
-    A thread with its own connection requests images, one after the other, so that
-    rendering and sending delay nothing else.  Images that are due while it is busy are
-    skipped.
+    A thread with a separate connection requests one image after another.  Rendering and
+    sending therefore do not delay other parts.  Images that are due while the thread is
+    busy are skipped.
     """
 
     def __init__(self, context: Context) -> None:
@@ -76,7 +76,7 @@ class CamerasPart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Let the thread request the pictures that have subscribers."""
+        """Make the thread request the pictures that have subscribers."""
         if not self._rate.is_due(update.time):
             return
         for camera in self._cameras:
@@ -119,12 +119,12 @@ class CamerasPart:
 class _Camera:
     """Topics ``NAME_camera/color`` and ``NAME_camera/depth`` of one camera.
 
-    Colours and depth belong to one image, so they share the optical frame of the
-    colours.
+    Color and depth are parts of one image.  Color and depth therefore share the optical
+    frame of the color image.
     """
 
     def __init__(self, context: Context, camera: Camera, name: str, link: str) -> None:
-        """Create the topics of an item of ``list_cameras``."""
+        """Create the topics for an item of ``list_cameras``."""
         self._context, self._camera, self._link = context, camera, link
         self.full_name = camera["name"]
         names, node = context.names, context.node
@@ -139,7 +139,7 @@ class _Camera:
         ]
 
     def is_wanted(self) -> bool:
-        """Return whether an image has subscribers."""
+        """Return whether any image has subscribers."""
         images = (self._colors, self._depths)
         return any(publisher.get_subscription_count() for publisher in images)
 
@@ -168,7 +168,7 @@ class _Camera:
         self.publish_info(stamp, picture["K"])
 
     def publish_info(self, stamp: Any, K: Any = None) -> None:
-        """Publish the projection; ``K`` is the intrinsic matrix, shape (3, 3)."""
+        """Publish the projection.  ``K`` is the intrinsic matrix, shape (3, 3)."""
         readers = [item for item in self._infos if item.get_subscription_count()]
         if not readers:
             return
@@ -177,7 +177,7 @@ class _Camera:
         message.header.stamp = stamp
         message.header.frame_id = self._frame
         message.width, message.height = self._camera["width"], self._camera["height"]
-        message.distortion_model = "plumb_bob"  # and no distortion
+        message.distortion_model = "plumb_bob"  # the coefficients mean no distortion
         message.d = [0.0] * 5
         message.k = [float(value) for row in rows for value in row]
         message.r = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
@@ -193,7 +193,7 @@ class _Camera:
         width, height = self._camera["width"], self._camera["height"]
         half = math.tan(0.5 * self._camera["field_of_view"])
         focal = 0.5 * height / half
-        x, y = 0.5 * (width - 1), 0.5 * (height - 1)  # the centre of the image
+        x, y = 0.5 * (width - 1), 0.5 * (height - 1)  # the center of the image
         return [[focal, 0.0, x], [0.0, focal, y], [0.0, 0.0, 1.0]]
 
     def _image(

@@ -1,4 +1,4 @@
-"""Simulated time and ROS time."""
+"""Conversion between simulated time and ROS time."""
 
 import math
 from typing import Any
@@ -13,7 +13,7 @@ NANOSECONDS = 1_000_000_000
 
 
 def to_seconds(stamp: Any) -> float:
-    """Return a builtin_interfaces Time or Duration in seconds."""
+    """Return a builtin_interfaces/Time or Duration in seconds."""
     seconds: float = stamp.sec + stamp.nanosec * 1e-9
     return seconds
 
@@ -21,8 +21,9 @@ def to_seconds(stamp: Any) -> float:
 class Clock:
     """Converts between simulated time and ROS time, and publishes /clock.
 
-    Only one node in a domain publishes /clock.  A second bring-up follows that clock;
-    its simulated time differs from ROS time by an offset.
+    Only one node in a domain publishes /clock.  A second bring-up follows the clock of
+    the first bring-up.  The simulated time of the second bring-up differs from ROS time
+    by an offset.
     """
 
     def __init__(self, node: Any) -> None:
@@ -54,14 +55,17 @@ class Clock:
         return Time(sec=max(0, whole), nanosec=part)
 
     def from_ros(self, stamp: Any) -> float | None:
-        """Return a stamp as simulated time [s]; None for 0, which means now."""
+        """Return a stamp as simulated time [s].  The result for 0 ("now") is None."""
         seconds = to_seconds(stamp)
         return seconds - self._offset if seconds else None
 
     def arbitrate(self) -> None:
-        """Publish /clock if no other node does; the later of two by name stops.
+        """Publish /clock if no other node publishes it.
 
-        Call it in the executor's thread.
+        If another node also publishes /clock, the node with the later name in
+        alphabetical order stops publishing /clock.
+
+        Call this method in the thread of the executor.
         """
         own = self._node.get_fully_qualified_name()
         others = [
@@ -77,7 +81,7 @@ class Clock:
             self._follow()
 
     def close(self) -> None:
-        """Stop publishing."""
+        """Stop publishing /clock."""
         self._publisher = None
 
     def _publish(self) -> None:

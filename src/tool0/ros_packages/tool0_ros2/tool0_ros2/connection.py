@@ -1,4 +1,4 @@
-"""The connection to a bring-up: requests, replies and messages as lines of JSON.
+"""The connection to a bring-up.  Requests, replies and messages are lines of JSON.
 
 ``docs/reference/requests.md`` describes the protocol.
 """
@@ -34,13 +34,13 @@ ANSWER_TIMEOUT = 30.0
 RETRY_PERIOD = 0.02
 """Pause between two attempts to connect [wall s]."""
 OUTCOMES_KEPT = 1000
-"""Number of outcomes kept for goals whose numbers are not known yet."""
+"""Number of outcomes that are kept for goals whose numbers are not yet known."""
 
 T = TypeVar("T")
 
 
 class RequestFailedError(Exception):
-    """The simulation refused a request, or did not answer."""
+    """Raised if the simulation refused a request or did not answer."""
 
     def __init__(self, kind: ErrorKind, message: str, code: int | None = None) -> None:
         super().__init__(message)
@@ -49,16 +49,18 @@ class RequestFailedError(Exception):
 
 
 class Connection:
-    """A connection to a simulation in another process; any thread may use it.
+    """A connection to a simulation in another process.
 
-    A dedicated thread reads incoming messages: it resolves the futures of requests, and
-    forwards other messages.
+    Any thread may use a connection.
+
+    A separate thread reads incoming messages.  The thread resolves the futures of
+    requests and forwards other messages.
     """
 
     def __init__(self, name: str, *, wait: bool = False) -> None:
-        """Connect to the bring-up ``name``.
+        """Connect to the bring-up named ``name``.
 
-        With ``wait``, wait until such a bring-up exists.
+        With ``wait``, wait until a bring-up with this name exists.
 
         Raises:
             TransportError: If no connection is possible.
@@ -86,12 +88,17 @@ class Connection:
         self._has_ended = False
         self._reader = threading.Thread(target=self._read, name="tool0", daemon=True)
         self.on_message: Callable[[Message], None] = lambda message: None
-        """Callback, in the reader's thread, for every message that is not an answer."""
+        """Function that is called in the reader's thread for every message that is not
+        an answer."""
         self.on_end: Callable[[str], None] = lambda reason: None
-        """Callback, once and in the reader's thread, when the connection has ended."""
+        """Function that is called once, in the reader's thread, when the connection has
+        ended."""
 
     def start(self) -> None:
-        """Start to read; set ``on_message`` and ``on_end`` before calling it."""
+        """Start reading.
+
+        Set ``on_message`` and ``on_end`` before calling this method.
+        """
         self._reader.start()
 
     # ---- requests -----------------------------------------------------------------
@@ -99,10 +106,12 @@ class Connection:
     def call(self, request: Request[T], timeout: float | None = ANSWER_TIMEOUT) -> T:
         """Return the response to a request.
 
-        Never call this in the reader's thread, which would wait for itself.
+        Never call this method in the reader's thread, because the thread would wait for
+        itself.
 
         Raises:
-            RequestFailedError: If the request is refused, or not answered in time.
+            RequestFailedError: If the request is refused, or if it is not answered in
+                time.
         """
         try:
             return self.submit(request).result(timeout)
@@ -113,7 +122,7 @@ class Connection:
             ) from None
 
     def submit(self, request: Request[T]) -> "Future[T]":
-        """Send a request and return its future; any thread may call this."""
+        """Send a request and return its future.  Any thread may call this method."""
         number = next(self._numbers)
         future: Future[T] = Future()
         with self._lock:
@@ -130,7 +139,9 @@ class Connection:
         return future
 
     def post(self, request: Request[Any]) -> None:
-        """Send a request without waiting; the simulation answers only if it refuses.
+        """Send a request without waiting.
+
+        The simulation answers only to refuse the request.
 
         Raises:
             RequestFailedError: If the request cannot be sent.
@@ -147,12 +158,12 @@ class Connection:
             callback(outcome)
 
     def close(self) -> None:
-        """End the connection; the simulation keeps running."""
+        """End the connection.  The simulation continues to run."""
         self._has_ended = True
         try:
             self._peer.shutdown(socket.SHUT_RDWR)
         except OSError:
-            pass  # the peer closed first
+            pass  # the other side has already closed the connection
         if self._reader.is_alive() and threading.current_thread() is not self._reader:
             self._reader.join()
         self._lines.close()
@@ -188,7 +199,7 @@ class Connection:
             if not self._has_ended:
                 reason = f"unreadable message from the bring-up: {error}"
         except OSError:
-            pass  # it has ended
+            pass  # the connection has ended
         with self._lock:
             was_closed, self._has_ended = self._has_ended, True
             pending, self._pending = self._pending, {}
@@ -231,7 +242,7 @@ class Connection:
 
 
 def failure(error: ErrorInfo) -> RequestFailedError:
-    """Return the error in a reply."""
+    """Return the exception for an error in a reply."""
     kind: Any = error["type"]
     return RequestFailedError(kind, error["message"], error.get("code"))
 
@@ -253,7 +264,7 @@ def _connected(name: str, *, wait: bool) -> socket.socket:
             try:
                 peer.connect(str(path))
             except (FileNotFoundError, ConnectionRefusedError):
-                peer.close()  # of a bring-up that was killed
+                peer.close()  # the socket remains from a bring-up that was killed
                 continue
             except OSError as error:
                 peer.close()

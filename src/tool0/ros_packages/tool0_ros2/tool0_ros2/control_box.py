@@ -1,4 +1,4 @@
-"""An arm's control box: its state in updates, and requests to it."""
+"""The control box of an arm, with its state and with requests to it."""
 
 import math
 
@@ -10,13 +10,16 @@ from tool0_ros2.requests import ControlBoxState
 NORMAL_MODES = (1, 2)
 """Safety modes in which the arm may move: NORMAL and REDUCED."""
 ROBOT_EMERGENCY_STOP = 7
-"""Safety mode of an emergency stop at the robot."""
+"""Safety mode after an emergency stop at the robot."""
 _POWERED_MODES = (6, 7)
-"""Robot modes with released brakes: BACKDRIVE and RUNNING."""
+"""Robot modes in which the brakes are released: BACKDRIVE and RUNNING."""
 
 
 def is_program_running(state: ControlBoxState) -> bool:
-    """Return whether ROS can move the arm: its program plays and nothing stops it."""
+    """Return whether ROS can move the arm.
+
+    ROS can move the arm while the arm's program is playing and no stop is active.
+    """
     return (
         state["program"] == "PLAYING"
         and not state["taken_by"]
@@ -29,7 +32,7 @@ class ControlBox:
     """The control box of the arm whose names have the given prefix."""
 
     def __init__(self, context: Context, prefix: str) -> None:
-        """Find the control box; ``prefix`` is the prefix of full names.
+        """Find the control box.  ``prefix`` is the prefix of the arm's full names.
 
         Raises:
             RequestFailedError: If no arm has this prefix.
@@ -48,10 +51,10 @@ class ControlBox:
             )
         self.arm: str = found[0]["arm"]
         self.flange: str = f"{prefix}tool0"
-        """The full name of the arm's last link, ``tool0``."""
+        """The full name of ``tool0``, which is the arm's last link."""
 
     def state(self, update: Update) -> ControlBoxState:
-        """Return the box's state, which is the same object until something changes."""
+        """Return the box's state, which is the same object until a value changes."""
         return next(box for box in update.control_boxes if box["arm"] == self.arm)
 
     def rated_payload(self) -> float:
@@ -61,7 +64,7 @@ class ControlBox:
         return math.inf if found is None else found
 
     def read(self) -> ControlBoxState:
-        """Request the box's present state."""
+        """Request the current state of the control box."""
         return self._context.connection.call(requests.read_io(arm=self.arm))
 
 
@@ -78,10 +81,12 @@ def read_boxes(context: Context) -> list[ControlBoxState]:
 
 
 def flange_of(context: Context, name: str) -> str:
-    """Return the full name of ``tool0`` of the arm whose prefix full ``name`` has.
+    """Return the full name of the ``tool0`` of the arm with the prefix of ``name``.
+
+    ``name`` is a full name.
 
     Raises:
-        RequestFailedError: If there is no such arm.
+        RequestFailedError: If no arm has the prefix of ``name``.
     """
     boxes = sorted(read_boxes(context), key=lambda box: -len(box["prefix"]))
     for box in boxes:
@@ -95,7 +100,7 @@ def flange_of(context: Context, name: str) -> str:
 
 
 def is_running(context: ControllerContext) -> bool:
-    """Return whether a part's controller is active now."""
+    """Return whether the controller of a part is currently active."""
     return any(
         status["is_running"]
         for status in context.connection.call(requests.list_controllers())

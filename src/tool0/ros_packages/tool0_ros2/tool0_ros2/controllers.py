@@ -1,4 +1,4 @@
-"""The loaded controllers, each with a node for its parameters and with its part."""
+"""The loaded controllers.  Each controller has a part, and a node for parameters."""
 
 import threading
 from collections.abc import Collection
@@ -30,9 +30,9 @@ class _Loaded:
 
 
 class Controllers:
-    """Follows the loaded controllers in a namespace, no matter which client loads them.
+    """Follows the loaded controllers in a namespace, whichever client loads them.
 
-    As in ROS, a controller has a node once it is loaded, and topics once it is
+    Like in ROS, a controller has a node while it is loaded, and topics while it is
     configured.
     """
 
@@ -56,17 +56,21 @@ class Controllers:
             return [item.part for item in self._loaded.values() if item.part]
 
     def publish(self, update: Update) -> None:
-        """Publish the active controllers' topics; call it in the reader's thread."""
+        """Publish the topics of active controllers.
+
+        Call this method in the reader's thread.
+        """
         for part in self._active:
             try:
                 part.publish(update)
-            except Exception as error:  # must not stop the others
+            except Exception as error:  # an error must not stop the other controllers
                 self._context.report.error(f"{type(part).__name__}: {error!r}")
 
     def update(self) -> list[ControllerStatus]:
-        """Follow changes in the simulation; call it in the executor's thread.
+        """Follow changes in the simulation, and return the status of controllers.
 
-        Returns the status of each controller in the namespace.
+        Call this method in the executor's thread.  The result contains the status of
+        each controller in the namespace.
         """
         context = self._context
         statuses = [
@@ -104,12 +108,12 @@ class Controllers:
         )
 
     def close(self) -> None:
-        """Close every part and node."""
+        """Close all parts and nodes."""
         for name in list(self._loaded):
             self._close(name)
 
     def _follow(self, status: ControllerStatus) -> None:
-        """Create a controller's node and part if they are due."""
+        """Create a controller's node and part if they are needed."""
         name, context = status["name"], self._context
         item = self._loaded.get(name)
         if item is None:
@@ -120,7 +124,7 @@ class Controllers:
             return
         entry = CONTROLLERS.get(status["type"])
         if entry is None:
-            return  # it has no interface of its own
+            return  # this controller has no ROS interface
         item.parameters.update(self._read(name)[0])
         shared = vars(replace(context, node=item.node))
         part = part_class(entry)(
@@ -149,7 +153,7 @@ class Controllers:
         return node, values
 
     def _read(self, name: str) -> tuple[dict[str, Any], set[str]]:
-        """Return a controller's parameters, and the names of adjustable ones."""
+        """Return a controller's parameters, and the names of adjustable parameters."""
         request = requests.read_controller_parameters(controller=name)
         found = self._context.ask(request, "the parameters of controllers") or {}
         values = {key: item["value"] for key, item in found.items()}

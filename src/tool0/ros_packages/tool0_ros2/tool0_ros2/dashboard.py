@@ -1,6 +1,6 @@
-"""The services of UR's dashboard_client, with a node for each arm.
+"""The services of UR's dashboard_client.  Each arm has its own node.
 
-Services without a counterpart in the simulation are refused with a reason.
+A service that has no counterpart in the simulation is refused with a reason.
 """
 
 from collections.abc import Callable, Sequence
@@ -52,7 +52,7 @@ _QUERIES_REFUSED = {
 
 
 class DashboardPart:
-    """Services ``dashboard_client/…`` for each arm's program, modes and safety."""
+    """Services ``dashboard_client/…`` for the program, modes and safety of each arm."""
 
     def __init__(self, context: Context) -> None:
         messages = optional_module(context, "ur_dashboard_msgs.srv", NODE_NAME)
@@ -65,10 +65,10 @@ class DashboardPart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Publish nothing, as this part only has services."""
+        """Publish nothing, because this part has only services."""
 
     def close(self) -> None:
-        """Do nothing, as the services end with their nodes and the main node."""
+        """Do nothing, because the services end together with their nodes."""
 
 
 class _Dashboard:
@@ -122,7 +122,7 @@ class _Dashboard:
             queries[name] = (kind, _no_answer)
         for name, (kind, query) in queries.items():
             service = getattr(messages, kind, None)
-            if service is not None:  # not in this distribution otherwise
+            if service is not None:  # this distribution has the service
                 self._offer(service, name, query)
 
     def _offer(self, kind: Any, name: str, handler: Callable[[Any, Any], str]) -> None:

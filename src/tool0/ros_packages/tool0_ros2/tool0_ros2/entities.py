@@ -29,7 +29,7 @@ _IDENTITY = Transform()
 
 
 class RefusedError(Exception):
-    """Raised to make a service answer with a result code other than success."""
+    """Raised to answer a service call with a result code other than success."""
 
     def __init__(self, code: int, reason: str) -> None:
         super().__init__(reason)
@@ -37,19 +37,20 @@ class RefusedError(Exception):
 
 
 class _Object(NamedTuple):
-    """State of a scene object in the robot's root."""
+    """State of a scene object in the frame of the robot's root."""
 
     pose: Transform
     linear: list[float]
-    """Linear velocity [m/s]."""
+    """Linear velocity of the object [m/s]."""
     angular: list[float]
-    """Angular velocity [rad/s]."""
+    """Angular velocity of the object [rad/s]."""
 
 
 class Entities:
-    """Spawns, deletes, lists and moves entities, one of which is the robot.
+    """Spawns, deletes, lists and moves entities, including the robot's entity.
 
-    An entity's pose is the pose of its model's frame, by default in the robot's root.
+    The pose of an entity is the pose of its model's frame.  By default, the pose is
+    given in the frame of the robot's root.
     """
 
     def __init__(self, context: Context) -> None:
@@ -58,8 +59,8 @@ class Entities:
         self._tree = LinkTree(urdf)
         self._robot = ElementTree.fromstring(urdf).get("name") or "robot"
         self._spawned: dict[str, Transform] = {}
-        """Name of each entity spawned here → pose of the object in its model's
-        frame."""
+        """Pose of the object in its model's frame, for each entity that was spawned
+        here, by name."""
 
     def list_names(self, request: Any, response: Any) -> None:
         response.entities = self._matching(request.filters, self._snapshot())
@@ -107,7 +108,7 @@ class Entities:
         self._spawned.pop(request.entity, None)
 
     def delete_spawned(self) -> None:
-        """Remove the entities that were spawned here and still exist."""
+        """Remove the entities that were spawned here and that still exist."""
         present = _objects(self._snapshot())
         for name in self._spawned:
             if name in present:
@@ -115,7 +116,7 @@ class Entities:
         self._spawned.clear()
 
     def set_state(self, request: Any, response: Any) -> None:
-        """Set the pose and velocity; the acceleration follows from physics."""
+        """Set the pose and velocity.  The acceleration results from the simulation."""
         name, snapshot = request.entity, self._snapshot()
         now = self._object(name, snapshot)
         state = request.state
@@ -185,7 +186,10 @@ class Entities:
         return frame @ _pose(stamped.pose, code)
 
     def _frame(self, frame: str, snapshot: StateMessage, code: int) -> Transform:
-        """Return the pose in the root of a frame: a link, an entity or the world."""
+        """Return the pose of a frame in the frame of the root.
+
+        The frame is a link, an entity or the world.
+        """
         if frame in ("", "world", self._robot):
             return _IDENTITY
         for link in self._tree.links:
@@ -214,7 +218,7 @@ class Entities:
 
 
 def _objects(snapshot: StateMessage) -> dict[str, _Object]:
-    """Return the scene's objects by name."""
+    """Return the objects of the scene, by name."""
     rows = zip(snapshot["scene"], snapshot["objects"], snapshot["object_velocities"])
     return {
         item["name"]: _Object(from_quaternion(*pose), *velocity)
@@ -229,7 +233,7 @@ def _entity_state() -> Any:
 
 
 def _file_text(uri: str) -> str:
-    """Return the text of the file at a ``file://`` URI or an absolute path."""
+    """Return the text of a file, given by a ``file://`` URI or an absolute path."""
     if not uri:
         raise RefusedError(_NO_RESOURCE, "give a uri or a resource_string")
     parts = urlparse(uri)
@@ -246,7 +250,7 @@ def _file_text(uri: str) -> str:
 
 
 def _name_in(text: str) -> str:
-    """Return the name of the model in a document, if it can be found."""
+    """Return the name of the model in a document; empty if it is not found."""
     found = re.search(r"<(?:model|robot)\b[^>]*?\bname\s*=\s*['\"]([^'\"]+)", text)
     return found.group(1) if found else ""
 

@@ -1,5 +1,5 @@
-"""Errors of connections."""
+"""Errors of the connection to a bring-up."""
 
 
 class TransportError(Exception):
-    """There is no bring-up of this name, or its socket cannot be trusted."""
+    """Raised if a bring-up is not found, or if its socket cannot be trusted."""

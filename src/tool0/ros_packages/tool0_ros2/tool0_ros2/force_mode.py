@@ -15,10 +15,11 @@ from tool0_ros2.services import offer, refused
 
 _AXES = ("x", "y", "z", "rx", "ry", "rz")
 _SMALLEST, _LARGEST = 1e-6, 100.0
-"""Range of limits in requests [m/s, rad/s, m, rad]; a limit of 0 becomes the
-smallest."""
+"""Range of the limits in requests [m/s, rad/s, m, rad].  A limit of 0 is replaced by
+the smallest limit."""
 _NO_TURN = 1e-6
-"""Components below which a quaternion counts as zero, and is refused."""
+"""Absolute value below which a component of a quaternion is zero.  A zero quaternion is
+refused."""
 
 
 class ForceModePart:
@@ -44,7 +45,7 @@ class ForceModePart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Publish nothing, as this part only has services."""
+        """Publish nothing, because this part has only services."""
 
     def close(self) -> None:
         self._frames.close()
@@ -84,7 +85,7 @@ class ForceModePart:
         return "force mode has ended"
 
     def _task_frame(self, stamped: Any) -> list[float]:
-        """Return the task frame's present pose in the arm's base."""
+        """Return the current pose of the task frame in the arm's base frame."""
         place, turn = stamped.pose.position, stamped.pose.orientation
         quat_wxyz = (turn.w, turn.x, turn.y, turn.z)
         if all(abs(part) < _NO_TURN for part in quat_wxyz):
@@ -100,5 +101,5 @@ def _six(linear: Any, angular: Any) -> list[float]:
 
 
 def _limit(value: float) -> float:
-    """Return a limit for a request; the simulation refuses negative limits."""
+    """Return a limit for a request.  The simulation refuses negative limits."""
     return value if value < 0.0 else min(max(value, _SMALLEST), _LARGEST)

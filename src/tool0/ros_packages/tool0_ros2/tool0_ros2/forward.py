@@ -12,7 +12,7 @@ from tool0_ros2.connection import RequestFailedError
 
 
 class ForwardCommandPart:
-    """Topic ``~/commands`` with one number per joint."""
+    """Topic ``~/commands``, with one number for each joint."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
@@ -24,7 +24,7 @@ class ForwardCommandPart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Publish nothing, as forwarding controllers have no state topic."""
+        """Publish nothing, because forwarding controllers have no state topic."""
 
     def close(self) -> None:
         self._context.node.destroy_subscription(self._subscription)

@@ -1,4 +1,4 @@
-"""Frames that clients may name: the robot's links and frames fixed to them."""
+"""Frames that clients may use: links of the robot, and frames fixed to links."""
 
 from typing import Any
 
@@ -16,10 +16,13 @@ _LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Frames:
-    """Finds frames in an arm's base: links, ``tool0_controller``, /tf_static."""
+    """Finds poses of frames in the base frame of an arm.
+
+    The frames are links, ``tool0_controller`` and the frames in /tf_static.
+    """
 
     def __init__(self, context: ControllerContext, box: ControlBox) -> None:
-        """Listen to /tf_static."""
+        """Subscribe to /tf_static."""
         self._context = context
         names = context.names
         self._tree = tree = LinkTree(context.description["urdf"])
@@ -32,7 +35,8 @@ class Frames:
             base = next(arm["base"] for arm in arms if arm["name"] == box.arm)
         self._base = base
         self._fixed: dict[str, tuple[str, Transform]] = {}
-        """Frame → its parent frame and its pose in the parent frame."""
+        """Parent frame of each frame, and the frame's pose in the parent frame, by
+        frame."""
         self._subscription = context.node.create_subscription(
             TFMessage, "/tf_static", self._take, _LATCHED
         )
@@ -41,7 +45,7 @@ class Frames:
         self._context.node.destroy_subscription(self._subscription)
 
     def in_base(self, frame: str) -> Transform:
-        """Return the present pose of a frame in the arm's base.
+        """Return the current pose of a frame in the base frame of the arm.
 
         Raises:
             RequestFailedError: If the frame is not connected to the robot.
@@ -67,6 +71,6 @@ class Frames:
         for item in message.transforms:
             place, turn = item.transform.translation, item.transform.rotation
             quat_wxyz = (turn.w, turn.x, turn.y, turn.z)
-            if any(quat_wxyz):  # tf2 ignores others, too
+            if any(quat_wxyz):  # tf2 also ignores frames with a zero quaternion
                 pose = from_quaternion((place.x, place.y, place.z), quat_wxyz)
                 self._fixed[item.child_frame_id] = item.header.frame_id, pose

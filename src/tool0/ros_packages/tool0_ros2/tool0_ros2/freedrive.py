@@ -14,7 +14,10 @@ from tool0_ros2.requests import Request
 
 
 class FreedrivePart:
-    """Topic ``~/enable_freedrive_mode``: repeated messages with true free the arm."""
+    """Topic ``~/enable_freedrive_mode``, in which repeated messages free the arm.
+
+    The messages must have the value true.
+    """
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
@@ -25,20 +28,21 @@ class FreedrivePart:
         self._subscription = node.create_subscription(
             Bool, "~/enable_freedrive_mode", self._take, QoSProfile(depth=10)
         )
-        # In wall time, as in UR's driver: a publisher knows no other.
+        # The timer uses wall time, like in UR's driver, because a publisher may not use
+        # simulated time.
         self._timer = node.create_timer(
             float(self._timeout),
             self._note_silence,
             clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
         self._timer.cancel()
-        self._end()  # end what an earlier node has left on
+        self._end()  # ends a freedrive that an earlier node has left active
 
     def wants(self) -> Sequence[str]:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Publish nothing, as this controller has no state topic."""
+        """Publish nothing, because this controller has no state topic."""
 
     def close(self) -> None:
         node = self._context.node

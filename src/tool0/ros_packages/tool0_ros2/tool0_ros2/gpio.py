@@ -21,16 +21,20 @@ _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 @dataclass
 class _Topic:
-    """A topic with part of the control box's state."""
+    """A topic that contains a part of the control box's state."""
 
     publisher: Any
     message_of: Callable[[ControlBoxState], Any]
     message: Any = None
-    """The last message."""
+    """The last message that was published."""
 
 
 class GpioPart:
-    """Topics for pins (at every update) and modes (when they change), and services."""
+    """Topics and services for the pins and modes of a control box.
+
+    The pins are published at every update, and the modes are published when they
+    change.
+    """
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
@@ -135,7 +139,7 @@ class GpioPart:
             domain = outputs[pin]["domain"] if 0 <= pin < len(outputs) else 1
             self._set_output(pin, state, domain)
         elif fun == request.FUN_SET_TOOL_VOLTAGE:
-            voltage: Any = int(state)  # checked by the bring-up
+            voltage: Any = int(state)  # the bring-up checks the value
             self._send(requests.set_io(tool_voltage=voltage, arm=self._box.arm))
         else:
             raise refused(

@@ -13,7 +13,7 @@ from tool0_ros2.requests import GoalStarted, Outcome, Request
 
 
 class _Gripper:
-    """Base of both actions, with the joint and the request."""
+    """Base class of both actions, which contains the joint and the request."""
 
     def __init__(self, context: ControllerContext) -> None:
         self.context = context
@@ -22,7 +22,7 @@ class _Gripper:
     def command(
         self, position: float, max_effort: float | None, max_velocity: float | None
     ) -> Request[GoalStarted]:
-        """Return the request for a goal."""
+        """Return the request that sends a goal."""
         return requests.command_gripper(
             controller=self.context.name,
             position=position,
@@ -31,7 +31,7 @@ class _Gripper:
         )
 
     def state(self, update: Update) -> tuple[float, float, float]:
-        """Return position, velocity and effort of the joint."""
+        """Return the position, velocity and effort of the joint."""
         k = update.index[self.joint]
         return update.position[k], update.velocity[k], update.effort[k]
 
@@ -111,7 +111,10 @@ class ParallelGripperPart:
         return message
 
     def _result(self, outcome: Outcome) -> Any:
-        """Return the state at the goal's end, without a velocity, as in ROS."""
+        """Return the state at the goal's end.
+
+        Like in ROS, the state has no velocity.
+        """
         message = action.ParallelGripperCommand.Result()
         message.state.name = [self._own_joint]
         message.state.position = [outcome.get("position") or 0.0]

@@ -14,12 +14,13 @@ _LISTS = ("position", "velocity", "effort")
 
 
 class JointStatePart:
-    """Topics ``joint_states`` and ``dynamic_joint_states``, at every update."""
+    """Topics ``joint_states`` and ``dynamic_joint_states``, sent at every update."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
         self._joints: dict[str, list[str]] = {}
-        """Full name of each joint → its interfaces, in the messages' order."""
+        """Interfaces of each joint in the order of the messages, by the joint's full
+        name."""
         for interface in context.status.get("state_interfaces", []):
             joint, _, kind = interface.rpartition("/")
             if kind in _LISTS:

@@ -1,4 +1,4 @@
-"""The frames of a robot's links, from its URDF."""
+"""The frames of a robot's links, computed from the robot's URDF."""
 
 import math
 from collections.abc import Mapping
@@ -19,16 +19,16 @@ _MOVABLE = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint in the URDF: how its child link moves in its parent link."""
+    """A joint in the URDF, which moves a child link relative to a parent link."""
 
     name: str
     type: JointType
     parent: str
     child: str
     origin: Pose
-    """Pose of the child link in the parent link with the joint at 0."""
+    """Pose of the child link in the parent link when the joint is at 0."""
     axis: Vector3
-    """Axis of the joint in the child link, a unit vector."""
+    """Axis of the joint in the frame of the child link, as a unit vector."""
     mimic: Mimic | None
 
     @property
@@ -37,22 +37,25 @@ class Joint:
 
 
 def read_joints(urdf: str) -> list[Joint]:
-    """Return the joints of a URDF document, in the document's order."""
+    """Return the joints of a URDF document, in the order of the document."""
     return [_joint(item) for item in ElementTree.fromstring(urdf).findall("joint")]
 
 
 class LinkTree:
-    """The links of a robot, with their poses at given joint positions."""
+    """The links of a robot, and their poses at given joint positions."""
 
     def __init__(self, urdf: str) -> None:
         joints = read_joints(urdf)
         self._above = {joint.child: joint for joint in joints}
         self.links = {link for joint in joints for link in (joint.parent, joint.child)}
         self.root = next(iter(self.links - self._above.keys()), "")
-        """The root link, which is no joint's child."""
+        """The root link, which is not the child of a joint."""
 
     def pose(self, link: str, positions: Mapping[str, float]) -> Transform:
-        """Return a link's pose in the root at joint positions [rad | m] by name."""
+        """Return the pose of a link in the root's frame.
+
+        ``positions`` are the joint positions [rad | m], by joint name.
+        """
         pose = Transform()
         while (joint := self._above.get(link)) is not None:
             pose = joint_transform(joint, positions) @ pose

@@ -1,4 +1,4 @@
-"""The services, parameters and topic of controller_manager."""
+"""The services, the parameters and the topic of the controller_manager."""
 
 import os
 from collections.abc import Callable, Iterable
@@ -24,8 +24,8 @@ from tool0_ros2.simulated_node import SimulatedNode
 
 NAME = "controller_manager"
 STRICT = 2
-"""Value of STRICT in controller_manager_msgs/SwitchController; 0 means the manager's
-default, and any other value best effort."""
+"""Value of STRICT in controller_manager_msgs/SwitchController.  0 selects the manager's
+default, and any other value selects best effort."""
 _BEST_EFFORT_BY_DEFAULT = ("humble", "iron", "jazzy", "kilted")
 _STATES = {
     "unknown": State.PRIMARY_STATE_UNKNOWN,
@@ -37,9 +37,9 @@ _STATES = {
 
 
 def manager_node(context: Context, update_rate: float, urdf: str) -> Any:
-    """Return the node ``controller_manager`` with its parameters.
+    """Return the node ``controller_manager``, including its parameters.
 
-    Other parameters, such as ``<controller>.type``, can be set without a declaration.
+    Other parameters, such as ``<controller>.type``, can be set without being declared.
     """
     names = context.names
     types = context.info["defined_controllers"].items()
@@ -63,12 +63,13 @@ def manager_node(context: Context, update_rate: float, urdf: str) -> Any:
 
 
 class ControllerManager:
-    """Answers requests as ros2_control's controller_manager does."""
+    """Answers requests like ros2_control's controller_manager does."""
 
     def __init__(self, context: Context, follow: Callable[[], None]) -> None:
-        """Offer the services on the context's node, created by ``manager_node``.
+        """Offer the services on the context's node, which ``manager_node`` created.
 
-        ``follow`` waits until the controllers in ROS match the simulation's.
+        ``follow`` waits until the controllers in ROS match the controllers in the
+        simulation.
         """
         self._context = context
         self._follow = follow
@@ -89,7 +90,7 @@ class ControllerManager:
         self._offer("SetHardwareComponentState", self._set_component)
         self._activity: Any = None
         activity = getattr(msg, "ControllerManagerActivity", None)
-        if activity is not None:  # not in Humble
+        if activity is not None:  # Humble does not have this message
             latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
             self._activity = context.node.create_publisher(
                 activity, "~/activity", latched
@@ -97,7 +98,7 @@ class ControllerManager:
         self._last_activity: Any = None
 
     def publish_activity(self, statuses: list[ControllerStatus]) -> None:
-        """Publish the controllers' states if they have changed."""
+        """Publish the states of the controllers if they have changed."""
         states = [(item["name"], item["state"]) for item in statuses]
         if self._activity is None or states == self._last_activity:
             return
@@ -121,7 +122,7 @@ class ControllerManager:
     def _offer(self, kind: str, handler: Callable[[Any, Any], Any]) -> None:
         service = getattr(srv, kind, None)
         if service is None:
-            return  # this distribution has no such service
+            return  # this distribution does not have this service
         name = "".join(f"_{c.lower()}" if c.isupper() else c for c in kind)[1:]
 
         def answer(request: Any, response: Any) -> Any:
@@ -137,7 +138,7 @@ class ControllerManager:
         self._context.node.create_service(service, f"~/{name}", answer, qos_profile=qos)
 
     def _changing(self, operation: Callable[[Any], Any]) -> Callable[[Any, Any], Any]:
-        """Return the handler for a service that changes controllers."""
+        """Return the handler of a service that changes controllers."""
 
         def handle(request: Any, response: Any) -> Any:
             operation(request)
@@ -197,7 +198,10 @@ class ControllerManager:
         )
 
     def _load(self, request: Any) -> None:
-        """Load with this node's present parameters, as the spawner expects."""
+        """Load a controller with the current parameters of this node.
+
+        The spawner expects this behavior.
+        """
         node, name = self._context.node, request.name
         params = {
             key: node.get_parameter_or(f"{name}.{key}").value
@@ -218,7 +222,7 @@ class ControllerManager:
             list(request.activate_controllers),
             list(request.deactivate_controllers),
         )
-        if hasattr(request, "start_controllers"):  # the old names, in Humble
+        if hasattr(request, "start_controllers"):  # the old names, which Humble uses
             start += request.start_controllers
             stop += request.stop_controllers
         strictness = request.strictness
@@ -237,9 +241,10 @@ class ControllerManager:
         )
 
     def _reload(self, request: Any) -> None:
-        """Unload all controllers if ``force_kill`` is set; no libraries are reloaded.
+        """Unload all controllers if ``force_kill`` is set.  No libraries are reloaded.
 
-        Otherwise, as in ROS, refuse unless no controller is loaded.
+        Without ``force_kill``, the request is refused if a controller is loaded, like
+        in ROS.
         """
         controllers = self._controllers()
         loaded = [item["name"] for item in controllers]
@@ -294,7 +299,7 @@ class ControllerManager:
         ]
 
     def _set_component(self, request: Any, response: Any) -> Any:
-        """Report the state unchanged, as simulated hardware has only one state."""
+        """Return the unchanged state, because simulated hardware has only one state."""
         by_own = {self._context.names.to_ros(c["name"]): c for c in self._components()}
         component = by_own.get(request.name)
         if component is None:
@@ -314,7 +319,7 @@ class ControllerManager:
 
 
 class _OfController(Protocol):
-    """Builds a request about one controller."""
+    """Function that builds a request about one controller."""
 
     def __call__(self, *, name: str) -> Request[None]: ...
 

@@ -1,4 +1,4 @@
-"""Conversions between requests and ROS messages, which differ by distribution."""
+"""Converts between requests and ROS messages, which depend on the distribution."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -18,7 +18,7 @@ INVALID_GOAL = -1
 
 
 def fill(item: Any, /, **values: Any) -> Any:
-    """Set the fields that the message has in this distribution, and return it."""
+    """Set the fields that exist in this distribution, and return the message."""
     fields = item.get_fields_and_field_types()
     for name, value in values.items():
         if name in fields:
@@ -27,19 +27,19 @@ def fill(item: Any, /, **values: Any) -> Any:
 
 
 def fill_frame(place: Any, turn: Any, frame: Transform) -> None:
-    """Set a position or translation and a rotation from a frame."""
+    """Set a position or translation, and a rotation, from a frame."""
     place.x, place.y, place.z = map(float, frame.position)
     turn.w, turn.x, turn.y, turn.z = frame.quat_wxyz
 
 
 def to_vector(values: Sequence[float]) -> Vector3:
-    """Return three numbers from a response."""
+    """Return three numbers from a response as a tuple."""
     x, y, z = values
     return x, y, z
 
 
 def rejected(reason: str) -> RequestFailedError:
-    """Return the error for a goal that the node itself rejects."""
+    """Return the error for a goal that the node rejects."""
     return RequestFailedError("GoalRejectedError", reason, INVALID_GOAL)
 
 
@@ -53,8 +53,8 @@ def to_points(points: Sequence[Any]) -> list[TrajectoryPoint]:
     """Return trajectory_msgs/JointTrajectoryPoints as values of a request.
 
     Raises:
-        RequestFailedError: If a number is not finite, which JSON cannot express, or if
-            a point has efforts.
+        RequestFailedError: If a point has efforts, or if a number is not finite.  JSON
+            has only finite numbers.
     """
     found = []
     for k, point in enumerate(points):
@@ -80,7 +80,7 @@ def to_points(points: Sequence[Any]) -> list[TrajectoryPoint]:
 
 
 def to_tolerances(tolerances: Iterable[Any]) -> dict[str, list[float]]:
-    """Return control_msgs/JointTolerances as values by joint."""
+    """Return control_msgs/JointTolerances as values, by joint."""
     found = {
         item.name: [item.position, item.velocity, item.acceleration]
         for item in tolerances
@@ -92,7 +92,7 @@ def to_tolerances(tolerances: Iterable[Any]) -> dict[str, list[float]]:
 
 
 def optional_module(context: Any, module: str, use: str) -> ModuleType | None:
-    """Import messages that may be missing; in that case, warn and return None."""
+    """Import messages.  If the package is missing, log a warning and return None."""
     try:
         return import_module(module)
     except ImportError:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 _COMMAND = re.compile(r"`tool0 controllers (\w+) ([^`]*)` or robot\.\w+\([^)]*\)")
-"""Command for a controller, as suggested by the simulation's messages."""
+"""Pattern of a command for a controller in the simulation's messages."""
 _ROS_COMMANDS = {
     "start": "switch_controllers --activate {}",
     "switch": "switch_controllers {}",
@@ -17,10 +17,11 @@ _ROS_COMMANDS = {
 class Names:
     """A ROS namespace that contains the whole robot, or one robot of a cell.
 
-    In its own namespace, a robot of a cell has the names that it has outside of a cell:
-    the model's ``left_elbow_joint`` is ``elbow_joint`` in ``/left``, and ``left_tool0``
-    is the frame ``left/tool0``.  *Full* names are the model's names, and *own* names
-    are the names in ROS; without such a namespace, they are the same.
+    In its own namespace, a robot of a cell has the names that it has outside a cell.
+    For example, the model's ``left_elbow_joint`` is ``elbow_joint`` in ``/left``, and
+    ``left_tool0`` is the frame ``left/tool0``. *Full* names are the model's names, and
+    *own* names are the names in ROS.  If a robot has no namespace of its own, its full
+    names and own names are the same.
     """
 
     def __init__(
@@ -34,10 +35,10 @@ class Names:
         """Create the names for a namespace such as ``""`` or ``/robot1``.
 
         Args:
-            root: The namespace, without a slash at its end.
+            root: The namespace, without a trailing slash.
             prefix: Prefix of the robot's full names, such as ``left_``.
-            tf_prefix: Prefix of every frame, without slashes around it.
-            longer: Prefixes of other robots that begin with this one.
+            tf_prefix: Prefix of every frame, without leading and trailing slashes.
+            longer: Prefixes of other robots that begin with this prefix.
         """
         self.root = root
         self.prefix = prefix
@@ -46,11 +47,11 @@ class Names:
         self._in_text = re.compile(rf"(?<!\w){re.escape(prefix)}(?=\w)")
 
     def owns(self, full: str) -> bool:
-        """Return whether the item with this full name is in the namespace."""
+        """Return whether the namespace contains the item with this full name."""
         return full.startswith(self.prefix) and not full.startswith(self._longer)
 
     def to_ros(self, full: str) -> str:
-        """Return the own name for a full name; other robots' names do not change."""
+        """Return the own name for a full name.  Names of other robots do not change."""
         return full[len(self.prefix) :] if self.owns(full) else full
 
     def to_model(self, own: str) -> str:
@@ -77,7 +78,7 @@ class Names:
         return relative if relative[:1] == "/" else f"{self.root}/{relative}"
 
     def frame(self, link: str) -> str:
-        """Return the frame of a link by its full name."""
+        """Return the frame of a link, which is given by its full name."""
         own = self.to_ros(link)
         return f"{self.tf_prefix}/{own}" if self.tf_prefix else own
 

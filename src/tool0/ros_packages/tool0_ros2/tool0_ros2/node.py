@@ -1,4 +1,4 @@
-"""The complete node of a bring-up, with everything that it presents."""
+"""The complete node of a bring-up, with all parts that it presents."""
 
 import threading
 from collections.abc import Callable
@@ -42,15 +42,18 @@ _FIELDS: Final = (
 """Fields that every update contains."""
 _MOTION_FIELDS: Final = ("motions", "command")
 _REFRESH_PERIOD = 0.5
-"""Period of checks for changes in the parts' ``wants`` [wall s]."""
+"""Interval between two checks for changes in the parts' ``wants`` [wall s]."""
 _WATCH_PERIOD = 1.0
-"""Period of checks of other nodes [wall s]."""
+"""Interval between two checks of other nodes [wall s]."""
 _FOLLOW_TIMEOUT = 10.0
-"""Longest wait for a controller's node [wall s]."""
+"""Longest wait for the node of a controller [wall s]."""
 
 
 class _Worker:
-    """An executor in a separate thread that continues after an error in a callback."""
+    """An executor in a separate thread.
+
+    An error in a callback does not end the thread.
+    """
 
     def __init__(self, ros: Any, name: str) -> None:
         self.executor = SingleThreadedExecutor(context=ros)
@@ -67,7 +70,7 @@ class _Worker:
         self.executor.create_task(task)
 
     def close(self) -> None:
-        """End the thread; nothing may be submitted afterwards."""
+        """End the thread.  No task may be submitted after this call."""
         self._is_closing = True
         self.executor.shutdown(timeout_sec=0.0)
         if self._thread.is_alive():
@@ -126,7 +129,7 @@ class RobotNode:
     """Presents the robot of a bring-up in ROS 2, from ``start`` to ``close``."""
 
     def __init__(self, ros: Any, namespace: str) -> None:
-        """Create the main node in ``namespace``; ``ros`` is an rclpy.Context."""
+        """Create the main node in ``namespace``.  ``ros`` is an rclpy.Context."""
         self._root = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
         self.node = Node(
             NODE_NAME,
@@ -135,7 +138,7 @@ class RobotNode:
             use_global_arguments=False,
         )
         self.has_ended = threading.Event()
-        """Set when the bring-up has ended."""
+        """Event that is set when the bring-up has ended."""
         self._control = _Worker(ros, "controllers")
         self._services = _Worker(ros, "services")
         self._clock = Clock(self.node)
@@ -153,10 +156,10 @@ class RobotNode:
         self._has_updates = threading.Event()
 
     def start(self, connection: Connection, options: Any) -> None:
-        """Present the robot, and return when everything is up.
+        """Present the robot, and return when all parts are ready.
 
         Args:
-            connection: A connection that has not been started yet.
+            connection: A connection on which ``start`` has not been called yet.
             options: Command-line options, such as ``tf_rate``.
         """
         self._connection = connection
@@ -211,7 +214,7 @@ class RobotNode:
             node.destroy_node()
 
     def _made(self, entries: list[str], context: Context) -> list[Part]:
-        """Return the parts for the entries whose message packages are installed."""
+        """Return the parts whose message packages are installed."""
         found = []
         for entry in entries:
             try:
@@ -265,7 +268,10 @@ class RobotNode:
             self._report.error(Names(self._root).text(failure(message["error"])))
 
     def _log(self, message: LogMessage) -> None:
-        """Publish a line of the simulation's log, which has already printed it."""
+        """Publish a line of the simulation's log.
+
+        The simulation has already printed the line.
+        """
         level = Log.ERROR if message["level"] == "error" else Log.WARN
         stamp = self.node.get_clock().now().to_msg()
         name, text = NODE_NAME, Names(self._root).text(message["message"])
@@ -290,7 +296,7 @@ class RobotNode:
             for part in (space.robot, *space.others):
                 try:
                     part.publish(update)
-                except Exception as error:  # must not stop the others
+                except Exception as error:  # an error must not stop the other parts
                     self._report.error(f"{type(part).__name__}: {error!r}")
 
     def _end(self, reason: str) -> None:
@@ -309,7 +315,10 @@ class RobotNode:
                 self._report.error(f"cannot follow the controllers: {error}")
 
     def _follow(self) -> None:
-        """Follow the controllers now; not to be called in the executor's thread."""
+        """Follow the controllers immediately.
+
+        The method must not be called in the executor's thread.
+        """
         done = threading.Event()
 
         def update() -> None:
@@ -374,9 +383,10 @@ def _namespaces(root: str, description: DescriptionInfo) -> list[tuple[Names, st
 
 
 def _with_mesh_files(urdf: str, description: DescriptionInfo) -> str:
-    """Return the URDF with ``file://`` URIs for meshes bundled with tool0.
+    """Return the URDF with ``file://`` URIs for the meshes that tool0 contains.
 
-    ROS does not know the packages inside tool0, so RViz would show no robot otherwise.
+    ROS does not find the packages inside tool0.  With ``package://`` URIs, RViz would
+    show no robot.
     """
     for package, uri in description["packages"].items():
         urdf = urdf.replace(f"package://{package}/", f"{uri}/")

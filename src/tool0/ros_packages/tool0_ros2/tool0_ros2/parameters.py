@@ -12,7 +12,10 @@ from tool0_ros2.requests import set_controller_parameters
 
 
 def to_parameters(values: Mapping[str, Any]) -> list[Parameter]:
-    """Return ROS parameters with dotted names, without those that have no value."""
+    """Return ROS parameters with dotted names.
+
+    Parameters without a value are omitted.
+    """
     found = []
     for name, value in values.items():
         if isinstance(value, (list, tuple)):
@@ -25,7 +28,7 @@ def to_parameters(values: Mapping[str, Any]) -> list[Parameter]:
 
 
 def _list(values: Any) -> list[Any]:
-    """Return a list of one type: floats if any value is a float."""
+    """Return a list of one type.  If any value is a float, all values become floats."""
     if any(isinstance(value, float) for value in values):
         return [float(value) for value in values]
     return list(values)
@@ -44,8 +47,9 @@ class ControllerParameters:
     ) -> None:
         """Declare ``values`` as parameters of ``node``, and accept changes.
 
-        ``values`` contains full names; the ROS parameters contain own names.
-        ``adjustable`` are the parameters that may change while the controller runs.
+        ``values`` contains full names, and the ROS parameters contain own names.
+        ``adjustable`` contains the names of the parameters that may change while the
+        controller runs.
         """
         self._context, self._controller = context, controller
         self._values = values
@@ -69,7 +73,7 @@ class ControllerParameters:
         node.add_on_set_parameters_callback(self._set)
 
     def _set(self, parameters: list[Any]) -> SetParametersResult:
-        """Change parameters in the simulation, or return why this is impossible."""
+        """Change parameters in the simulation, or return the reason for a failure."""
         changes = {
             self._full_names[item.name]: self._full(item.value)
             for item in parameters

@@ -16,7 +16,10 @@ from tool0_ros2.messages import fill_frame
 
 
 class PosePart:
-    """Topic ``~/pose``: an arm's flange in the link ``frame_id``; and its TF frame."""
+    """Topic ``~/pose`` with the pose of an arm's flange, and its TF frame.
+
+    The pose is given in the link ``frame_id``.
+    """
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context

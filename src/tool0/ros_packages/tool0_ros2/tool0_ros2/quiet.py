@@ -1,4 +1,4 @@
-"""Suppression of pointless C output on standard error."""
+"""Suppresses unnecessary C output on standard error."""
 
 import contextlib
 import os
@@ -11,10 +11,11 @@ _OF_LOG = re.compile(rb"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[")
 
 @contextlib.contextmanager
 def only_log_lines() -> Iterator[None]:
-    """Drop C code's output on standard error, except for log lines.
+    """Drop the output of C code on standard error, but keep log lines.
 
     When a service or an action is created with messages that were generated without
-    CMake, the middleware prints dozens of lines about an error that it handles itself.
+    CMake, the middleware prints dozens of lines about an error that the middleware
+    handles.
     """
     kept = os.dup(2)
     with tempfile.TemporaryFile() as written:

@@ -1,6 +1,7 @@
-"""Classes of the parts that present controllers and everything else in ROS.
+"""Classes of the parts that present controllers and other items in ROS.
 
-Each entry is ``module:Class`` in this package, imported when needed.
+Each entry has the form ``module:Class`` and refers to a module in this package.  The
+module is imported when it is needed.
 """
 
 from importlib import import_module
@@ -36,15 +37,16 @@ CONTROLLERS = {
     ),
     "pose_broadcaster/PoseBroadcaster": "pose:PosePart",
 }
-"""Controller type → part, created with a ControllerContext."""
+"""Part of each controller type.  The part is created with a ControllerContext."""
 
 ROBOT = ["dashboard:DashboardPart", "cameras:CamerasPart"]
-"""Parts of each namespace that belong to no controller, created with a Context."""
+"""Parts of each namespace that have no controller.  The parts are created with a
+Context."""
 SIMULATION = ["simulation:SimulationPart"]
-"""Parts of the whole simulation, created with a Context."""
+"""Parts of the whole simulation.  The parts are created with a Context."""
 
 
 def part_class(entry: str) -> Any:
-    """Return the class that an entry names."""
+    """Return the class to which an entry refers."""
     module, _, name = entry.partition(":")
     return getattr(import_module(f"tool0_ros2.{module}"), name)

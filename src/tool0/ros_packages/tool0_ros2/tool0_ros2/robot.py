@@ -14,7 +14,8 @@ from tool0_ros2.kinematics import Joint, read_joints
 from tool0_ros2.messages import fill_frame
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""Quality of service with which the last message also reaches later subscribers."""
+"""Quality of service in which subscribers that connect later also get the last
+message."""
 PUBLISHER = "robot_state_publisher"
 STATIC_FRAMES = "/tf_static"
 
@@ -22,13 +23,12 @@ STATIC_FRAMES = "/tf_static"
 class RobotPart:
     """Topics ``/robot_description``, ``/tf`` and ``/tf_static``.
 
-    As with a robot_state_publisher, frames are published while a
-    joint_state_broadcaster is active.  They are not published while a
-    robot_state_publisher itself runs.
+    Frames are published while a joint_state_broadcaster is active, like with a
+    robot_state_publisher.  Frames are not published while a robot_state_publisher runs.
     """
 
     def __init__(self, context: Context, urdf: str, tf_rate: float) -> None:
-        """Publish the description ``urdf``, and frames at ``tf_rate`` [Hz]."""
+        """Publish the description ``urdf``.  Publish frames at ``tf_rate`` [Hz]."""
         self._context = context
         names, node = context.names, context.node
         joints = [joint for joint in read_joints(urdf) if joint.parent and joint.child]
@@ -68,10 +68,11 @@ class RobotPart:
         self._context.node.destroy_publisher(self._description)
 
     def look_for_publisher(self) -> None:
-        """Publish frames only while no robot_state_publisher does.
+        """Publish frames only while there is no robot_state_publisher.
 
-        The list of nodes does not help: in rmw_fastrtps, it may forever contain a node
-        whose process has ended.  The node's publishers do disappear.
+        The list of nodes cannot be used, because in rmw_fastrtps it may permanently
+        contain a node whose process has ended.  The publishers of an ended node
+        disappear.
         """
         node, root = self._context.node, self._context.names.root or "/"
         is_there = any(

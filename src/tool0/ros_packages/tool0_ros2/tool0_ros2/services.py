@@ -1,4 +1,4 @@
-"""Services that a controller offers while it is active."""
+"""Services that a controller offers while the controller is active."""
 
 from collections.abc import Callable
 from typing import Any
@@ -12,10 +12,11 @@ from tool0_ros2.messages import fill
 def offer(
     context: ControllerContext, kind: Any, name: str, handler: Callable[[Any], str]
 ) -> Any:
-    """Create the service ``~/name``, whose response has ``success``.
+    """Create the service ``~/name``, whose response has the field ``success``.
 
-    ``handler`` takes the request and returns the message for success.  The reason for a
-    refusal is also logged, as not every response has a field for it.
+    ``handler`` takes the request and returns the message that reports success.  The
+    reason for a refusal is also logged, because not every response has a field for the
+    reason.
     """
 
     def answer(request: Any, response: Any) -> Any:
@@ -33,5 +34,5 @@ def offer(
 
 
 def refused(reason: str) -> RequestFailedError:
-    """Return the error for a request that the node itself refuses."""
+    """Return the error for a request that the node refuses."""
     return RequestFailedError("ControlError", reason)

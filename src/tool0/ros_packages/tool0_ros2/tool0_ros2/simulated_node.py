@@ -1,4 +1,4 @@
-"""A node of the controller manager, in simulated time but without its own clock."""
+"""A node of the controller manager that uses simulated time without a clock."""
 
 from typing import Any
 
@@ -11,10 +11,11 @@ _CLOCK = "/clock"
 
 
 class SimulatedNode(Node):  # type: ignore[misc]  # rclpy has no types
-    """A node whose parameter ``use_sim_time`` is true, as in gz_ros2_control.
+    """A node whose parameter ``use_sim_time`` is true, like in gz_ros2_control.
 
-    The stamps come with the states, so it does not subscribe to /clock; rclpy would
-    make every such node receive all of its messages.
+    The states already contain stamps, so that the node does not subscribe to /clock.
+    With rclpy's own subscription, every node of the manager would receive all clock
+    messages.
     """
 
     def __init__(
@@ -30,7 +31,7 @@ class SimulatedNode(Node):  # type: ignore[misc]  # rclpy has no types
 
         Args:
             name: Name of the node.
-            root: The node's namespace; empty for none.
+            root: The node's namespace; empty if the node has no namespace.
             ros: An rclpy.Context.
             values: Values of the node's parameters.
             options: Options of rclpy.Node.
@@ -47,7 +48,7 @@ class SimulatedNode(Node):  # type: ignore[misc]  # rclpy has no types
     def create_subscription(
         self, msg_type: Any, topic: str, *args: Any, **options: Any
     ) -> Any:
-        """Subscribe to a topic, except to the clock."""
+        """Subscribe to a topic unless it is the clock."""
         if topic == _CLOCK:
             return None
         return super().create_subscription(msg_type, topic, *args, **options)

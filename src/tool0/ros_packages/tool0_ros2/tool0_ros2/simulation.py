@@ -21,8 +21,8 @@ _OK, _INCORRECT_STATE, _FAILED, _UNSUPPORTED = 1, 3, 4, 0
 class SimulationPart:
     """Services of gazebo_ros, such as ``pause_physics``, and of simulation_interfaces.
 
-    The latter belong to a node ``simulation``; an example is
-    ``simulation/spawn_entity``.
+    The services of simulation_interfaces are offered by a node named ``simulation``.
+    An example is ``simulation/spawn_entity``.
     """
 
     def __init__(self, context: Context) -> None:
@@ -61,7 +61,7 @@ class SimulationPart:
         return ()
 
     def publish(self, update: Update) -> None:
-        """Publish nothing, as this part only has services."""
+        """Publish nothing, because this part has only services."""
 
     def close(self) -> None:
         for service in self._services:
@@ -81,7 +81,7 @@ class SimulationPart:
         return self._node.create_service(Empty, topic, answer)
 
     def _offer(self, kind: Any, title: str, handler: Callable[[Any, Any], None]) -> Any:
-        """Offer a service whose ``result`` says whether it succeeded."""
+        """Offer a service with a ``result`` that reports whether the call succeeded."""
         name = "".join(f"_{c.lower()}" if c.isupper() else c for c in title)[1:]
 
         def answer(request: Any, response: Any) -> Any:

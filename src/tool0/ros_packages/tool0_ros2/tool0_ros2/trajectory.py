@@ -18,11 +18,11 @@ from tool0_ros2.messages import fill, to_duration, to_points, to_tolerances
 from tool0_ros2.requests import ControllerMotion, GoalStarted, Outcome, Request
 
 _OUTPUT_FIELDS = {"position": "positions", "velocity": "velocities", "effort": "effort"}
-"""Command interface → field of the output."""
+"""Name of the output field for each command interface."""
 
 
 class FollowTrajectoryPart:
-    """The action ``follow_joint_trajectory`` without topics or services."""
+    """The action ``follow_joint_trajectory``, without topics or services."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context
@@ -36,8 +36,8 @@ class FollowTrajectoryPart:
             if kind in _OUTPUT_FIELDS
         ]
         self._has_rate_errors = self._outputs[:1] != ["positions"]
-        """Whether velocity errors are computed, which ROS does not do with position
-        commands."""
+        """Whether velocity errors are computed.  ROS does not compute velocity errors
+        for position commands."""
         self._action = SimulatedAction(
             context,
             action.FollowJointTrajectory,
@@ -168,7 +168,7 @@ class JointTrajectoryPart(FollowTrajectoryPart):
             error=self._error(motion),
             output=self._output(update),
             speed_scaling_factor=motion["speed_scaling"],
-            desired=reference,  # Humble has these names, too
+            desired=reference,  # Humble also has these field names
             actual=feedback,
         )
 
@@ -184,7 +184,8 @@ class JointTrajectoryPart(FollowTrajectoryPart):
     def _command(self, message: Any) -> None:
         context = self._context
         try:
-            # Answered, so that the log has the reason why it is refused.
+            # The request is answered, so that the log contains the reason for a
+            # refusal.
             future = context.connection.submit(
                 requests.command_trajectory(
                     controller=context.name, **self._trajectory(message)
@@ -231,7 +232,7 @@ class JointTrajectoryPart(FollowTrajectoryPart):
 
 
 def _point(motion: list[list[float]], time: float = 0.0) -> JointTrajectoryPoint:
-    """Return positions, velocities and, if given, accelerations as a message."""
+    """Return positions, velocities and optional accelerations as a message."""
     positions, velocities, *rest = motion
     message = JointTrajectoryPoint()
     message.positions = array("d", positions)

@@ -1,4 +1,4 @@
-"""The topic of a force-torque sensor broadcaster, either UR's or the stock one."""
+"""The topic of a force-torque sensor broadcaster, either UR's or the standard one."""
 
 import threading
 import time
@@ -19,23 +19,25 @@ from tool0_ros2.errors import TransportError
 from tool0_ros2.requests import WrenchReading
 
 RATE = 500.0
-"""Samples per simulated second if the control rate allows it [Hz]."""
+"""Number of samples per simulated second, if the control rate allows this number
+[Hz]."""
 _WAIT = 0.2
-"""Longest wait for a sample in a request, and of the thread for its end [wall s]."""
+"""Longest wait for a sample in a request, and longest wait of the thread before it
+checks whether it must end [wall s]."""
 _IDLE = 0.5
-"""Time without updates after which the controller counts as inactive [wall s]."""
+"""Time without updates after which the controller is considered inactive [wall s]."""
 
 
 class WrenchPart:
     """Topic with a sensor's samples while there are subscribers.
 
-    A thread with its own connection reads the samples.  The first subscriber starts the
-    sensor, which then continues even without subscribers, since stopping would lose the
-    tare.
+    A thread with a separate connection reads the samples.  The first subscriber starts
+    the sensor.  The sensor continues without subscribers, because stopping it would
+    lose the tare.
     """
 
     def __init__(self, context: ControllerContext) -> None:
-        """Offer ``~/ft_data`` as in UR's driver, or ``~/wrench`` as in ROS."""
+        """Offer ``~/ft_data`` like in UR's driver, or ``~/wrench`` like in ROS."""
         self._context = context
         parameters = context.parameters
         self._frame = context.names.frame(
@@ -94,7 +96,7 @@ class WrenchPart:
             connection.close()
 
     def _publish_samples(self, connection: Connection) -> None:
-        """Publish samples until they are no longer wanted."""
+        """Publish samples until they are no longer requested."""
         link = self._link
         if not connection.call(requests.read_force_torque_rate(link=link)):
             _start(connection, link)
@@ -121,7 +123,7 @@ class WrenchPart:
         return message
 
     def _corrected(self, kind: str, value: float) -> float:
-        """Return a value with the stock broadcaster's ``offset`` and ``multiplier``."""
+        """Apply the standard broadcaster's ``offset`` and ``multiplier`` to a value."""
         parameters = self._context.parameters
         offset = parameters.get(f"offset.{kind}") or 0.0
         factor = parameters.get(f"multiplier.{kind}", 1.0)
@@ -129,7 +131,7 @@ class WrenchPart:
 
 
 def _start(connection: Connection, link: str) -> None:
-    """Start the sensor at 500 Hz, or at the default rate if that is impossible."""
+    """Start the sensor at 500 Hz.  If this is impossible, use the default rate."""
     try:
         connection.call(requests.start_force_torque(link=link, rate=RATE))
     except RequestFailedError as error:

@@ -1,6 +1,6 @@
-"""Look up controllers and their managers, as ros_control's own module of this name.
+"""Finds controllers and controller managers, like ros_control's module of this name.
 
-rqt_joint_trajectory_controller and rqt_controller_manager import it.
+rqt_joint_trajectory_controller and rqt_controller_manager import this module.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ import rosservice
 from controller_manager_msgs import srv
 
 ControllerState = Any
-"""A message controller_manager_msgs/ControllerState; genpy's classes have no types."""
+"""A message of type controller_manager_msgs/ControllerState.  The classes of genpy have
+no type annotations."""
 
 _SERVICES = {
     "list_controllers": "ListControllers",
@@ -29,9 +30,10 @@ _SERVICES = {
 def get_controller_managers(
     namespace: str = "/", initial_guess: Sequence[str] | None = None
 ) -> list[str]:
-    """Return the namespaces of the controller managers below ``namespace``, sorted.
+    """Return the sorted namespaces of controller managers below ``namespace``.
 
-    Those in ``initial_guess`` are only asked whether they still list controllers.
+    For a namespace in ``initial_guess``, only the service that lists controllers is
+    checked.
     """
     suffix = "/list_controllers"
     try:
@@ -53,28 +55,28 @@ def is_controller_manager(namespace: str) -> bool:
 
 
 class ControllerManagerLister:
-    """Returns the present controller managers whenever it is called."""
+    """Function object that returns the controller managers that are running."""
 
     def __init__(self, namespace: str = "/") -> None:
         self._namespace = namespace
         self._found: list[str] = []
 
     def __call__(self) -> list[str]:
-        """Return their namespaces, sorted."""
+        """Return the namespaces of the controller managers, sorted."""
         self._found = get_controller_managers(self._namespace, self._found)
         return self._found
 
 
 class ControllerLister:
-    """Returns the loaded controllers of one manager whenever it is called."""
+    """Function object that returns the loaded controllers of one controller manager."""
 
     def __init__(self, namespace: str = "/controller_manager") -> None:
         self._name = rosgraph.names.ns_join(namespace, "list_controllers")
         self._service: Any = None
 
     def __call__(self) -> list[ControllerState]:
-        """Return them, none while the manager does not answer."""
-        for _ in range(2):  # a manager that was started anew breaks the connection
+        """Return the controllers, or an empty list if the manager does not answer."""
+        for _ in range(2):  # the connection is broken if the manager was restarted
             if self._service is None:
                 self._service = rospy.ServiceProxy(
                     self._name, srv.ListControllers, persistent=True
@@ -90,7 +92,7 @@ class ControllerLister:
 def filter_by_name(
     ctrl_list: Iterable[ControllerState], ctrl_name: str, match_substring: bool = False
 ) -> list[ControllerState]:
-    """Return the controllers of that name."""
+    """Return the controllers whose name matches ``ctrl_name``."""
     fits = _matcher(ctrl_name, match_substring)
     return [one for one in ctrl_list if fits(one.name)]
 
@@ -98,7 +100,7 @@ def filter_by_name(
 def filter_by_type(
     ctrl_list: Iterable[ControllerState], ctrl_type: str, match_substring: bool = False
 ) -> list[ControllerState]:
-    """Return the controllers of that type."""
+    """Return the controllers whose type matches ``ctrl_type``."""
     fits = _matcher(ctrl_type, match_substring)
     return [one for one in ctrl_list if fits(one.type)]
 
@@ -106,7 +108,7 @@ def filter_by_type(
 def filter_by_state(
     ctrl_list: Iterable[ControllerState], ctrl_state: str, match_substring: bool = False
 ) -> list[ControllerState]:
-    """Return the controllers in that state."""
+    """Return the controllers whose state matches ``ctrl_state``."""
     fits = _matcher(ctrl_state, match_substring)
     return [one for one in ctrl_list if fits(one.state)]
 
@@ -116,7 +118,7 @@ def filter_by_hardware_interface(
     hardware_interface: str,
     match_substring: bool = False,
 ) -> list[ControllerState]:
-    """Return the controllers that use that hardware interface."""
+    """Return the controllers that use a matching hardware interface."""
     fits = _matcher(hardware_interface, match_substring)
     return [
         one
@@ -131,7 +133,10 @@ def filter_by_resources(
     hardware_interface: str | None = None,
     match_any: bool = False,
 ) -> list[ControllerState]:
-    """Return the controllers that claim all resources, or any, on one interface."""
+    """Return the controllers that claim the resources through one interface.
+
+    With ``match_any``, a controller that claims any of the resources is included.
+    """
     wanted = set(resources)
 
     def fits(claim: Any) -> bool:
@@ -144,10 +149,10 @@ def filter_by_resources(
 
 
 def get_rosparam_controller_names(namespace: str = "/") -> list[str]:
-    """Return the names in a namespace whose parameters give a controller's type."""
+    """Return the names in a namespace that have the parameters of a controller."""
     try:
         parameters = rosgraph.Master(rospy.get_name()).getParam(namespace)
-    except rosgraph.MasterError:  # nothing is set there
+    except rosgraph.MasterError:  # the namespace contains no parameters
         return []
     if not isinstance(parameters, dict):
         return []
