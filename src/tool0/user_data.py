@@ -48,7 +48,8 @@ def locked(file: Path, *, wait: bool = True) -> Iterator[None]:
     """Hold the lock ``file``, which excludes other processes and threads.
 
     Args:
-        file: Created if it is missing; its content does not matter.
+        file: The lock file.  It is created if it does not exist; its content is
+            ignored.
         wait: Whether to wait while another process or thread holds the lock.
 
     Raises:
@@ -68,7 +69,7 @@ def locked(file: Path, *, wait: bool = True) -> Iterator[None]:
 
 
 def replace_text(file: Path, text: str) -> None:
-    """Write a file atomically, so that nobody ever reads half of it.
+    """Write a file atomically, so that no process reads an incomplete file.
 
     Raises:
         OSError: If the file cannot be written; the old file is then unchanged.
@@ -87,7 +88,7 @@ def replace_text(file: Path, text: str) -> None:
 
 
 def require_writable(path: Path) -> None:
-    """Raise ConfigError if a file cannot be written; existing files stay unchanged."""
+    """Raise ConfigError if a file cannot be written; do not change an existing file."""
     is_new = not path.exists()
     try:
         with path.open("ab"):

@@ -218,7 +218,7 @@ def export(
     only_successes: bool = False,
     instruction: str | None = None,
     cameras: Annotated[tuple[str, ...], Option(metavar="NAME ...")] = (),
-    video: VideoOptions = VideoOptions(),  # frozen
+    video: VideoOptions = VideoOptions(),  # a frozen dataclass
 ) -> None:
     """Write a recording as a table, a video or a data set.
 
