@@ -319,6 +319,7 @@ def grip(
         effort: Maximum effort of the driven joint, instead of --force: [N·m] for a
             revolute joint, [N] for a prismatic joint.
         robot: Robot of a cell that has the gripper.
+        timeout: Cancel the motion after this wall time [s].
         as_json: Print one JSON object.
     """
     if (opening is None) == (position is None):
