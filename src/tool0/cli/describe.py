@@ -35,7 +35,7 @@ def describe(
 
     ``controllers`` prints the built-in ros_control YAML with all gains and the sources
     of the gains.  Copy this file, change it, and give it to ``tool0 bringup
-    --controllers-file``. With ``--ros2-control``, it prints the YAML of ros2_control.
+    --controllers-file``.  With ``--ros2-control``, it prints the YAML of ros2_control.
     ``sources`` prints the ratings of each part, and the values of the part that have no
     published source.
 

@@ -97,7 +97,7 @@ class RunOptions:
 
     duration: float | None = None
     """End after this simulated time [s], measured from the time when all interfaces are
-    ready. By default, run until Ctrl-C."""
+    ready.  By default, run until Ctrl-C."""
     headless: bool = False
     """Run without the panel and without any window."""
     summary: bool = True

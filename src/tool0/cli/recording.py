@@ -42,7 +42,7 @@ def record(
     """Record a running bringup to an MCAP file, until Ctrl-C.
 
     The process of the bringup writes the file; the file can be read during the
-    recording. With --episodes, keys in the terminal or in the panel start and end
+    recording.  With --episodes, keys in the terminal or in the panel start and end
     demonstrations.
 
     Args:

@@ -120,7 +120,7 @@ def gains(
 ) -> None:
     """Print the PID gains of a controller; with --joint, change them first.
 
-    The gains apply until the controller is unloaded. To change the gains permanently,
+    The gains apply until the controller is unloaded.  To change the gains permanently,
     write the YAML with `tool0 describe controllers`, edit it, and use it with `tool0
     bringup --controllers-file`.
 

@@ -81,7 +81,7 @@ class SolveInverseKinematics(_OfTool[tuple[Solution, ...]], frozen=True, kw_only
     pose: AnyPose
     near: JointPositions = field(default_factory=dict)
     """Joint → position [rad]; the solutions are sorted by their distance from these
-    positions. For a joint that is left out, the commanded position is used."""
+    positions.  For a joint that is left out, the commanded position is used."""
     branch: Branch | None = None
     """Branch of the posture; by default, all branches are allowed."""
 

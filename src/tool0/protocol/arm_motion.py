@@ -148,7 +148,7 @@ class StopArm(ArmRequest[None], frozen=True):
 
     deceleration: Acceleration = 2.0
     """Deceleration of the leading joint [rad/s²].  With ``along_path``, this is the
-    deceleration of the path's speed [1/s²]; at 2, the arm stops within half a
+    deceleration of the path's speed [1/s]; at 2, the arm stops within half a
     second."""
     along_path: bool = False
     """Whether an arm that follows a path stays on the path during the deceleration."""

@@ -24,7 +24,7 @@ HISTORY_LENGTH = 64
 """Number of snapshots in the history: half a second at the default rate.
 
 Commands, short runs and faster subscribers cause many snapshots at almost the same
-time. The history skips these snapshots, so that they do not displace older
+time.  The history skips these snapshots, so that they do not displace older
 snapshots."""
 
 _ROUNDING = 1e-6  # [s]

@@ -36,7 +36,7 @@ class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
     speed: SpeedScale = 0.5
     duration: Annotated[float, Meta(gt=0.0)] | None = None
     """Duration of the motions [s], instead of a speed.  The motions are cubic
-    polynomials. The other joints of the controllers keep their setpoints."""
+    polynomials.  The other joints of the controllers keep their setpoints."""
     controller: Name | None = None
     """Controller that moves the joints; the default is the controllers that claim the
     joints."""

@@ -121,7 +121,7 @@ class RunProgram(Request[GoalStarted], frozen=True):
     """Check a program and run it.
 
     The program takes the arm from the arm's controllers, and releases the arm at the
-    end. The goal ends when the program ends; the number of the goal is the negative
+    end.  The goal ends when the program ends; the number of the goal is the negative
     number of the run.
     """
 

@@ -210,7 +210,8 @@ class SocketChannel:
     ) -> Subscription:
         """Return a reader of the requested states.
 
-        This is the only stream of the connection.  The reader's thread calls ``when_published`` for every snapshot.
+        This is the only stream of the connection.  The reader's thread calls
+        ``when_published`` for every snapshot.
         """
         subscription = self._bus.subscribe(
             when_closed=self._unsubscribe,

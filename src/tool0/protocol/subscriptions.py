@@ -37,7 +37,7 @@ class Subscribe(Request[None], frozen=True):
     change.
 
     At up to four times real time, at most ``rate`` states are sent per second of wall
-    time. At higher speeds, or as fast as possible, 50 states are sent per second of
+    time.  At higher speeds, or as fast as possible, 50 states are sent per second of
     wall time, so that the simulation is not slowed down."""
 
 
