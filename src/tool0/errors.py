@@ -117,7 +117,7 @@ class DivergenceError(EngineError):
     def __init__(
         self, joint: str, time: float, quantity: str = "state", kind: str = "joint"
     ) -> None:
-        """Report the joint (or other ``kind`` of element) that diverged, and when."""
+        """Report the diverged joint (or other ``kind`` of element), and the time."""
         super().__init__(
             f"the {quantity} of {kind} '{joint}' diverged at t = {time:.3f} s; reset "
             "the simulation, and look for overlapping bodies and unbounded efforts"

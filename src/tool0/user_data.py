@@ -48,8 +48,8 @@ def locked(file: Path, *, wait: bool = True) -> Iterator[None]:
     """Hold the lock ``file``, which excludes other processes and threads.
 
     Args:
-        file: The lock file.  It is created if it does not exist; its content is
-            ignored.
+        file: The lock file, which is created if it does not exist.  The content of the
+            file is ignored.
         wait: Whether to wait while another process or thread holds the lock.
 
     Raises:

@@ -73,7 +73,7 @@ class Arm:
     """An arm with six joints: the pose of its tool, inverse kinematics, and motions.
 
     A pose is a ``Pose`` (xyz [m], rpy [rad]), a ``Transform``, or a homogeneous matrix
-    of shape (4, 4).  It describes the frame ``tool``, which is fixed to the link
+    of shape (4, 4).  A pose describes the frame ``tool``, which is fixed to the link
     ``tip``, relative to the link ``relative_to``.  By default, ``tool`` is the frame of
     ``tip``, ``tip`` is the arm's flange, and ``relative_to`` is the robot's root.  A
     motion starts at the commanded posture, so that control errors do not accumulate
@@ -86,7 +86,11 @@ class Arm:
 
     @property
     def name(self) -> str:
-        """Name of the arm: the links' prefix or ``arm``; in a cell, the robot's."""
+        """Name of the arm.
+
+        The name is the prefix of the arm's links, or ``arm`` if the links have no
+        prefix.  In a cell, the name is the name of the robot.
+        """
         return self._info.name
 
     @property
@@ -314,7 +318,7 @@ class Arm:
     ) -> GoalHandle:
         """Move the tool to ``pose`` along a straight line, and return the goal.
 
-        The tool rotates about one fixed axis.  It decelerates where a joint would
+        The tool rotates about one fixed axis.  The tool decelerates where a joint would
         otherwise exceed its velocity or acceleration limit.  The whole line is checked
         before the motion starts.  The arm must be at rest.  The defaults of the speed
         and the acceleration are the same as in URScript's ``movel``.  The rotation

@@ -157,7 +157,7 @@ def bringup(
 
 
 def _is_of_catalogue(description: DescriptionConfig, control: ControlConfig) -> bool:
-    """Return whether robot, drive interfaces and controllers are all built in."""
+    """Return whether the robot, its interfaces and its controllers are built in."""
     chosen = (description.robot, description.transmission_hw_interface)
     return chosen == (None, None) and control.controllers_file is None
 

@@ -94,7 +94,7 @@ class ControlBox:
     def set_payload(
         self, mass: float, center_of_gravity: Sequence[float] = (0.0, 0.0, 0.0)
     ) -> None:
-        """Set the payload that the drives assume at the flange, with the gripper.
+        """Set the payload that the drives assume, including the gripper.
 
         Args:
             mass: Mass of the payload [kg].

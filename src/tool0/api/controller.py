@@ -71,7 +71,7 @@ class GoalHandle:
         Args:
             timeout: Longest wait [s]; None for no limit.  The timeout is in wall time
                 if the simulation runs in real time or in another process.  Otherwise,
-                it is in simulated time, and the wait advances this time.
+                the timeout is in simulated time, and the wait advances this time.
 
         Raises:
             GoalTimeoutError: If the goal is still active after ``timeout``.
@@ -272,8 +272,8 @@ class ControllerHandle:
 
         Args:
             position: Position of the driven joint [rad | m].
-            max_effort: Maximum effort of the drive [N·m | N].  If it is left out or 0,
-                the default of the controller is used.  ROS 2's parallel gripper
+            max_effort: Maximum effort of the drive [N·m | N].  If the value is left out
+                or 0, the default of the controller is used.  ROS 2's parallel gripper
                 controller writes the value to its ``max_effort_interface``, where the
                 value is the force of the pads [N].
             max_velocity: Maximum speed of the pads [m/s]; the default is from the
@@ -432,7 +432,7 @@ def _number(value: object) -> float:
 
 
 def checked_timeout(timeout: float | None) -> float | None:
-    """Return a timeout [s], or None for no limit; raise RequestError if invalid."""
+    """Return a valid timeout [s] (None: no limit), or raise RequestError."""
     if timeout is None or timeout is math.inf:
         return None
     seconds: float = checked_value("wait", "timeout", timeout, float)

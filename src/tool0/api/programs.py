@@ -99,8 +99,9 @@ class Programs:
     ) -> DryRun:
         """Run a program in a simulation that starts at the robot's current state.
 
-        The simulated robot has the current posture, objects and speed sliders.  It may
-        drop an object that a gripper holds.  No command is sent to the robot.
+        The simulated robot has the current posture, objects and speed sliders.  The
+        simulated robot may drop an object that a gripper holds.  No command is sent to
+        the robot.
 
         Args:
             program: The program, its file (``.yaml``), or the name of a saved program.

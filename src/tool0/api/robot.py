@@ -96,8 +96,8 @@ class Robot(AbstractContextManager["Robot"]):
 
     ``tool0.bringup`` starts a simulation in this process, and returns the robot;
     ``close`` then ends the simulation.  ``tool0.connect`` returns a robot in another
-    process; ``close`` then ends only the connection.  Both robots have the same
-    methods.
+    process; ``close`` then ends only the connection.  The robots from ``bringup`` and
+    ``connect`` have the same methods.
 
     Joints have their names from the URDF.  Unless stated otherwise, poses are in the
     robot's root frame, which is ``world`` for the built-in robots.  Every method raises
@@ -143,7 +143,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def is_realtime(self) -> bool:
-        """Whether time passes in real time, and not only in ``run`` and ``wait``."""
+        """Whether simulated time passes automatically, in real time."""
         return self.info.is_realtime
 
     @property
@@ -312,7 +312,7 @@ class Robot(AbstractContextManager["Robot"]):
 
         There is one item for each pair of links or objects in contact, with force [N],
         torque [N·m] and point [m] in the robot's root frame.  The engine computes
-        contacts only on request.  The first result of Gazebo is empty.
+        contacts only on request.  With Gazebo, the first call returns no contacts.
         """
         return self.channel.call(ReadContacts())
 

@@ -36,11 +36,11 @@ class ForceTorque:
     """Sensor of the wrench that a tool exerts on the link that carries the tool.
 
     The force [N] and the torque [N·m] include the weight, the inertia and the contacts
-    of the tool.  They are in the frame of the link.  The sign convention is the same as
-    for the ``wrench`` of a UR and for the ``child_to_parent`` sensors of Gazebo: a tool
-    that hangs down pulls along +z.  The sensor uses no computing time until it is
-    started; the first reading starts the sensor.  Gazebo reports contacts only after
-    the first request; therefore, the first sample does not include contacts.
+    of the tool.  The wrench is in the frame of the link.  The sign convention is the
+    same as for the ``wrench`` of a UR and for the ``child_to_parent`` sensors of
+    Gazebo: a tool that hangs down pulls along +z.  The sensor uses no computing time
+    until it is started; the first reading starts the sensor.  Gazebo reports contacts
+    only after the first request; therefore, the first sample does not include contacts.
     """
 
     def __init__(self, link: str | None, channel: Channel) -> None:

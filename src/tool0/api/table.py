@@ -38,8 +38,7 @@ RIGHT, LEFT = -0.10, 0.30
 BIN_Y, BIN_HALF_WIDTH = -0.32, 0.10
 """The y coordinate of the bin's center, and half the width of the bin [m]."""
 GAP = 0.12
-"""Minimum distance between an object's center and the bin, as space for the gripper
-[m]."""
+"""Minimum distance that a gripper needs between an object's center and the bin [m]."""
 ATTEMPTS = 1000
 
 
@@ -105,8 +104,8 @@ class PickTable:
     def random_poses(self, robot: Robot, height: float, seed: int) -> Iterator[Pose]:
         """Yield an endless sequence of random poses of an object on the table.
 
-        The poses are in the robot's root frame.  They have a sufficient distance from
-        the bin.  At each pose, the arm can grip the object from above and lift it.
+        The poses are in the robot's root frame.  The poses have a sufficient distance
+        from the bin.  At each pose, the arm can grip the object from above and lift it.
 
         Args:
             robot: The robot that will lift the object.

@@ -22,7 +22,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "replay": ("replay", "show a recording in a web page, or repeat the simulation"),
     "demo": (
         "demo",
-        "run a complete task: pick a cube from a table or a shelf, or hand a cube over",
+        "run a task: pick a cube from a table or a shelf, or hand a cube over",
     ),
     "collect": (
         "collect",

@@ -41,8 +41,8 @@ READERS = options.READERS
 _POLL_PERIOD: Final = 0.1
 """Longest time between checks of the clock and the signals [wall s]."""
 _RUN_PERIOD: Final = 0.2
-"""Simulated time between checks without real-time pacing [s]; this takes about 10 ms of
-wall time."""
+"""Simulated time between checks without real-time pacing [s].  The simulation of this
+period takes about 10 ms of wall time."""
 
 
 def bringup(options: BringupOptions) -> int:

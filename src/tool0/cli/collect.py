@@ -37,7 +37,7 @@ def collect(
     """Collect episodes of a task in a folder; repeat the command to continue.
 
     An episode depends only on the task, the policy, the seed and the episode's number.
-    It does not depend on the number of workers, on the machines or on interruptions.
+    The number of workers, the machines and interruptions do not change an episode.
 
     Args:
         task: The task, such as Lift, or the id of a Gymnasium environment; MODULE:ID or

@@ -114,7 +114,7 @@ def wait_for_goal(
 def wait_for_goals(
     robot: Robot, start: Callable[[], Sequence[GoalHandle]], timeout: float | None
 ) -> Outcome:
-    """Start goals, wait for all of them, and return the first failed outcome.
+    """Start goals, wait until all have ended, and return the first failure.
 
     If no goal failed, return the last outcome.  Ctrl-C and SIGTERM cancel the goals:
     the robot stops in the same way as for a ROS client.  The signal handlers are

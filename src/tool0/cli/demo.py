@@ -99,8 +99,8 @@ def pick(
 
     Only friction holds the cube.  The positions of the table and the bin depend on the
     arm's reach.  The demo starts in real time when a browser shows the robot.
-    Afterwards, Enter repeats the demo, and Ctrl-C ends it.  With --headless, the demo
-    runs as fast as possible and then ends.
+    After the demo, Enter repeats the demo, and Ctrl-C ends the command.  With
+    --headless, the demo runs as fast as possible and then ends.
 
     Exit status: 1 if a cube is not in the bin.
     """
@@ -149,8 +149,8 @@ def shelf(
 
     Args:
         second: A second robot, which blocks the space above the bin: ARM or
-            ARM+GRIPPER.  It moves aside while the first robot carries the cube; both
-            motions are planned together.
+            ARM+GRIPPER.  The second robot moves aside while the first robot carries the
+            cube; both motions are planned together.
     """
     _check_files(arguments)
     from tool0.cli.demos.setup import shelf_demo

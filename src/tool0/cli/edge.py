@@ -20,8 +20,8 @@ from typing import TextIO
 def open_standard_streams() -> None:
     """Reopen closed standard streams, and make all standard streams accept any text.
 
-    This prevents other files from using the standard streams' descriptors.  Writing to
-    a closed standard output fails, like in other programs.
+    Open streams prevent other files from using the descriptors of the standard
+    streams.  Writing to a closed standard output fails, like in other programs.
     """
     for number, (name, mode) in enumerate(_STREAMS.items()):
         try:

@@ -95,8 +95,8 @@ gazebo = {
 def _install_ros1(*, rviz: bool = False, dry_run: bool = False) -> int:
     """Install the packages that `tool0 bringup --ros1` needs, with apt.
 
-    This works on Debian 12, Debian 13 and Ubuntu 22.04.  With ROS Noetic or RoboStack,
-    the command installs nothing, but lists the missing packages.
+    The command supports Debian 12, Debian 13 and Ubuntu 22.04.  With ROS Noetic or
+    RoboStack, the command installs nothing, but lists the missing packages.
 
     Args:
         rviz: Also install RViz.

@@ -231,8 +231,8 @@ def export(
 
     Args:
         file: A recording; for lerobot, a folder of demonstrations.
-        format: Format of the output.  By default, it follows from the suffix of
-            --output; without a known suffix, it is csv.
+        format: Format of the output.  By default, the format follows from the suffix of
+            --output; without a known suffix, the format is csv.
         output: File or folder to write; by default, it is in the same folder as the
             recording.
         overwrite: Replace an existing file.

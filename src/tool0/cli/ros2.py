@@ -11,9 +11,9 @@ def _install_ros2(*, own: bool = False) -> int:
     """Prepare ROS 2 for `tool0 bringup --ros2`: check an installation, or install it.
 
     If ROS 2 is sourced in this terminal or installed in /opt/ros, the command uses this
-    ROS 2, changes nothing, and lists missing packages.  Otherwise, it installs rclpy
-    and the messages of Kilted from PyPI in your data folder.  This requires no root
-    access, takes about a minute, and uses 300 MB of disk space.
+    ROS 2, changes nothing, and lists missing packages.  Otherwise, the command installs
+    rclpy and the messages of Kilted from PyPI in your data folder.  The installation
+    requires no root access, takes about a minute, and uses 300 MB of disk space.
 
     Args:
         own: Install tool0's own ROS 2 even if another ROS 2 is installed.
@@ -54,8 +54,8 @@ def _ros2_status(*, as_json: AsJson = False) -> int:
 def _ros2_env() -> int:
     """Print shell commands that make ROS 2 and tool0's node usable in a terminal.
 
-    Run `eval "$(tool0 ros2 env)"` in the shell.  Afterwards, `python` can import rclpy,
-    and `python -m tool0_ros2` starts the node.
+    Run `eval "$(tool0 ros2 env)"` in the shell.  In this shell, `python` can then
+    import rclpy, and `python -m tool0_ros2` starts the node.
     """
     from tool0.installation.ros2.status import shell_exports
 

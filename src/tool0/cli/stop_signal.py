@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and SIGHUP as a flag that the main thread checks between ticks."""
+"""A flag for Ctrl-C, SIGTERM and SIGHUP, which the main thread checks between ticks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Conversion of numbers with units in a program's YAML, by the types of the steps."""
+"""Conversion of numbers with units in a program's YAML to numbers in SI units."""
 
 from __future__ import annotations
 

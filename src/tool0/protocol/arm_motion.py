@@ -315,8 +315,8 @@ class StartFreedrive(ArmRequest[None], frozen=True):
     """Pose of the task frame in the base: position and rotation vector [m, rad]."""
     controller: Name | None = None
     """Active FreedriveModeController (from UR's driver for ROS 2) that requests
-    freedrive.  If it has already started freedrive, the request has no effect.  Without
-    a controller, the arm must be taken."""
+    freedrive.  If the controller has already started freedrive, the request has no
+    effect.  Without a controller, the arm must be taken."""
 
 
 class EndFreedrive(ArmRequest[None], frozen=True):

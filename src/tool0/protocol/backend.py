@@ -97,7 +97,7 @@ class States(Observed, Protocol):
         """Renderer of camera images; None if the robot has no renderer."""
 
     def refresh(self) -> None:
-        """Publish a snapshot soon, even while time is paused."""
+        """Publish a snapshot as soon as possible, even while time is paused."""
 
     def snapshot_with_arms(self) -> Snapshot:
         """Return the newest state with the arms' motions, possibly after a wait."""

@@ -216,9 +216,9 @@ class Bus:
         skipped."""
         self.latest: Snapshot | None = None
         self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
-        """Recent snapshots.  They are kept only if a subscriber needs them, because
-        freeing a snapshot that is no longer in the processor's cache takes longer than
-        creating a snapshot."""
+        """Recent snapshots, which are kept only if a subscriber needs them.  The reason
+        is that freeing a snapshot that is no longer in the processor's cache takes
+        longer than creating a snapshot."""
         self._keeps_recent = False
         self._history: deque[Snapshot] = deque(maxlen=HISTORY_LENGTH)
         self._history_time = -math.inf

@@ -44,8 +44,8 @@ from tool0.protocol.state_message import (
 )
 
 PROTOCOL: Final = 3
-"""Version of the protocol.  It is incremented if programs for the old version could
-misinterpret messages of the new version."""
+"""Version of the protocol.  The version is incremented if programs for the old version
+could misinterpret messages of the new version."""
 _LONGEST_STOP: Final = 4096
 """Maximum size of a stop request that overtakes waiting requests [bytes].  A longer
 stop request, such as one with a long reason, waits like any other request."""
@@ -300,7 +300,8 @@ def decode_request(
     Args:
         text: The message as received.
         suggests: Whether an error suggests similar names, and contains the id of a
-            malformed request.  This takes longer than most requests.
+            malformed request.  The search for names and ids takes longer than most
+            requests.
 
     Raises:
         RequestReadError: If the text is not a valid request.

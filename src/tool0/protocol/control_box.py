@@ -83,7 +83,7 @@ class SetSpeedSlider(ArmRequest[None], frozen=True):
 
 
 class SetPayload(ArmRequest[None], frozen=True):
-    """Set the payload that the drives assume at the flange, with the gripper.
+    """Set the payload that the drives assume, including the gripper.
 
     The payload replaces the mass of the tool in the description: drives use the payload
     to compensate gravity, and force-torque sensors subtract its weight and inertia.

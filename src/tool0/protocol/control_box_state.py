@@ -71,8 +71,9 @@ UNSTOPPED: Final = (SafetyMode.NORMAL, SafetyMode.REDUCED)
 class ProgramState(Enum):
     """State of the program that controls the arm.
 
-    While the arm is taken, this is the program that took the arm.  Otherwise, it is the
-    program that allows clients to use the controllers.
+    While the arm is taken, the state refers to the program that took the arm.
+    Otherwise, the state refers to the program that allows clients to use the
+    controllers.
     """
 
     STOPPED = "STOPPED"
@@ -167,7 +168,7 @@ _OFF: Final = (False,) * N_DIGITAL
 class ControlBoxState(Struct, frozen=True, kw_only=True):
     """State of one arm's control box.
 
-    It is the same object until a value changes.
+    The state is the same object until a value changes.
     """
 
     arm: str
@@ -200,7 +201,7 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     """Payload that the drives assume at the flange."""
     tcp: Pose6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     """Tool center point in the flange frame: position [m] and rotation vector [rad].
-    It is stored only for clients."""
+    The value is stored only for clients."""
     robot_mode: RobotMode = RobotMode.RUNNING
     """Mode of the arm: whether it is powered and its brakes are released."""
     safety_mode: SafetyMode = SafetyMode.NORMAL

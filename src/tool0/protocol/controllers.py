@@ -308,7 +308,7 @@ class ControllerParameter(Struct, frozen=True, kw_only=True):
 
 
 class ReadControllerParameters(Request[dict[str, ControllerParameter]], frozen=True):
-    """Read the parameters of a loaded controller by dotted name, with defaults."""
+    """Read the parameters of a loaded controller by name, including defaults."""
 
     controller: Name
 

@@ -26,7 +26,7 @@ class GoalStatus(enum.Enum):
     PREEMPTED = "PREEMPTED"
 
     def __repr__(self) -> str:
-        """Return the name of the status, like ROS."""
+        """Return the name of the status, in the notation of ROS."""
         return self.value
 
     @property
@@ -150,8 +150,8 @@ class Tolerance(NamedTuple):
     velocity: float = 0.0
     """Velocity error [rad/s | m/s]."""
     acceleration: float = 0.0
-    """Acceleration error [rad/s² | m/s²].  It is never checked, because neither ROS nor
-    tool0 measures accelerations."""
+    """Acceleration error [rad/s² | m/s²].  This tolerance is never checked, because
+    neither ROS nor tool0 measures accelerations."""
 
     def allows(self, position_error: float, velocity_error: float) -> bool:
         """Return whether both errors are within the tolerance; NaN is outside."""

@@ -279,7 +279,7 @@ class FindCollisions(Request[tuple[Collision, ...]], frozen=True):
 
 
 def shape_of(solid: Solid) -> Shape:
-    """Return a shape in the form that is sent."""
+    """Return the sent form of a shape."""
     if not isinstance(solid, Compound):
         return _single_shape(solid)
     return CompoundShape(
@@ -303,7 +303,7 @@ def _single_shape(geometry: Geometry) -> SingleShape:
 
 
 def info_of(item: SceneObject) -> ObjectInfo:
-    """Return an object in the form that is sent."""
+    """Return the sent form of an object."""
     return ObjectInfo(
         name=item.name,
         shape=shape_of(item.geometry),

@@ -88,8 +88,8 @@ class MoveJointStep(_Move, frozen=True, kw_only=True, tag="move_joint"):
     """Acceleration of the joint that moves farthest [rad/s²]."""
     plan: bool = False
     """Whether to plan a path around obstacles to any posture that reaches the target.
-    The path starts and ends at rest, without a blend.  It is planned when the step
-    begins; the speed and the acceleration then limit each joint."""
+    The path starts and ends at rest, without a blend.  The path is planned when the
+    step begins; ``speed`` and ``acceleration`` then limit each joint."""
 
 
 class MoveLinearStep(_Move, frozen=True, kw_only=True, tag="move_linear"):

@@ -51,8 +51,8 @@ class ProgramCheck(Struct, frozen=True, kw_only=True):
     warnings: tuple[ProgramProblem, ...]
     """Deviations from the program, such as a smaller blend or a slower move."""
     motion: PlannedMotion
-    """Planned motion up to the first problem.  It contains one iteration of each loop,
-    and the whole distance of a move until contact."""
+    """Planned motion up to the first problem.  The motion contains one iteration of
+    each loop, and the whole distance of a move until contact."""
 
 
 class ProgramRun(Struct, frozen=True, kw_only=True):
@@ -121,8 +121,8 @@ class RunProgram(Request[GoalStarted], frozen=True):
     """Check a program and run it.
 
     The program takes the arm from the arm's controllers, and releases the arm at the
-    end.  The goal ends when the program ends; the number of the goal is the negative
-    number of the run.
+    end.  The goal ends when the program ends; the goal number is the negated run
+    number.
     """
 
     program: Program | None = None

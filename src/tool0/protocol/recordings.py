@@ -25,7 +25,7 @@ class RecordingStatus(Struct, frozen=True, kw_only=True):
     files: int = 1
     """Number of files that the recording has started, including deleted files."""
     dropped: int = 0
-    """Number of missing snapshots, which were dropped because the disk was too slow."""
+    """Number of snapshots that were dropped because the disk was too slow."""
     error: str | None = None
     """Error that ended the recording early, such as a full disk; null without an
     error."""

@@ -13,7 +13,7 @@ class MeshFile(Struct, frozen=True, kw_only=True):
     """A mesh of the robot, or of an object at the start of the session."""
 
     uri: str
-    """URI of the mesh in the URDF, or in the object."""
+    """URI of the mesh in the URDF or in the description of the object."""
     path: str
     """Path of the file at the start of the session."""
     sha256: str

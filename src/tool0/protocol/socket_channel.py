@@ -58,8 +58,8 @@ ANSWER_TIMEOUT: Final = 30.0
 POLL_PERIOD: Final = 0.02
 """Wall time between polls of the state [s]."""
 MAX_REQUEST: Final = 1 << 23
-"""Maximum size of a request [bytes].  It is sufficient for 10 000 trajectory points of
-6 joints with velocities and accelerations."""
+"""Maximum size of a request [bytes], which is sufficient for 10 000 trajectory points
+of 6 joints with velocities and accelerations."""
 
 
 @final

@@ -27,8 +27,8 @@ reports of a real UR."""
 def ticks_between_snapshots(period: float, control_period: float) -> int:
     """Return the number of control periods between snapshots for a ``period`` [s].
 
-    It is the largest number that fits into ``period`` and that is a divisor of the
-    number for the default period.
+    The result is the largest number that fits into ``period`` and that is a divisor of
+    the number for the default period.
     """
     default = max(1, round(SNAPSHOT_PERIOD / control_period))
     wanted = max(1, math.floor(period / control_period + 1e-9))
@@ -80,10 +80,10 @@ class ArmSample(Struct, frozen=True):
     mode: MotionMode
     """Source of the motion; ``free``: a ROS controller, or no source."""
     setpoint: ArmSetpoint | None
-    """Setpoint of the arm, or the measured motion if the arm is not driven.  It is sent
-    as [positions, velocities, accelerations], from base to flange [rad, rad/s,
-    rad/s²].  It is None only in snapshots in the simulation's process, if a controller
-    has the setpoint."""
+    """Setpoint of the arm, or the measured motion if the arm is not driven.  The
+    setpoint is sent as [positions, velocities, accelerations], from base to flange
+    [rad, rad/s, rad/s²].  The value is None only in snapshots in the simulation's
+    process, if a controller has the setpoint."""
     path: int
     """Number of the last path; 0 before the first path."""
     path_time: float

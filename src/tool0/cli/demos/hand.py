@@ -98,7 +98,7 @@ class Hand:
         )
 
     def grip(self) -> None:
-        """Close the pads until they hold something."""
+        """Close the pads until they hold an object."""
         options = self.options
         self.gripper.move(opening=0.0, speed=options.pad_speed, force=options.force)
         self._monitor.until(
@@ -107,7 +107,7 @@ class Hand:
         self.check_hold()
 
     def check_hold(self) -> None:
-        """Raise TaskFailure unless the gripper holds something."""
+        """Raise TaskFailure if the gripper does not hold an object."""
         state = self.gripper.state
         if state.motion != "holding_inside":
             raise TaskFailure(
@@ -116,7 +116,7 @@ class Hand:
             )
 
     def move_to(self, pose: Transform, tool: Transform) -> None:
-        """Move ``tool``, fixed in the flange, to a pose in the root.
+        """Move ``tool``, a frame fixed in the flange, to a pose in the root.
 
         The tool moves around obstacles if something is in the way.
         """

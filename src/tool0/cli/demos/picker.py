@@ -69,7 +69,8 @@ class Picker:
         """Height of the middle of the pads when they grip the object [m]."""
         self._grasp = self._grasps[0]
         self.width: float | None = None
-        """Width of the gripped object, from the gripper's joint [m]."""
+        """Width of the gripped object, calculated from the position of the gripper's
+        joint [m]."""
         self.force: float | None = None
         """Force of a pad on the object at the beginning of the lift [N]."""
 
@@ -140,7 +141,8 @@ class Picking(Protocol):
 
     hand: Hand
     width: float | None
-    """Width of the gripped object, from the gripper's joint [m]."""
+    """Width of the gripped object, calculated from the position of the gripper's joint
+    [m]."""
     force: float | None
     """Force of a pad on the object at the beginning of the lift [N]."""
 

@@ -31,10 +31,11 @@ class PickReport:
     grip_force: float | None = None
     """Force of a pad on the object at the beginning of the lift [N]."""
     peak_force: float
-    """Largest force of a pad on the object [N], sampled at 125 Hz.  It includes the
-    force that stops the rotor of the drive when the pads meet a rigid object."""
+    """Largest force of a pad on the object [N], sampled at 125 Hz.  This force includes
+    the deceleration of the drive's rotor when the pads meet a rigid object."""
     width: float | None = None
-    """Width of the held object, from the gripper's joint [m]."""
+    """Width of the held object, calculated from the position of the gripper's joint
+    [m]."""
     slip: float | None = None
     """Largest slip of the object between the pads while it was held [m]."""
     duration: float

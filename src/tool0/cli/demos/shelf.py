@@ -1,6 +1,7 @@
 """Picking of an object from a shelf, and placing in a bin behind a wall, with planning.
 
-A second arm can stand at the bin.  It moves aside while the object is carried.
+A second arm can stand at the bin.  The second arm moves aside while the object is
+carried.
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ def run_trials(
     trial, the robot returns to this posture.
 
     Args:
-        robot: A robot with one arm and one gripper, or with several.
+        robot: A robot with one or several arms and grippers.
         item: The object, which is put back on the table between picks.
         task: Picks the object, such as ``pick_and_place``.
         poses: The start poses of the object; for None, the object is not moved.
