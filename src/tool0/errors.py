@@ -21,7 +21,7 @@ Tool0Error
 ├── CollectError                episodes cannot be collected
 ├── RecordingError              a recording cannot be written or read
 ├── RenderError                 no picture or video can be made
-└── TransportError              a peer misbehaved, or an address is in use
+└── TransportError              a peer violated the protocol, or an address is in use
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ class SourceLocation:
     """A location in a user's file."""
 
     file: Path | None
-    """The file; None for text that did not come from a file."""
+    """Path of the file; None if the text is not from a file."""
     line: int | None = None
-    """Line number, counted from 1; None when it is not known."""
+    """Line number, counted from 1; None if the line is unknown."""
 
     def __str__(self) -> str:
         """Return ``file:line``, in the notation of compilers."""
@@ -165,7 +165,7 @@ class GoalTimeoutError(ControlError, TimeoutError):
 
 
 class CollisionError(ControlError):
-    """A start, a target or a path is in collision, or too close to a body."""
+    """A start, target or path of a motion is in collision, or too close to a body."""
 
 
 class PlanningError(ControlError):
@@ -177,7 +177,7 @@ class ProgramError(ControlError):
 
 
 class RequestError(ControlError):
-    """A request whose value has the wrong type or is out of bounds."""
+    """A request with a value that has the wrong type or is out of bounds."""
 
     def __init__(self, method: str, problem: str) -> None:
         super().__init__(f"{method}: {problem}")
@@ -202,11 +202,11 @@ class RenderError(Tool0Error):
 
 
 class TransportError(Tool0Error):
-    """A peer misbehaved or is missing, or an address is in use."""
+    """A peer violated the protocol or is missing, or an address is in use."""
 
 
 def nearest_name(name: str, valid: Collection[str], cutoff: float = 0.6) -> str | None:
-    """Return the valid name most similar to ``name``, or None.
+    """Return the valid name that is most similar to ``name``, or None.
 
     A valid name that differs only by a prefix is preferred: for ``tool0``, this is
     ``left_tool0``.  Otherwise, the name with the fewest different characters is
@@ -238,9 +238,9 @@ def nearest_name(name: str, valid: Collection[str], cutoff: float = 0.6) -> str 
 
 
 def is_typo(written: str, meant: str | None) -> bool:
-    """Return whether two names differ by at most two characters (fewer if short).
+    """Return whether two names differ by only a few characters.
 
-    The comparison ignores case.
+    The limit is two characters, or fewer for short names.  The comparison ignores case.
     """
     if meant is None or max(len(written), len(meant)) > _LONGEST_NAME:
         return False

@@ -146,7 +146,7 @@ class Arm:
 
     @property
     def motion(self) -> ArmMotion:
-        """Motion along paths and by streams, without the arm's controllers."""
+        """Handle that moves the arm along paths or by streams, without controllers."""
         return ArmMotion(self.name, self._channel)
 
     def go_to_pose(
@@ -171,7 +171,7 @@ class Arm:
 
     @property
     def branch(self) -> Branch:
-        """The current branch of the inverse kinematics, one of eight."""
+        """Current branch of the inverse kinematics; there are eight branches."""
         return self._channel.call(ReadBranch(arm=self.name))
 
     def pose(
@@ -224,7 +224,8 @@ class Arm:
                 robot's root.
             near: Joint → position [rad]; the default of each joint is its commanded
                 position.
-            branch: If given, only the solution of this branch is returned.
+            branch: Branch of the returned solution; by default, all branches are
+                returned.
 
         Raises:
             UnreachableError: If there is no solution; the message contains the reason.
@@ -487,7 +488,7 @@ class Arm:
 
 
 def _sendable(pose: AnyPose | None) -> Any:
-    """Return a pose in the form that requests use: a Pose, or the rows of a matrix."""
+    """Return the form of a pose in requests: a Pose, or the rows of a matrix."""
     if pose is None or isinstance(pose, Pose):
         return pose
     if isinstance(pose, Transform):

@@ -42,10 +42,10 @@ _ALL = (True,) * 6
 class ArmMotion:
     """Moves an arm instead of its controllers: along paths, by streams or by forces.
 
-    Take the arm first: this stops the arm's controllers.  When you release the arm, the
-    controllers are started again.  Joints are in the order from base to flange.  Poses
-    use UR's notation: position and rotation vector [m, rad] in the frame of the link
-    ``base``.
+    Take the arm first; this request stops the arm's controllers.  When you release the
+    arm, the controllers are started again.  Joints are in the order from base to
+    flange.  Poses use UR's notation: position and rotation vector [m, rad] in the frame
+    of the link ``base``.
     """
 
     def __init__(self, arm: str, channel: Channel) -> None:
@@ -95,8 +95,8 @@ class ArmMotion:
             positions: Positions [rad], shape (n_knots, 6).
             velocities: Velocities [rad/s], shape (n_knots, 6); 0 at the last knot.
             accelerations: Accelerations [rad/s²], shape (n_knots, 6).  With
-                accelerations, the segments are quintic polynomials; without, they are
-                cubic polynomials.
+                accelerations, the segments are quintic polynomials; without
+                accelerations, the segments are cubic polynomials.
             after: Number of the path that this path replaces.
             at: Time on the replaced path at which this path begins [s].
 
@@ -180,7 +180,7 @@ class ArmMotion:
         coulomb_scale: Sequence[float] = COULOMB_SCALE,
         duration: float = 0.02,
     ) -> None:
-        """Drive the joints with torques [N·m], in addition to gravity.
+        """Drive the joints with torques [N·m], in addition to gravity compensation.
 
         Send new torques within ``duration``.  Otherwise, the arm returns to position
         control.
@@ -215,7 +215,7 @@ class ArmMotion:
         acceleration: float = 1.4,
         duration: float | None = None,
     ) -> None:
-        """Accelerate to joint velocities [rad/s]; stop after ``duration`` [s]."""
+        """Accelerate to joint velocities [rad/s], and stop after ``duration`` [s]."""
         self._channel.call(
             SpeedJoints(
                 arm=self._arm,
@@ -295,7 +295,7 @@ class ArmMotion:
 
 
 def _six(values: Sequence[float]) -> Row6:
-    return cast("Row6", values)  # the request checks it
+    return cast("Row6", values)  # the request checks the values
 
 
 def _six_flags(values: Sequence[bool]) -> Flags6:

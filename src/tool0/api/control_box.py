@@ -61,7 +61,7 @@ class ControlBox:
     def set_analog_output(
         self, pin: int, level: float, domain: AnalogDomain = AnalogDomain.VOLTAGE
     ) -> None:
-        """Set the analog output 0 or 1 to ``level``, a fraction of the range, 0 … 1."""
+        """Set analog output 0 or 1 to ``level``, a fraction of the range, 0 … 1."""
         self._channel.call(
             SetAnalogOutput(arm=self._arm, pin=pin, level=level, domain=domain)
         )
@@ -82,7 +82,7 @@ class ControlBox:
         )
 
     def set_tool_voltage(self, voltage: int) -> None:
-        """Supply 0, 12 or 24 V at the tool's connector."""
+        """Set the voltage at the tool's connector: 0, 12 or 24 V."""
         self._channel.call(
             SetIO(arm=self._arm, tool_voltage=voltage)  # type: ignore[arg-type]
         )
@@ -160,7 +160,7 @@ class ControlBox:
         """Enable motion of this real arm until ``disable_motion`` or the session ends.
 
         Args:
-            serial_number: Serial number on the nameplate of the robot that you have in
+            serial_number: Serial number on the nameplate of the robot that is in your
                 view.
             accept_calibration: Enable motion even if the robot's calibration differs
                 from the description; poses then have errors of millimeters.

@@ -1,4 +1,4 @@
-"""Handles for a controller, and for a goal that it has accepted."""
+"""Handles for a controller, and for a goal that the controller has accepted."""
 
 from __future__ import annotations
 
@@ -95,9 +95,9 @@ class GoalHandle:
             self._channel.call(CancelGoal(goal=self._number))
 
     def when_finished(self, callback: Callable[[GoalHandle], None]) -> None:
-        """Call ``callback(handle)`` when the goal ends, or now if it has already ended.
+        """Call ``callback(handle)`` when the goal ends, or now if it has ended.
 
-        A thread of the simulation executes the callback, and waits for its end.
+        A thread of the simulation executes the callback, and waits until it returns.
         Therefore, the callback must be short.
         """
         if not callable(callback):
@@ -276,9 +276,9 @@ class ControllerHandle:
                 or 0, the default of the controller is used.  ROS 2's parallel gripper
                 controller writes the value to its ``max_effort_interface``, where the
                 value is the force of the pads [N].
-            max_velocity: Maximum speed of the pads [m/s]; the default is from the
-                controller.  ROS 2's parallel gripper controller writes the value to its
-                ``max_velocity_interface``.
+            max_velocity: Maximum speed of the pads [m/s].  Without a value, the default
+                of the controller applies.  ROS 2's parallel gripper controller writes
+                the value to its ``max_velocity_interface``.
 
         Raises:
             GoalRejectedError: If the position is out of the joint's limits.
@@ -360,8 +360,8 @@ class ControllerHandle:
                 integral term.
 
         Raises:
-            ControlError: If the controller does not have gains or the joint, or if a
-                value is out of range; all gains are then unchanged.
+            ControlError: If the controller has no gains, if it does not have the joint,
+                or if a value is out of range; all gains are then unchanged.
         """
         request = SetGains(
             controller=self.name,
@@ -406,7 +406,7 @@ def _points(method: str, points: Sequence[TrajectoryPoint]) -> Points:
 def _by_joint(
     name: str, tolerances: Mapping[str, ToleranceOverride] | None
 ) -> Tolerances:
-    """Return tolerances in the form of a request, or raise RequestError.
+    """Return the form of tolerances in requests, or raise RequestError.
 
     The controller rejects the goal if a tolerance is not finite.
     """

@@ -16,7 +16,7 @@ from tool0.protocol.request import checked_value
 
 @final
 class Gripper:
-    """A parallel gripper, which moves by the controller that claims its joint."""
+    """A parallel gripper; the controller that claims its joint moves the gripper."""
 
     def __init__(
         self, name: str, geometry: ParallelGripper, model: RobotModel, channel: Channel
@@ -33,7 +33,7 @@ class Gripper:
 
     @property
     def name(self) -> str:
-        """Prefix of the gripper in the URDF, or ``gripper`` without a prefix."""
+        """Name of the gripper: its prefix in the URDF or, by default, ``gripper``."""
         return self._name
 
     @property

@@ -54,8 +54,8 @@ class Programs:
         """Return a program from a file, or a saved program.
 
         Raises:
-            ControlError: If no program is saved under that name.
-            ConfigError: If the file cannot be read, or is no program.
+            ControlError: If no program is saved under this name.
+            ConfigError: If the file cannot be read, or is not a program.
         """
         return self._read(program).program
 
@@ -110,8 +110,8 @@ class Programs:
 
         Raises:
             ProgramError: If a step cannot be executed.
-            ConfigError: If the file cannot be read, or is no program.
-            ControlError: If no program is saved under that name.
+            ConfigError: If the file cannot be read, or is not a program.
+            ControlError: If no program is saved under this name.
         """
         from tool0.api.dry_run import dry_run
 

@@ -50,9 +50,9 @@ class Recording(AbstractContextManager["Recording"]):
     """Recording of joint states and setpoints at a constant rate, until ``stop``.
 
     The end of a ``with`` block stops the recording.  The arrays can also be read during
-    the recording; they contain the samples that were recorded before the read.  The
-    samples are evenly spaced unless the simulation was reset or samples were missed.
-    No samples are recorded while time is paused.
+    the recording; the arrays then contain the samples that were recorded before the
+    read.  The samples are evenly spaced unless the simulation was reset or samples were
+    missed. No samples are recorded while time is paused.
     """
 
     def __init__(self, channel: Channel, rate: float, control_period: float) -> None:
@@ -86,7 +86,7 @@ class Recording(AbstractContextManager["Recording"]):
 
     @property
     def rate(self) -> float:
-        """Samples per simulated second [Hz]: at least the requested rate."""
+        """Sampling rate in simulated time [Hz]: at least the requested rate."""
         return self._rate
 
     @property

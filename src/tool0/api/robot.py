@@ -185,7 +185,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def snapshot(self) -> Snapshot:
-        """The newest state of the whole robot, at most 8 ms of simulated time old."""
+        """Newest state of the robot; its age is at most 8 ms of simulated time."""
         return self.channel.snapshot
 
     def subscribe(self, rate: float | None = None) -> Subscription:
@@ -385,7 +385,7 @@ class Robot(AbstractContextManager["Robot"]):
                 robot's root.
 
         Raises:
-            ModelError: If there is no such link.
+            ModelError: If the link does not exist.
         """
         return self.channel.call(ReadLinkPose(link=link, relative_to=relative_to))
 
@@ -550,7 +550,7 @@ class Robot(AbstractContextManager["Robot"]):
     def execute(self, plan: Plan) -> tuple[GoalHandle, ...]:
         """Follow a plan, and return the goal of each controller.
 
-        See ``Arm.execute``; a contact of one arm stops all arms.
+        A contact of one arm stops all arms.  See ``Arm.execute``.
         """
         if not isinstance(plan, Plan):
             raise RequestError("execute", f"'plan': need a Plan, got {plan!r:.80}")
@@ -615,7 +615,7 @@ class Robot(AbstractContextManager["Robot"]):
 
         Raises:
             CollisionError: If an arm would collide.
-            ControlError: If there is no such pose, or it cannot be reached.
+            ControlError: If the pose does not exist, or if it cannot be reached.
         """
         request = GoToPose(name=name, robot=robot, speed=speed, collision=collision)
         goals = self.channel.call(request)
@@ -666,7 +666,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def grippers(self) -> Mapping[str, Gripper]:
-        """Grippers by the prefix of their names, or ``gripper`` without a prefix."""
+        """Grippers, by the prefix of their names, or ``gripper`` without a prefix."""
         return self._grippers
 
     @cached_property
@@ -688,7 +688,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def arms(self) -> Mapping[str, Arm]:
-        """Arms by the prefix of their links, or ``arm`` without a prefix.
+        """Arms, by the prefix of their links, or ``arm`` without a prefix.
 
         An arm is a chain of six revolute joints that ends in a link ``…tool0``.
         """
@@ -722,7 +722,7 @@ class Robot(AbstractContextManager["Robot"]):
         """Return the sensor of the wrench that ``link`` and all links beyond it exert.
 
         Raises:
-            ModelError: If there is no such link.
+            ModelError: If the link does not exist.
         """
         sensor = ForceTorque(link, self.channel)
         _ = sensor.rate  # raises ModelError or ControlError if the link does not exist
@@ -803,7 +803,8 @@ class Robot(AbstractContextManager["Robot"]):
 
         Args:
             position: Joint → position that replaces the initial position [rad | m].
-            keep_time: Whether simulated time continues; otherwise, it restarts at 0.
+            keep_time: Whether simulated time continues; otherwise, the time restarts at
+                0.
             allow_penetration: Whether a link at ``position`` may penetrate the ground,
                 an object or another link by more than 2 mm; the physics then separates
                 the bodies violently.

@@ -54,7 +54,7 @@ class SceneHandle:
         """Return the measured pose of an object in the robot's root frame.
 
         Raises:
-            ControlError: If there is no object of this name.
+            ControlError: If there is no object with this name.
         """
         checked_value("pose", "name", name, str)
         return object_pose(self._channel.snapshot, name)
@@ -96,7 +96,7 @@ class SceneHandle:
 
         Motions continue.  The control loop waits while the object is added: a few
         milliseconds in MuJoCo (longer for a large mesh), and 0.2 s in Gazebo.  In real
-        time, the control loop then makes up for the lost time.
+        time, the control loop then catches up with the wall clock.
 
         Args:
             item: Name of the object, or a complete ``SceneObject``.  With a

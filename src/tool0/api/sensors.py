@@ -54,11 +54,11 @@ class ForceTorque:
 
     @property
     def rate(self) -> float:
-        """Samples per simulated second [Hz]; 0 while the sensor is stopped."""
+        """Sampling rate in simulated time [Hz]; 0 while the sensor is stopped."""
         return self._channel.call(ReadForceTorqueRate(link=self.link))
 
     def start(self, rate: float | None = None, cutoff: float = DEFAULT_CUTOFF) -> float:
-        """Start sampling without a tare and return the rate [Hz].
+        """Start sampling without a tare, and return the sampling rate [Hz].
 
         A running sensor is restarted.
 

@@ -1,4 +1,4 @@
-"""``tool0 check``: find faults in launch files, robots and YAML before they run."""
+"""``tool0 check``: find errors in launch files, robot descriptions and YAML."""
 
 from __future__ import annotations
 

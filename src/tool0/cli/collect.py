@@ -28,7 +28,7 @@ def collect(
     policy: str | None = None,
     env: Annotated[tuple[str, ...], Option(metavar="NAME=VALUE ...")] = (),
     seed: int = 0,
-    format: Literal["parquet", "lerobot"] = "parquet",  # the option's name
+    format: Literal["parquet", "lerobot"] = "parquet",  # named like the option
     instruction: str | None = None,
     copies: int = 8,
     summary: bool = True,
@@ -52,8 +52,8 @@ def collect(
         env: Keyword arguments of the environment, such as arm=ur5e randomise=true.
         seed: Base seed, from which the seed of each episode is derived.
         format: Format of the data set.
-        instruction: Description of the task for lerobot; by default, the description
-            that the task has.
+        instruction: Description of the task for lerobot; the default is the built-in
+            description of the task.
         copies: Number of simulations that each worker runs in turn.
         summary: Print a report at the end.
         as_json: Print the report as one JSON object.

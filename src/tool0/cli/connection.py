@@ -44,7 +44,7 @@ DEFAULT: Final = Bringup()
 
 
 def chosen_robot(robot: Robot, name: str | None) -> Arm:
-    """Return the arm of the robot that ``--robot`` names, or the only one.
+    """Return the arm of the robot that ``--robot`` selects, or the only arm.
 
     Raises:
         ConfigError: If there are several robots and no name is given, or if there is no
@@ -63,7 +63,7 @@ def chosen_robot(robot: Robot, name: str | None) -> Arm:
 
 
 def chosen_gripper(robot: Robot, name: str | None) -> Gripper:
-    """Return the gripper of the robot that ``--robot`` names, or the only one.
+    """Return the gripper of the robot that ``--robot`` selects, or the only gripper.
 
     Raises:
         ConfigError: If there is no such robot, or if the robot has no gripper.

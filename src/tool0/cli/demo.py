@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 READERS = options.READERS
 
 PAGE_TIMEOUT = 300.0
-"""Longest wait for a browser that has loaded the scene [wall s]."""
+"""Longest wait for a browser to load the scene [wall s]."""
 
 
 @final
@@ -84,7 +84,7 @@ class DemoArguments:
 
     @property
     def options(self) -> PickOptions:
-        """Options of gripping and carrying the object."""
+        """Options for the gripping and the transport of the object."""
         from tool0.cli.demos.hand import PickOptions
 
         return PickOptions(force=self.force, speed=self.speed)

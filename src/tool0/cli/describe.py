@@ -35,13 +35,13 @@ def describe(
 
     ``controllers`` prints the built-in ros_control YAML with all gains and the sources
     of the gains.  Copy this file, change it, and give it to ``tool0 bringup
-    --controllers-file``.  With ``--ros2-control``, it prints the YAML of ros2_control.
-    ``sources`` prints the ratings of each part, and the values of the part that have no
-    published source.
+    --controllers-file``.  With ``--ros2-control``, ``controllers`` prints the YAML of
+    ros2_control. ``sources`` prints the ratings of each part, and the values of the
+    part that have no published source.
 
     Args:
         form: Kind of output to write.
-        output: File to write; standard output if not given.
+        output: File to write; the default is standard output.
         gripper_action: In the output ``controllers``, use a GripperActionController for
             grippers.
         as_json: Write the tree, the table or the sources as one JSON object.

@@ -46,7 +46,7 @@ _PLAIN = {
 
 
 def _plain(error: UnicodeError) -> tuple[str | bytes, int]:
-    """Replace a character that the encoding does not have, mostly with ASCII."""
+    """Replace an unencodable character with ASCII characters."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     character = error.object[error.start]

@@ -36,7 +36,7 @@ _TWISTS: Final = {
     "r": (0.0, 0.0, 1.0),
     "f": (0.0, 0.0, -1.0),
 }
-"""Direction in the base."""
+"""Key → direction of the tool in the base frame."""
 _OUTCOMES: Final[Mapping[str, EpisodeEnd]] = {
     "y": "success",
     "n": "failure",
@@ -152,7 +152,7 @@ def _keys() -> Iterator[int]:
 
 
 def _pressed(number: int, stop: StopSignal) -> Iterator[str]:
-    """Yield keys, and regularly empty texts, until the input or the process ends."""
+    """Yield keys, with empty texts at intervals, until the input or process ends."""
     while not stop.is_set:
         inputs: list[int | StopSignal] = [number, stop]
         ready, _, _ = select.select(inputs, [], [], _PERIOD)

@@ -258,7 +258,7 @@ def _branch(text: str, indent: str, item: Item, *, is_last: bool) -> Iterator[st
 
 
 def _wrapped(text: str, indent: str) -> Iterator[str]:
-    """Yield lines that fit the width; ``indent`` starts all except the first."""
+    """Yield lines that fit the width; all except the first start with ``indent``."""
     if len(text) <= WIDTH:
         yield text
         return

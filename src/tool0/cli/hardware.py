@@ -34,7 +34,7 @@ def _link(state: ControlBoxState) -> RobotLink:
 
 
 def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
-    """Print the robot's model, serial number and modes, and the reasons against motion.
+    """Print the robot's model, serial number, modes and obstacles to motion.
 
     Args:
         as_json: Print one JSON object.
@@ -84,7 +84,8 @@ def enable(
     the intended robot moves.
 
     Args:
-        serial: The serial number; the command then does not ask for it.
+        serial: The serial number.  With this option, the command does not ask for the
+            number.
         accept_calibration: Enable motion even if the robot's calibration differs from
             the description; poses then have errors of millimeters.
     """
@@ -147,8 +148,8 @@ def payload(*, mass: float | None = None, bringup: Bringup = DEFAULT) -> None:
     """Set the payload of the robot.
 
     Args:
-        mass: Mass of the gripper and the load [kg]; by default, the mass that the
-            description has at the flange.  The center of mass is always from the
+        mass: Mass of the gripper and the load [kg]; the default is the mass at the
+            flange in the description.  The center of mass is always from the
             description.
     """
     with bringup.connect() as robot:

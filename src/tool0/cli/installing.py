@@ -33,7 +33,7 @@ def _install_gazebo(
     mirror: str | None = None,
     keyring: Path | None = None,
 ) -> int:
-    """Prepare Gazebo 11: use the system's packages, or unpack a copy of Debian 11's.
+    """Prepare Gazebo 11: use the system's packages, or unpack packages of Debian 11.
 
     The private copy requires no root access: apt downloads and verifies the packages,
     and tool0 unpacks them in your data folder.  If the download is interrupted, run the
@@ -93,7 +93,7 @@ gazebo = {
 
 
 def _install_ros1(*, rviz: bool = False, dry_run: bool = False) -> int:
-    """Install the packages that `tool0 bringup --ros1` needs, with apt.
+    """Use apt to install the packages that `tool0 bringup --ros1` needs.
 
     The command supports Debian 12, Debian 13 and Ubuntu 22.04.  With ROS Noetic or
     RoboStack, the command installs nothing, but lists the missing packages.

@@ -88,11 +88,10 @@ def move(
         pose: Target pose of the tool [m, rad].
         linear: Move the tool along a straight line.
         speed: Speed of a motion with --pose or --plan, as a fraction of the joints'
-            velocity limits, 0.01 to 1.  With --linear, this is the speed of the tool
-            [m/s].
-        tip: Link that moves to --pose; the default is tool0.
-        relative_to: Reference link of --pose; the default is the robot's root.
-        check: Only print whether the motion would be free of collisions or, with
+            velocity limits, 0.01 to 1.  With --linear, the value is the speed of the
+        tool [m/s]. tip: Link that moves to --pose; the default is tool0. relative_to:
+        Reference link of --pose; the default is the robot's root. check: Only print
+        whether the motion would be free of collisions or, with
             --plan, whether a path around the obstacles exists.  The exit status is 1 if
             the answer is no.
         plan: Plan a path around obstacles to any configuration that reaches the target,
@@ -101,8 +100,8 @@ def move(
             and 0 with --check alone.
         collision: Refuse a motion that would collide (the default), or ignore
             collisions.
-        robot: Robot of a cell that moves to --pose.  With --joints, joint names then
-            need no prefix.
+        robot: Robot of a cell that moves to --pose.  With --joints, the names of this
+            robot's joints need no prefix.
         timeout: Cancel the motion after this wall time [s].
         as_json: Print one JSON object.
     """
@@ -350,7 +349,7 @@ def grip(
 
 
 def _joint_position(text: str | None, quantity: Quantity) -> float | None:
-    """Return ``--position`` [rad | m] for a joint with positions of ``quantity``."""
+    """Return ``--position`` [rad | m], which must have the unit of ``quantity``."""
     if text is None:
         return None
     try:

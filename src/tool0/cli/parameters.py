@@ -129,7 +129,7 @@ class Parameter:
 
     @property
     def written_default(self) -> str:
-        """The default as a user would type it; empty if it is obvious or missing."""
+        """Default in command-line notation; empty if it is obvious or missing."""
         return self.flag if self.default is True else _written(self.default)
 
     @property
@@ -184,7 +184,7 @@ def _option(annotated: Any) -> Option:
 
 
 def reader_of(annotated: Any, readers: Readers) -> Reader:
-    """Return the notation of values of a type."""
+    """Return the reader for values of a type."""
     kind, marks = _unwrapped(annotated)
     reader = readers.get(kind)
     if reader is not None:
@@ -251,7 +251,9 @@ def _choice(values: tuple[str, ...]) -> Reader:
 
 
 def _written(default: object) -> str:
-    """Return a default as a user would type it; empty if the help omits the default."""
+    """Return a default in command-line notation; empty if the help omits the
+    default.
+    """
     if isinstance(default, bool | type | Enum) or default is None:
         return ""
     if isinstance(default, tuple):

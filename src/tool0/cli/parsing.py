@@ -41,12 +41,12 @@ def parse(
     """Call ``form`` with the arguments and return its result, or print help and exit.
 
     Args:
-        form: A function or dataclass whose parameters are the options; or a mapping
-            from subcommands to functions.
+        form: A function or dataclass with the options as parameters, or a mapping from
+            subcommands to functions.
         command: The words before the arguments, which select the command.
         arguments: The words to parse.
-        readers: Readers for types with their own notation.
-        summary: The purpose of the subcommands.
+        readers: Readers for types with a special notation.
+        summary: The summary of a command with subcommands.
 
     Raises:
         ConfigError: If a word or a value is not valid.

@@ -54,13 +54,13 @@ def run(
         episodes: Number of episodes, with --task; the default is 20.
         seed: Seed of the first episode; each further episode uses the next number.
         env: Keyword arguments of the environment, such as arm=ur5e observation=image.
-        videos: Episodes of which a video is written to --folder.
-        rate: Rate of the actions, on the bringup [Hz]; the default is 25.
+        videos: Episodes to record as videos in --folder.
+        rate: Rate of the actions on the bringup [Hz]; the default is 25.
         duration: End after this simulated time [s], on the bringup.
         camera: Cameras whose images the policy receives, on the bringup.
         folder: A new folder for observations, actions, results and the recording.
-        instruction: Description of the task; by default, the description that the task
-            has.
+        instruction: Description of the task; the default is the built-in description of
+            the task.
         execute: Number of actions of a chunk that are executed before the next chunk is
             requested; by default, all actions.
         ensemble: Request a chunk in each step, and execute the weighted mean of all

@@ -1,7 +1,7 @@
 """The probes of ``tool0 doctor`` for tool0's own packages, and the list of all probes.
 
-A probe runs in a separate process and imports its package there.  Importing this module
-therefore stays fast, and a library that cannot be imported breaks only one probe.
+A probe runs in a separate process and imports its package there.  Therefore, the import
+of this module is fast, and a library that cannot be imported affects only one probe.
 """
 
 from __future__ import annotations

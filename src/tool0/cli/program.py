@@ -42,7 +42,7 @@ def run(
 
     Args:
         program: Program file (.yaml), or the name of a saved program.
-        check: Only check the program, without running it.
+        check: Only check the program, without execution.
         dry_run: Only simulate the program, starting at the robot's current state, and
             print the contacts, the duration, and the largest speed and effort.  No
             command is sent to the robot.  The exit status is 0 if the program succeeded

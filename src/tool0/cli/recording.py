@@ -163,22 +163,22 @@ class VideoOptions:
     """Options of a video."""
 
     camera: str = "scene"
-    """Camera of the robot or its scene that films the video."""
+    """Camera of the robot or the scene that records the video."""
     eye: Annotated[tuple[float, float, float] | None, Option(metavar="X Y Z")] = None
     """Position of the viewpoint in the robot's root frame [m], instead of a camera."""
     at: Annotated[tuple[float, float, float], Option(metavar="X Y Z")] = (0.0, 0.0, 0.3)
-    """Point in the robot's root frame at the center of the image [m], with an eye
-    position."""
+    """Point at the center of the image, in the robot's root frame [m]; used only with
+    an eye position."""
     width: int | None = None
-    """Width of the images [pixels].  The default is 960; for lerobot, it is the width
-    of the camera's images."""
+    """Width of the images [pixels].  The default is 960 or, for lerobot, the width of
+    the camera's images."""
     height: int | None = None
-    """Height of the images [pixels].  The default is 720; for lerobot, it is the height
-    of the camera's images."""
+    """Height of the images [pixels].  The default is 720 or, for lerobot, the height of
+    the camera's images."""
     fps: float = 30.0
-    """Images per second of the video [Hz]."""
+    """Frame rate of the video [Hz]."""
     speed: float = 1.0
-    """Seconds of the recording per second of the video."""
+    """Speed of the video: recorded seconds per second of the video."""
     start: float | None = None
     """Simulated time at which the video begins [s]."""
     end: float | None = None

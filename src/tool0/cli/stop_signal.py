@@ -9,7 +9,7 @@ from types import FrameType
 from typing import Any, final
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
-_HANG_UP = getattr(signal, "SIGHUP", None)  # not on Windows
+_HANG_UP = getattr(signal, "SIGHUP", None)  # None on Windows
 
 
 @final

@@ -197,11 +197,11 @@ class ProgressBar:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End the bar's line, so that the next output starts on its own line."""
+        """End the bar's line, so that the next output starts on a new line."""
         self._end_line()
 
     def __call__(self, activity: str, fraction: float, detail: str = "") -> None:
-        """Show that ``fraction`` of the activity is done, from 0 to 1.
+        """Show the completed ``fraction`` of the activity, from 0 to 1.
 
         On a terminal, the bar also shows ``detail``, which can change in each call.
         """
@@ -257,7 +257,7 @@ def print_json(value: object) -> None:
 
 
 def finite(value: object) -> object:
-    """Return ``value`` with NaN and infinity replaced by None, as JSON lacks them."""
+    """Return ``value`` with NaN and infinity replaced by None, for JSON."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Programs as Python scripts, with calls of ``run_program``, and loops in Python."""
+"""Programs as Python scripts that call ``run_program``, with loops in Python."""
 
 from __future__ import annotations
 

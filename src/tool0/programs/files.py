@@ -24,7 +24,7 @@ _PLACE: Final = re.compile(r"^(?P<what>.*?)(?: - at `\$(?P<path>.*)`)?$", re.DOT
 _PART: Final = re.compile(r"\.(\w+)|\[(\d+)\]")
 _UNKNOWN: Final = re.compile(r"unknown field `(\w+)`")
 KINDS: Final = tuple(str(kind.__struct_config__.tag) for kind in get_args(Step))
-"""Kinds of steps."""
+"""Names of all kinds of steps."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,7 +134,7 @@ def _explained(error: msgspec.ValidationError, root: YamlEntry) -> ConfigError:
 
 
 def _hint(name: str, entry: YamlEntry) -> str:
-    """Return the probably intended key of a step or of the program, as a hint."""
+    """Return a hint: the key that was probably intended in a step or the program."""
     kind = entry.children.get("kind")
     of = [item for item in get_args(Step) if kind and _tag(item) == kind.scalar]
     structs = of or [Program]
@@ -148,7 +148,7 @@ def _tag(kind: type[Struct]) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value in the form in which YAML contains it."""
+    """Return the YAML form of a value."""
     if isinstance(value, Struct):
         kind, tag = type(value), _tag(type(value))
         found = {} if tag is None else {"kind": tag}

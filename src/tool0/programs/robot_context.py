@@ -67,7 +67,7 @@ class RobotContext:
     """Function that returns the positions of a named pose, or raises ControlError."""
     find_way: FindWay
     gripper: str | None
-    """Name of the arm's gripper; None if it has no gripper."""
+    """Name of the arm's gripper; None if the arm has no gripper."""
     geometry: ParallelGripper | None
     """Geometry of the arm's gripper."""
     objects: Collection[str]
@@ -99,7 +99,7 @@ class RobotContext:
 
     @cached_property
     def planner(self) -> MovePlanner:
-        """Planner for moves whose poses are in the root frame.
+        """Planner for moves with poses in the root frame.
 
         Raises:
             ControlError: If the arm does not have the kinematics of a UR.
@@ -227,7 +227,7 @@ class RobotContext:
     # ---- the gripper ----------------------------------------------------------------
 
     def opening(self, step: GripperStep) -> float:
-        """Return a step's gripper opening [m]; raise ControlError or ModelError."""
+        """Return a step's gripper opening [m], or raise ControlError or ModelError."""
         geometry = self.geometry
         if geometry is None:
             raise ControlError("the arm carries no gripper")

@@ -20,7 +20,7 @@ LONGEST_NAME: Final = 60
 """Maximum number of characters in a program's name."""
 _SUFFIX: Final = ".yaml"
 _RESERVED: Final = '%/\\<>:"|?*'
-"""Characters that some file systems reject, and the escape character itself."""
+"""Characters that some file systems reject, and the escape character of file names."""
 _LONGEST_FILE: Final = 240
 """Maximum number of bytes in a file's name: 255, minus the suffix used during
 writing."""
@@ -28,7 +28,7 @@ writing."""
 
 @final
 class ProgramStore:
-    """The saved programs of one robot, identified by its name.
+    """The saved programs of one robot, identified by the robot's name.
 
     A change is written to a new file that replaces the old file, so that no process
     reads an incomplete file.

@@ -1,4 +1,4 @@
-"""Requests to an arm by poses of its tool."""
+"""Requests that move an arm, or read its state, by poses of the arm's tool."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ AnyPose = Pose | tuple[Row, Row, Row, Row]
 """Position and fixed-axis angles [m, rad], or a homogeneous matrix, shape (4, 4)."""
 
 Rate = Annotated[float, Meta(ge=1e-6, le=1e6)]
-"""A speed or an acceleration.  The bounds exceed those of every arm, and avoid rounding
-errors."""
+"""A speed or an acceleration.  The bounds are wider than the limits of every arm, but
+avoid rounding errors."""
 
 
 class ArmInfo(Struct, frozen=True, kw_only=True):
@@ -40,8 +40,8 @@ class ArmInfo(Struct, frozen=True, kw_only=True):
     joint_names: tuple[str, ...]
     """Names of the six joints, from base to tip."""
     rated_payload: float | None = None
-    """Maximum payload in the arm's data sheet, including the gripper [kg]; None if the
-    arm is not in the catalog."""
+    """Maximum payload in the data sheet of the arm, including the gripper [kg]; None if
+    the arm is not in the catalog."""
 
 
 class ListArms(Request[tuple[ArmInfo, ...]], frozen=True):

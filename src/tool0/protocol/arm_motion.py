@@ -115,7 +115,7 @@ class SampledPath(Protocol):
 
     @property
     def accelerations(self) -> Array | None:
-        """Joint accelerations [rad/s²], shape (n, 6); None for cubics."""
+        """Joint accelerations [rad/s²], shape (n, 6); None for cubic polynomials."""
 
 
 def path_request(
@@ -268,7 +268,7 @@ class StartForceMode(ArmRequest[None], frozen=True):
     """Apply a force along some axes of a frame, like URScript's ``force_mode``.
 
     Force mode is superimposed on the arm's motion; a second request replaces the first
-    request.  The wrench is the wrench that the tool exerts on its environment at rest.
+    request.  ``wrench`` is the wrench that the tool exerts on its environment at rest.
     Motions and setpoints do not include the compliant deviation.
     """
 
@@ -335,9 +335,10 @@ class ZeroWrench(ArmRequest[None], frozen=True):
 
 
 class EndStream(Request[None], frozen=True):
-    """Decelerate the arm to rest if it follows a stream; other motions continue.
+    """Decelerate the arm to rest if the arm follows a stream; other motions continue.
 
-    The simulation does this automatically when the targets of a stream stop.
+    The simulation ends a stream automatically when the stream contains no further
+    targets.
     """
 
     arm: Name

@@ -42,9 +42,10 @@ class Observed(Protocol):
         """Advance time until ``is_over()``; return False on a timeout.
 
         Args:
-            is_over: Polled repeatedly.
+            is_over: Condition that is polled repeatedly.
             timeout: Longest wait [s], or None for no limit.  If time passes only on
-                request, the wait is in simulated time; otherwise, it is in wall time.
+                request, the limit is in simulated time; otherwise, the limit is in wall
+                time.
 
         Raises:
             EngineError: If the physics failed.
@@ -111,11 +112,11 @@ class States(Observed, Protocol):
 
 
 class Backend(Protocol):
-    """Answers the requests of all clients.
+    """Interface that answers the requests of all clients.
 
     Worker threads call ``answer``, which may take time; the server's thread calls all
     other methods.  ``answer`` receives only requests that the backend offers and that
-    have a false ``is_of_connection``.
+    do not have ``is_of_connection``.
     """
 
     @property
@@ -126,13 +127,13 @@ class Backend(Protocol):
         """The states that clients read; None without a live robot (in a replay)."""
 
     def why_missing(self, request: type[Request[Any]]) -> str:
-        """Return why a class of requests is not offered; empty if offered."""
+        """Return why a class of requests is not offered; empty if it is offered."""
 
     def answer(self, request: Request[Any]) -> Any:
         """Return the response to a checked request that the backend offers.
 
         Raises:
-            Tool0Error: If the request cannot be carried out.
+            Tool0Error: If the request cannot be executed.
         """
 
     def post(

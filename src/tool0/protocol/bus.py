@@ -17,8 +17,7 @@ EVENTS_KEPT = 1000
 """Maximum number of unread events; a subscriber with more events loses the oldest."""
 
 SNAPSHOTS_KEPT = 256
-"""Maximum number of snapshots by which a subscriber can be behind: half a second at 500
-Hz."""
+"""Maximum number of unread snapshots of a subscriber: half a second at 500 Hz."""
 
 HISTORY_LENGTH = 64
 """Number of snapshots in the history: half a second at the default rate.
@@ -27,7 +26,7 @@ Commands, short runs and faster subscribers cause many snapshots at almost the s
 time.  The history skips these snapshots, so that they do not displace older
 snapshots."""
 
-_ROUNDING = 1e-6  # [s]
+_ROUNDING = 1e-6  # tolerance [s]
 
 
 @final
@@ -102,7 +101,7 @@ Event = GoalFinished | Overran | Faulted | WasReset | Reported | WasFrozen
 
 @final
 class Subscription:
-    """Delivers snapshots and events to one reader at the reader's pace.
+    """Delivers snapshots and events to one reader at the rate of its reads.
 
     Use ``next`` for the newest snapshot, ``following`` to read snapshots one after the
     other, and ``pending`` for all unread snapshots.  Each reader needs a separate

@@ -127,7 +127,7 @@ def error_of(info: ErrorInfo) -> Tool0Error:
 
 
 def outcome_of(result: Result) -> Outcome:
-    """Return a goal's result in the form that is sent."""
+    """Return the sent form of a goal's result."""
     return msgspec.convert(msgspec.to_builtins(result), Outcome)
 
 
@@ -139,7 +139,7 @@ def result_of(outcome: Outcome) -> Result:
     return msgspec.convert(plain_outcome, GripperResult)
 
 
-# ---- messages besides replies and states -------------------------------------------
+# ---- messages other than replies and states ----------------------------------------
 
 Mode = Literal["simulation", "hardware", "view", "replay"]
 
@@ -242,7 +242,7 @@ def wire_type(response: Any) -> Any:
 
 
 def _encodable(value: Any) -> Any:
-    """Convert a value unknown to msgspec, such as a numpy number, to a Python value."""
+    """Convert a value that msgspec does not support, such as a NumPy number."""
     found = plain(value)
     if found is value:
         raise TypeError(f"a value of type {type(value).__name__} cannot be sent")

@@ -148,7 +148,7 @@ class UnlockProtectiveStop(ArmRequest[None], frozen=True):
 
     at_once: bool = False
     """Whether to unlock the stop also within the first 5 s, like UR's primary
-    interface.  The 5 s are time for the user to find the cause."""
+    interface.  These 5 s give the user time to find the cause."""
 
 
 class RestartSafety(ArmRequest[None], frozen=True):
@@ -172,7 +172,10 @@ class SetSafetyLimits(ArmRequest[None], frozen=True):
 
 
 class ReportUr(ArmRequest[None], frozen=True):
-    """Report the state of the UR protocol interface; only its process sends this."""
+    """Report the state of the UR protocol interface.
+
+    Only the process of the interface sends this request.
+    """
 
     program: Annotated[str, Meta(max_length=MOST_PROGRAM)] = ""
     """Name of the program that the interface runs; empty if there is no program."""

@@ -99,7 +99,7 @@ class AnalogPin(Struct, frozen=True):
 
 
 Pose6 = tuple[float, float, float, float, float, float]
-"""A pose in UR's format: position [m] and rotation vector [rad]."""
+"""A pose in the format of UR: position [m] and rotation vector [rad]."""
 
 
 @final
@@ -153,8 +153,8 @@ class RobotLink(Struct, frozen=True, kw_only=True):
     is_enabled: bool = False
     """Whether tool0 is allowed to move the arm, after ``enable_motion``."""
     obstacles: tuple[str, ...] = ()
-    """Reasons why ``enable_motion`` would be refused now, and warnings, with one
-    sentence for each."""
+    """Reasons why ``enable_motion`` would be refused at present, and warnings; each
+    item is one sentence."""
     gripper_problem: str = ""
     """Reason why the gripper cannot move: no power, activation or connection.  Empty if
     the gripper can move, or if there is no gripper."""
@@ -190,7 +190,7 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     tool_current: float = 0.0
     """Current that the tool draws [A]; always 0 in simulation."""
     tool_temperature: float = 25.0
-    """Temperature of the tool [°C]; in simulation, it is a constant room
+    """Temperature of the tool [°C]; in simulation, the value is a constant room
     temperature."""
     speed_slider: float = 1.0
     """Position of the speed slider: fraction of the programmed speed, 0.01 … 1."""

@@ -122,7 +122,8 @@ def start_command(name: str, instead_of: Sequence[str] = ()) -> str:
 
 
 UNLIMITED: Final = sys.float_info.max
-"""Value of a limit in gains that is not set; JSON does not have infinity."""
+"""Value of a limit that is not set.  It is finite because JSON does not support
+infinity."""
 
 
 class Unwinding(enum.Enum):
@@ -147,11 +148,12 @@ class Gains:
     """
 
     p: float
-    """Command per position error [N·m/rad | N/m]."""
+    """Proportional gain: command per position error [N·m/rad | N/m]."""
     i: float = 0.0
-    """Command per integral of the position error [N·m/(rad·s) | N/(m·s)]."""
+    """Integral gain: command per integral of the position error [N·m/(rad·s) |
+    N/(m·s)]."""
     d: float = 0.0
-    """Command per velocity error [N·m·s/rad | N·s/m]."""
+    """Derivative gain: command per velocity error [N·m·s/rad | N·s/m]."""
     i_min: float = 0.0
     """Lower limit of the integral term, at most 0 [N·m | N]."""
     i_max: float = 0.0
@@ -164,9 +166,9 @@ class Gains:
     u_max: float = UNLIMITED
     """Upper limit of the command, at least 0."""
     error_deadband: float = 0.0
-    """Largest error that is not integrated [rad | m]."""
+    """Size of the deadband: errors up to this value are not integrated [rad | m]."""
     unwinding: Unwinding = Unwinding.NONE
-    """Method against windup of the integral at a command limit."""
+    """Method that prevents windup of the integral at a command limit."""
     tracking_time: float = 1.0
     """Time constant of BACK_CALCULATION [s]; with a shorter time, the integral
     decreases faster."""
@@ -217,7 +219,7 @@ class ConfigureController(Request[None], frozen=True):
 
 
 class CleanupController(Request[None], frozen=True):
-    """Return an inactive ROS 2 controller to ``unconfigured``."""
+    """Return an inactive ROS 2 controller to the state ``unconfigured``."""
 
     name: Name
 
@@ -276,11 +278,11 @@ class ReadGains(Request[dict[str, Gains]], frozen=True):
 
 
 class SetGains(Request[Gains], frozen=True):
-    """Change PID gains of one joint; the response contains all its gains.
+    """Change PID gains of one joint; the response contains all gains.
 
     Omitted gains keep their values.  A running controller continues with the new gains,
     without a jump of the integral term.  The gains apply until the controller is
-    unloaded; they are not written to a file.
+    unloaded; no file is changed.
     """
 
     controller: Name
@@ -316,7 +318,7 @@ class ReadControllerParameters(Request[dict[str, ControllerParameter]], frozen=T
 class SetControllerParameters(Request[None], frozen=True):
     """Change adjustable parameters of a loaded controller.
 
-    The values apply until the controller is unloaded; they are not written to a file.
+    The values apply until the controller is unloaded; no file is changed.
     """
 
     controller: Name

@@ -17,7 +17,7 @@ class OwnProcess:
 
     @property
     def is_this(self) -> bool:
-        """Whether the current process is this process, and not a forked child."""
+        """Whether the current process created the robot, and is not a forked child."""
         return os.getpid() == self._pid
 
     def check(self) -> None:
@@ -31,7 +31,7 @@ class OwnProcess:
 
 
 def refuse_pickle() -> NoReturn:
-    """Raise TypeError: a simulation or a connection cannot be sent to a process."""
+    """Raise TypeError, because simulations and connections cannot be pickled."""
     raise TypeError(
         "a robot cannot be pickled or copied; give other processes the name of its "
         "bring-up, and call tool0.connect(name) there"

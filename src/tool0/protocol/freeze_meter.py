@@ -9,8 +9,8 @@ from typing import final
 FROZEN = 1.0
 """Wall time without activity after which a process is regarded as frozen [s]."""
 _BUSY = 0.5
-"""Fraction of the time without activity; with more processor time, the process was
-busy."""
+"""Ratio of processor time to wall time above which the process was busy instead of
+frozen."""
 _SAMPLING = 0.2
 """Wall time between two reads of the processor time [s], because these reads are
 slow."""
@@ -23,7 +23,7 @@ def wall_time() -> float:
 
 @final
 class FreezeMeter:
-    """Detects that the process was stopped, or that the machine slept.
+    """Detects that the whole process was stopped, or that the machine slept.
 
     A thread that is late because other threads of the process were busy is ignored.
     """

@@ -154,7 +154,10 @@ class Tolerance(NamedTuple):
     neither ROS nor tool0 measures accelerations."""
 
     def allows(self, position_error: float, velocity_error: float) -> bool:
-        """Return whether both errors are within the tolerance; NaN is outside."""
+        """Return whether both errors are within the tolerance.
+
+        An error of NaN is outside the tolerance.
+        """
         return (self.position <= 0.0 or abs(position_error) <= self.position) and (
             self.velocity <= 0.0 or abs(velocity_error) <= self.velocity
         )

@@ -1,4 +1,4 @@
-"""State of parallel grippers by the opening between their pads, and requests."""
+"""Parallel grippers: their state, and requests with the opening between the pads."""
 
 from __future__ import annotations
 
@@ -71,9 +71,9 @@ class Grip(Request[GoalStarted], frozen=True):
 
 
 class ReactivateGripper(Request[GoalStarted], frozen=True):
-    """Reactivate a gripper, like ROS 2's service, which opens the gripper.
+    """Reactivate a gripper, like the service of ROS 2.
 
-    The gripper also opens if it holds an object.
+    The gripper opens, even if it holds an object.
 
     A real gripper also closes and opens again.
     """

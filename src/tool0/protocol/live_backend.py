@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from tool0.description.robot import RobotDescription
 
 _POLL_PERIOD: Final = 0.02
-"""Longest time between two checks of a condition while waiting for a state [wall s]."""
+"""Longest time between two checks of a condition during a wait [wall s]."""
 
 
 @final
 class LiveStates:
-    """States of a robot in real time; see ``backend.States``."""
+    """States of a robot that runs in real time; see ``backend.States``."""
 
     def __init__(
         self, description: RobotDescription, first: Snapshot, close: Callable[[], None]

@@ -38,8 +38,8 @@ class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
     """Duration of the motions [s], instead of a speed.  The motions are cubic
     polynomials.  The other joints of the controllers keep their setpoints."""
     controller: Name | None = None
-    """Controller that moves the joints; the default is the controllers that claim the
-    joints."""
+    """Controller that moves the joints; by default, the controllers that claim the
+    joints move them."""
     collision: CollisionRule = "ignore"
 
     def as_done(self) -> Request[Any]:
@@ -47,7 +47,10 @@ class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
 
 
 class SteerJoints(Request[None], frozen=True):
-    """Move the joints of a trajectory controller smoothly; for streams of setpoints."""
+    """Move the joints of a trajectory controller smoothly.
+
+    Use this request for streams of setpoints.
+    """
 
     controller: Name
     positions: JointPositions
@@ -55,26 +58,30 @@ class SteerJoints(Request[None], frozen=True):
 
 
 class PoseJoints(Request[None], frozen=True):
-    """Set joint positions directly; only in ``tool0 view``, which has no physics."""
+    """Set joint positions directly.
+
+    Only ``tool0 view``, which has no physics, offers this request.
+    """
 
     positions: JointPositions
 
 
 class CommandGripper(Request[GoalStarted], frozen=True):
-    """Send a gripper goal in joint units, like the GripperCommand action of ROS."""
+    """Send a gripper goal in joint units, like ROS's GripperCommand action."""
 
     controller: Name
     position: float
     """Position of the gripper's joint [rad | m]."""
     max_effort: float | None = None
-    """Maximum effort [N·m | N]; the default is from the controller.  ROS 2's parallel
-    gripper controller writes this value to its ``max_effort_interface``.  If this
-    interface is an interface of the gripper, the value is the force at the pads [N]."""
+    """Maximum effort [N·m | N].  Without a value, the default of the controller
+    applies.  ROS 2's parallel gripper controller writes this value to its
+    ``max_effort_interface``.  If this interface is an interface of the gripper, the
+    value is the force at the pads [N]."""
     max_velocity: float | None = None
-    """Maximum velocity [rad/s | m/s]; the default is from the controller.  ROS 2's
-    parallel gripper controller writes this value to its ``max_velocity_interface``.  If
-    this interface is an interface of the gripper, the value is the relative speed of
-    the pads [m/s]."""
+    """Maximum velocity [rad/s | m/s].  Without a value, the default of the controller
+    applies.  ROS 2's parallel gripper controller writes this value to its
+    ``max_velocity_interface``.  If this interface is an interface of the gripper, the
+    value is the relative speed of the pads [m/s]."""
     grip: GripLimits | None = None
     """Limits of the pads' speed and force, instead of ``max_effort`` and
     ``max_velocity``."""

@@ -59,7 +59,10 @@ class Notification:
 
 
 def described(event: Event, now: float) -> Notification:
-    """Return the description of an event; ``now`` [s] is used if it has no time."""
+    """Return the description of an event.
+
+    The time ``now`` [s] is used for an event without a time.
+    """
     time = now if event.time is None else event.time
     match event:
         case GoalFinished(goal):

@@ -56,7 +56,7 @@ class BoxShape(Struct, frozen=True, kw_only=True, tag="box", tag_field="kind"):
     """A box, centered at its origin."""
 
     size: tuple[Length, Length, Length]
-    """Lengths of the edges [m]."""
+    """Edge lengths along x, y and z [m]."""
 
 
 class CylinderShape(
@@ -167,8 +167,8 @@ class AddModel(Request[SpawnedModel], frozen=True):
     xyz: Place = (0.0, 0.0, 0.0)
     """Position of the model's frame in the robot's root frame [m]."""
     quat_wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
-    """Orientation of the model's frame in the robot's root frame; it is normalized on
-    receipt."""
+    """Orientation of the model's frame in the robot's root frame; the quaternion is
+    normalized on receipt."""
     allow_penetration: bool = False
     """Whether the object may overlap with a link."""
 
@@ -220,7 +220,7 @@ class ApplyWrench(Request[None], frozen=True):
     is the body's center of mass.  The point follows the translation of the body, but
     not the rotation of the body."""
     start: Annotated[float, Meta(ge=0.0)] = 0.0
-    """Simulated time at which the wrench begins [s]; for a past time, it begins
+    """Simulated time at which the wrench begins [s]; for a past time, the wrench begins
     immediately."""
     duration: Annotated[float, Meta(ge=0.0)] | None = None
     """Simulated time for which the wrench acts [s].  Without a duration, the wrench
@@ -261,8 +261,8 @@ class ClearWrenches(Request[None], frozen=True):
 class ReadContacts(Request[tuple[Contact, ...]], frozen=True):
     """Read the contact forces of the last physics step, one for each pair in contact.
 
-    The engine computes contact forces only on request; the first response of Gazebo is
-    empty.
+    The engine computes contact forces only on request.  With Gazebo, the first response
+    is empty.
     """
 
 
@@ -270,8 +270,9 @@ class FindCollisions(Request[tuple[Collision, ...]], frozen=True):
     """Find the collisions of the robot on the path to a pose and at the pose.
 
     On the path, all joints move synchronously from their current positions, and objects
-    in grippers move with the grippers.  A pair that already overlaps as deeply at
-    present is left out.  The pairs are sorted by the beginning of their collisions.
+    in grippers move with the grippers.  A pair is left out if it already overlaps by
+    the same depth at present.  The pairs are sorted by the beginning of their
+    collisions.
     """
 
     positions: JointPositions
@@ -327,7 +328,7 @@ def object_of(info: ObjectInfo) -> SceneObject:
 
 
 def solid_of(shape: Shape) -> Solid:
-    """Return a shape from its sent form, or raise DescriptionError without the mesh."""
+    """Return a shape from its sent form; raise DescriptionError without the mesh."""
     if not isinstance(shape, CompoundShape):
         return _geometry_of(shape)
     return Compound(

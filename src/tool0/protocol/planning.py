@@ -58,10 +58,10 @@ class KeepOut(Struct, frozen=True, kw_only=True):
     rpy: Vector3 = (0.0, 0.0, 0.0)
     """Orientation of the box: fixed-axis roll, pitch and yaw [rad]."""
     size: tuple[Length, Length, Length] | None = None
-    """Lengths of the box's edges [m]."""
+    """Edge lengths of the box along x, y and z [m]."""
     normal: Vector3 | None = None
-    """Normal of the plane, instead of a size; it points to the side that the robot may
-    enter."""
+    """Normal of the plane, instead of a size; the normal points to the side that the
+    robot may enter."""
 
 
 class Upright(Struct, frozen=True, kw_only=True):
@@ -79,8 +79,7 @@ class Checked(Struct, frozen=True, kw_only=True):
     """Result of the check whether a motion is free of collisions."""
 
     is_free: bool
-    """Whether the motion is free: no bodies collide or are closer than the
-    clearance."""
+    """Whether all bodies keep the clearance during the motion, without collisions."""
     reason: str = ""
     """The two bodies that are too close, and the distance between them; empty if the
     motion is free."""
@@ -98,12 +97,12 @@ class Plan(Struct, frozen=True, kw_only=True):
     """
 
     number: int
-    """Number of the plan, for ``execute_plan``."""
+    """Number of the plan, which ``execute_plan`` requires."""
     joint_names: tuple[str, ...]
     """Names of the arms' joints; the joints of each arm are ordered from base to
     tip."""
     times: tuple[float, ...]
-    """Times of the knots [s]; the first is 0."""
+    """Times of the knots [s]; the first time is 0."""
     positions: Rows
     """Joint positions at the knots [rad], shape (n_knots, n_joints)."""
     velocities: Rows
@@ -121,7 +120,7 @@ class Plan(Struct, frozen=True, kw_only=True):
     is_direct: bool
     """Whether the path is a straight line in joint space."""
     samples: int
-    """Number of random poses that the search used."""
+    """Number of random postures that the search used."""
     poses: int
     """Number of poses at which distances were measured."""
     planning_time: float

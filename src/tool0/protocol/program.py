@@ -53,7 +53,7 @@ class ToolPose(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Orientation: fixed-axis roll, pitch and yaw [rad]."""
     relative_to: Name | None = None
     """Link in whose frame the pose is given; the default is the robot's root.  For the
-    program's ``tool``, this is a link fixed to the flange; the default is the
+    program's ``tool``, the link must be fixed to the flange; the default is the
     flange."""
 
 
@@ -120,7 +120,7 @@ class WaitStep(_Step, frozen=True, kw_only=True, tag="wait"):
     """Wait for a duration, or until a digital input has a level."""
 
     duration: Duration | None = None
-    """Duration of the wait [s].  With an input, this is the timeout, after which the
+    """Duration of the wait [s].  With an input, the value is a timeout, after which the
     program ends with an error."""
     input: Pin | None = None
     """Pin number of a digital input of the arm's control box."""
@@ -132,7 +132,7 @@ class UntilStep(_Step, frozen=True, kw_only=True, tag="until"):
     """Move the tool along a straight line until contact."""
 
     direction: tuple[float, float, float]
-    """Direction of the move, as a vector with any nonzero length."""
+    """Direction of the move; the vector can have any nonzero length."""
     frame: Literal["root", "tool"] = "root"
     """Frame in which the direction is given."""
     distance: Annotated[Metres, Meta(gt=0.0, le=10.0)]
@@ -228,7 +228,7 @@ class Program(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 def walk(
     steps: Sequence[Step], parents: StepPath = ()
 ) -> Iterator[tuple[StepPath, Step]]:
-    """Yield every step with its path; a loop comes before the steps in the loop."""
+    """Yield every step with its path; a loop comes before its steps."""
     for number, step in enumerate(steps, 1):
         path = (*parents, number)
         yield path, step
@@ -239,8 +239,8 @@ def walk(
 def require_shallow(program: Program) -> None:
     """Raise ControlError if loops are nested too deeply for recursion.
 
-    If the nesting depth is safe for recursion, but invalid, the check of the program
-    reports the location.
+    A smaller nesting depth that is still invalid is reported, with its location, by the
+    check of the program.
     """
     steps: Sequence[Step] = program.steps
     for _ in range(_DEEPEST + 1):

@@ -33,7 +33,8 @@ class PlannedMotion(Struct, frozen=True, kw_only=True):
     joint_names: tuple[str, ...]
     """Names of the arm's joints, from base to flange."""
     times: tuple[float, ...]
-    """Times since the start of the first motion [s], excluding waits and grips."""
+    """Times since the start of the first motion [s], without waits and gripper
+    motions."""
     positions: tuple[tuple[float, ...], ...]
     """Positions of the joints at these times [rad]."""
     points: tuple[tuple[float, float, float], ...]

@@ -19,8 +19,8 @@ class EnableMotion(ArmRequest[None], frozen=True):
     """
 
     serial_number: Annotated[str, Meta(min_length=1, max_length=40)]
-    """Serial number on the robot's nameplate, which confirms that this is the intended
-    robot."""
+    """Serial number on the robot's nameplate, to confirm that the connected robot is
+    the intended robot."""
     accept_calibration: bool = False
     """Whether to move with the catalog's kinematics even if the robot's calibration
     differs; poses then have errors of millimeters."""

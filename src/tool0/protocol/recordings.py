@@ -14,12 +14,11 @@ class RecordingStatus(Struct, frozen=True, kw_only=True):
     """State of the recording in progress, or of the last recording."""
 
     file: str
-    """Path of the current file; if the recording consists of several files, of the
-    newest file."""
+    """Path of the newest file of the recording."""
     is_recording: bool
     """Whether the recording is still in progress."""
     duration: float
-    """Recorded simulated time in all files [s]."""
+    """Simulated time that was recorded in all files [s]."""
     size: int
     """Total size of the recording's files [bytes]."""
     files: int = 1
@@ -55,7 +54,7 @@ class StartRecording(Request[RecordingStatus], frozen=True):
 
 
 class StopRecording(Request[RecordingStatus], frozen=True):
-    """End the recording and complete its file."""
+    """End the recording, and complete the file."""
 
 
 class ReadRecording(Request[RecordingStatus | None], frozen=True):

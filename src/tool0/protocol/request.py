@@ -36,12 +36,13 @@ class Request(
     """Whether the request is a stop, which overtakes all requests that wait on its
     connection, for a worker thread, or for the tick."""
     revokes: ClassVar[tuple[str, ...]] = ()
-    """Methods that would undo this stop.  If the same connection sent a request with
-    such a method for the same arm before the stop, a waiting request is refused.  If
-    the request is already in progress, the stop is executed after the request."""
+    """Methods that would undo this stop.  These methods apply to requests of the same
+    connection, for the same arm, that were sent before the stop.  If such a request
+    waits, it is refused; if it is in progress, the stop is executed after the
+    request."""
     is_streamed: ClassVar[bool] = False
     """Whether the requests form streams without replies.  Each request of a stream is
-    executed at the next tick, without a transfer between other threads."""
+    executed at the next tick, and is not passed through other threads."""
     written_paths: ClassVar[tuple[str, ...]] = ()
     """Fields with the paths of files or folders on the robot's machine that the request
     writes."""
@@ -54,7 +55,7 @@ class Request(
         return ()
 
     def as_done(self) -> Request[Any]:
-        """Return a request with the same effect as this request, but without checks."""
+        """Return a request with the effect of this request, but without its checks."""
         return self
 
 
@@ -138,7 +139,7 @@ def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
 
 
 def checked_path(method: str, name: str, value: object) -> Path:
-    """Return a text or a path as an absolute path, or raise RequestError.
+    """Return ``value``, a text or a path, as an absolute path, or raise RequestError.
 
     ``~`` is replaced by the user's home folder.
     """

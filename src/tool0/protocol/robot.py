@@ -32,7 +32,7 @@ class LimitsInfo(Struct, frozen=True, kw_only=True):
 
     @staticmethod
     def of(limits: JointLimits) -> LimitsInfo:
-        """Return limits in the form that is sent."""
+        """Return the sent form of limits."""
         given = asdict(limits).items()
         return LimitsInfo(**{k: v if math.isfinite(v) else None for k, v in given})
 
@@ -92,7 +92,7 @@ class NamespaceInfo(Struct, frozen=True, kw_only=True):
     name: str
     """Name of the robot and of its ROS namespace."""
     urdf: str
-    """URDF of only this robot, with names without prefix."""
+    """URDF of only this robot, in which the names have no prefix."""
 
 
 class DescriptionInfo(Struct, frozen=True, kw_only=True):

@@ -24,7 +24,10 @@ class Step(Request[float], frozen=True):
 
 
 class Run(Request[None], frozen=True):
-    """Advance simulated time; without real time, it passes only on request."""
+    """Advance simulated time.
+
+    Without real time, simulated time passes only on request.
+    """
 
     duration: Annotated[float, Meta(ge=0.0)]
     """Duration of the advance [simulated s]."""
@@ -59,6 +62,6 @@ class EmergencyStop(Request[None], frozen=True):
 class StopMotions(Request[None], frozen=True):
     """Stop every motion without engaging the brakes; no motion resumes automatically.
 
-    Goals are PREEMPTED, programs end, and taken arms are released.  The simulation does
-    this automatically after its process was frozen for 1 s or more.
+    Goals are PREEMPTED, programs end, and taken arms are released.  The simulation
+    stops all motions automatically after its process was frozen for 1 s or more.
     """

@@ -133,7 +133,7 @@ class TareForceTorque(WrenchSensorRequest[None], frozen=True):
 
 
 class ReadForceTorque(WrenchSensorRequest[WrenchReading], frozen=True):
-    """Read the newest sample; the first such request starts the sensor."""
+    """Read the newest sample; the first request starts the sensor."""
 
 
 class ReadForceTorqueSamples(
@@ -170,7 +170,7 @@ class Picture(Struct, frozen=True, kw_only=True):
 
 
 def picture_of(image: CameraImage) -> Picture:
-    """Return an image in the form that is sent."""
+    """Return the sent form of an image."""
     height, width = image.depth.shape
     return Picture(
         time=image.time,

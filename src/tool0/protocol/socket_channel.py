@@ -54,7 +54,7 @@ R = TypeVar("R")
 V = TypeVar("V")
 
 ANSWER_TIMEOUT: Final = 30.0
-"""Longest wait for a reply to a request that does not take time [wall s]."""
+"""Longest wait for a reply to a request that is answered immediately [wall s]."""
 POLL_PERIOD: Final = 0.02
 """Wall time between polls of the state [s]."""
 MAX_REQUEST: Final = 1 << 23
@@ -303,7 +303,7 @@ class SocketChannel:
                 self._hello.set_result(message)
 
     def _goal(self, number: int, controller: str) -> Goal:
-        """Return the goal with this number, from the reply or the event."""
+        """Return the goal with this number; create the goal if it does not exist."""
         with self._lock:
             if number not in self._goals:
                 self._goals[number] = Goal(controller)

@@ -20,8 +20,8 @@ MotionMode = Literal[
 """Source of an arm's motion; ``free``: a ROS controller, or no source."""
 
 SNAPSHOT_PERIOD = 0.008
-"""Default simulated time between snapshots [s].  The rate is 125 Hz, like the state
-reports of a real UR."""
+"""Default simulated time between snapshots [s].  The resulting rate of 125 Hz is also
+the rate of the state reports of a real UR."""
 
 
 def ticks_between_snapshots(period: float, control_period: float) -> int:
@@ -87,7 +87,8 @@ class ArmSample(Struct, frozen=True):
     path: int
     """Number of the last path; 0 before the first path."""
     path_time: float
-    """Time on the last path [s]; it advances more slowly if the speed is scaled."""
+    """Time on the last path [s]; this time advances more slowly if the speed is
+    scaled."""
     is_done: bool
     """Whether the path or the stop has ended with the setpoint at rest; false after a
     failure."""
@@ -139,8 +140,8 @@ class Snapshot(Struct, frozen=True):
     overruns: int = 0
     """Number of ticks since the start that began more than one control period late."""
     late_ticks: int = 0
-    """Number of ticks that began more than one control period late, in about the last
-    second of wall time."""
+    """Number of ticks in about the last second of wall time that began more than one
+    control period late."""
     fault: str | None = None
     """Reason why the simulation has stopped until a reset; None if it has not
     stopped."""
@@ -148,8 +149,7 @@ class Snapshot(Struct, frozen=True):
     """Requested simulated time per wall time; None if time passes only on request, as
     fast as possible."""
     controller_setpoints: Mapping[str, ControllerSetpoint] = field(default_factory=dict)
-    """Setpoint of each running controller, by name; empty outside the simulation's
-    process."""
+    """Setpoint of each running controller, by name; empty in other processes."""
     received_setpoints: Mapping[str, JointSetpoint] = field(default_factory=dict)
     """Joint → setpoint, for snapshots received from another process."""
     scene: tuple[SceneObject, ...] = ()

@@ -71,8 +71,8 @@ class RareChanges(Struct, frozen=True, kw_only=True, omit_defaults=True):
     overruns: int | UnsetType = UNSET
     """Number of ticks since the start that began more than one control period late."""
     late_ticks: int | UnsetType = UNSET
-    """Number of ticks that began more than one control period late, in about the last
-    second of wall time."""
+    """Number of ticks in about the last second of wall time that began more than one
+    control period late."""
     controllers: tuple[ControllerStatus, ...] | UnsetType = UNSET
     """Status of every loaded controller."""
     control_boxes: tuple[ControlBoxState, ...] | UnsetType = UNSET
@@ -86,12 +86,13 @@ class ControllerMotion(Struct, frozen=True, kw_only=True):
     """Motion of the joints of a trajectory controller, in the controller's order."""
 
     reference: Rows
-    """Desired positions, velocities and accelerations [rad | m, per s, per s²]."""
+    """Desired positions [rad | m], velocities [rad/s | m/s] and accelerations [rad/s² |
+    m/s²]."""
     feedback: Rows
-    """Measured positions and velocities [rad | m, per s]."""
+    """Measured positions [rad | m] and velocities [rad/s | m/s]."""
     error: Rows
-    """Position and velocity errors: ``reference`` minus ``feedback`` [rad | m, per
-    s]."""
+    """Errors of positions [rad | m] and velocities [rad/s | m/s]: ``reference`` minus
+    ``feedback``."""
     time_from_start: float
     """Time on the trajectory [s]."""
     speed_scaling: float
@@ -266,7 +267,7 @@ def filled(snapshot: Snapshot, sample: ArmSample) -> ArmSample:
     )
 
 
-# ---- what is computed of a snapshot --------------------------------------------------
+# ---- fields that are computed from a snapshot ----------------------------------------
 
 
 def _motions(snapshot: Snapshot, mask: StateMask) -> dict[str, ControllerMotion]:
@@ -332,7 +333,7 @@ _COMPUTED: Final[Mapping[str, Callable[[Snapshot, StateMask], Any]]] = {
 }
 
 
-# ---- what is read from a message -----------------------------------------------------
+# ---- fields that are read from a message ---------------------------------------------
 
 _KEPT: Final = tuple(name for name in _RARE if name != "scene")
 _READ: Final = (*_KEPT, *_COPIED, "time", "tick", "arms")

@@ -23,8 +23,8 @@ class Subscribe(Request[None], frozen=True):
     is_of_connection = True
 
     rate: Annotated[float, Meta(ge=MIN_SNAPSHOT_RATE, le=MAX_SNAPSHOT_RATE)] = 125.0
-    """Rate of the states in simulated time [Hz]; it is adjusted to a divisor of the
-    control rate."""
+    """Rate of the states in simulated time [Hz]; the rate is adjusted to a divisor of
+    the control rate."""
     fields: tuple[StateField, ...] = SNAPSHOT_FIELDS
     """Fields of the messages in addition to ``time`` and ``tick``."""
     controllers: Annotated[tuple[Name, ...], Meta(max_length=100)] = ()

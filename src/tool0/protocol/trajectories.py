@@ -25,11 +25,11 @@ class TrajectoryPoint:
     positions: Sequence[float]
     """Positions [rad | m]."""
     velocities: Sequence[float] | None = None
-    """Velocities [rad/s | m/s]; for None, the motion to and from this point is
-    linear."""
+    """Velocities [rad/s | m/s]; without velocities, the motion to and from this point
+    is linear."""
     accelerations: Sequence[float] | None = None
-    """Accelerations [rad/s² | m/s²]; for None, the motion to and from this point is
-    cubic or linear."""
+    """Accelerations [rad/s² | m/s²]; without accelerations, the motion to and from this
+    point is cubic or linear."""
     time_from_start: float = 0.0
     """Simulated time after the start of the trajectory [s]."""
 
@@ -72,8 +72,8 @@ class TrajectoryState:
     actual: JointsMotion
     """Measured motion of the joints."""
     error: JointsMotion
-    """Error: ``desired`` minus ``actual``.  For a continuous joint, it is the shortest
-    angular distance."""
+    """Error: ``desired`` minus ``actual``.  For a continuous joint, the error is the
+    shortest angular distance."""
     speed_scaling: float = 1.0
     """Speed scaling: trajectory time per simulated time."""
 
@@ -108,11 +108,11 @@ class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
     """Positions, velocities and accelerations at ``time_from_start`` [s], in the order
     of ``joint_names``."""
     joint_names: tuple[str, ...] | None = None
-    """Names of the joints of the points; the default is the joints of the
-    controller."""
+    """Names of the joints of the points; by default, the joints of the controller are
+    used."""
     stamp: float | None = None
-    """Simulated time at which the trajectory starts [s]; by default, it starts
-    immediately."""
+    """Simulated time at which the trajectory starts [s]; by default, the trajectory
+    starts immediately."""
 
 
 class FollowTrajectory(_OfTrajectory[GoalStarted], frozen=True):

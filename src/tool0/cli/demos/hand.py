@@ -91,7 +91,7 @@ class Hand:
         )
 
     def open(self, width: float | None = None) -> GoalHandle:
-        """Open the pads: fully, or to release an object of ``width`` [m]."""
+        """Open the pads fully, or far enough to release an object of ``width`` [m]."""
         widest = self.gripper.geometry.max_opening
         return self.gripper.move(
             opening=widest if width is None else min(widest, width + RELEASE)
@@ -118,7 +118,7 @@ class Hand:
     def move_to(self, pose: Transform, tool: Transform) -> None:
         """Move ``tool``, a frame fixed in the flange, to a pose in the root.
 
-        The tool moves around obstacles if something is in the way.
+        If the direct path is blocked, the tool moves around the obstacles.
         """
         self.finish(self._or_around(lambda: self.start(pose, tool), pose, tool))
 

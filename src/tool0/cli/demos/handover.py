@@ -29,8 +29,8 @@ GIVER, TAKER = "giver", "taker"
 FORWARD, SIDEWAYS = 0.45, 0.55
 """Distances of the meeting point from each base, for arms of scale 1 [m]."""
 HEIGHT = 0.33
-"""Height of the meeting point above the root [m]; the height is lower for shorter
-arms."""
+"""Height of the meeting point above the root [m]; for shorter arms, the height is
+reduced."""
 APART = 0.1
 """Distance between the grippers before the approach and after the retreat [m]."""
 
@@ -59,7 +59,7 @@ class HandoverCell:
 
     @property
     def meeting(self) -> Vector3:
-        """Point where the object is handed over, in the root [m]."""
+        """Point where the object is handed over, in the root frame [m]."""
         scales = self.giver.scale, self.taker.scale
         return FORWARD * max(scales), 0.0, HEIGHT * min(1.0, *scales)
 
@@ -121,7 +121,7 @@ def hand_over(
         robot: A cell of two robots called giver and taker.
         item: The name of an upright, movable cube.
         into: Bin for the object, within the taker's reach.
-        meeting: Point of the handover, in the root [m].
+        meeting: Point of the handover, in the root frame [m].
         options: Force and speeds of the task.
         on_snapshot: Called with each snapshot, for recording.
 
@@ -157,7 +157,7 @@ class _Way(NamedTuple):
 
 @final
 class _Handover:
-    """The transfer of an object from the giver's gripper to the taker's."""
+    """The transfer of an object from the giver's gripper to the taker's gripper."""
 
     def __init__(
         self,
@@ -251,7 +251,9 @@ class _Handover:
             )
 
     def _facing(self, yaw: float, turn: float) -> Transform:
-        """Return the frame of a horizontal gripper, turned about its axis [rad]."""
+        """Return the frame of a horizontal gripper, rotated about its axis by
+        ``turn``.
+        """
         level = to_transform(Pose(xyz=self._meeting, rpy=(0.0, math.pi / 2.0, yaw)))
         return level @ to_transform(Pose(rpy=(0.0, 0.0, turn)))
 

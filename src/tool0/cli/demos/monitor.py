@@ -70,7 +70,7 @@ class GraspMonitor:
         self.peak_force = 0.0
         """Largest measured force of a pad on the object [N]."""
         self.phases: dict[str, float] = {}
-        """Phase → its duration [simulated s]."""
+        """Phase → duration of the phase [simulated s]."""
         self._phase = ""
         self._since = robot.time
 

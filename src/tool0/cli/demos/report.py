@@ -41,7 +41,7 @@ class PickReport:
     duration: float
     """Duration of the task [simulated s]."""
     phases: Mapping[str, float] = field(default_factory=dict)
-    """Phase → its duration [simulated s]."""
+    """Phase → duration of the phase [simulated s]."""
 
     def to_text(self) -> str:
         """Return the report as a line of text."""

@@ -1,4 +1,4 @@
-"""The demos: for each, a robot, the robot's surroundings, and a task."""
+"""The demos: each consists of a robot, the robot's surroundings, and a task."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class Demo:
 
 
 def pick_demo(cube: Cube, options: PickOptions, description: DescriptionConfig) -> Demo:
-    """Return the demo of picks from a table, for a robot with one arm and gripper."""
+    """Return the demo of picks from a table; the robot has one arm and one gripper."""
     table = PickTable(scale=_scale(description))
     options = replace(options, lift=table.lift)
     return Demo(

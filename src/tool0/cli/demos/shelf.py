@@ -1,4 +1,4 @@
-"""Picking of an object from a shelf, and placing in a bin behind a wall, with planning.
+"""Planned pick and place: from a shelf to a bin behind a wall.
 
 A second arm can stand at the bin.  The second arm moves aside while the object is
 carried.
@@ -87,7 +87,7 @@ def shelf_scene(*, edge: float, mass: float, friction: float) -> Scene:
 
 
 def two_robots(picker: DescriptionConfig, helper: DescriptionConfig) -> Cell:
-    """Return a robot at the shelf and a second one at the bin."""
+    """Return a cell with one robot at the shelf and one robot at the bin."""
     turned = replace(helper, base_xyz=HELPER_XYZ, base_rpy=(0.0, 0.0, math.pi))
     robots = ((PICKER, picker), (HELPER, turned))
     return Cell(

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from tool0.api.robot import Robot
 
 RETURN_TIMEOUT = 20.0
-"""Longest duration of the motion back between two picks [simulated s]."""
+"""Longest duration of the return motion between two picks [simulated s]."""
 SETTLE = 0.3
 """Time for an object to come to rest after it was placed [simulated s]."""
 
