@@ -99,9 +99,9 @@ class Robot(AbstractContextManager["Robot"]):
     process; ``close`` then ends only the connection.  The robots from ``bringup`` and
     ``connect`` have the same methods.
 
-    Joints have their names from the URDF.  Unless stated otherwise, poses are in the
-    robot's root frame, which is ``world`` for the built-in robots.  Every method raises
-    TransportError if the process of the robot has ended.  Methods that wait for
+    The names of joints are the names in the URDF.  Unless stated otherwise, poses are
+    in the robot's root frame, which is ``world`` for the built-in robots.  Every method
+    raises TransportError if the process of the robot has ended.  Methods that wait for
     simulated time raise EngineError if the physics has failed.
     """
 

@@ -251,9 +251,7 @@ def _choice(values: tuple[str, ...]) -> Reader:
 
 
 def _written(default: object) -> str:
-    """Return a default in command-line notation; empty if the help omits the
-    default.
-    """
+    """Return a default in command-line notation, or an empty text."""
     if isinstance(default, bool | type | Enum) or default is None:
         return ""
     if isinstance(default, tuple):

@@ -167,4 +167,4 @@ PROBES: Final = (
     Probe(ur),
     Probe(probes.workspace),
 )
-"""The probes of the doctor, in the order of the report."""
+"""The probes of ``tool0 doctor``, in the order of the report."""

@@ -210,7 +210,7 @@ def _planned(
     return ProgramPath(steps=steps, plan=plan)
 
 
-# ---- what needs no planning ----------------------------------------------------------
+# ---- checks without planning ---------------------------------------------------------
 
 
 def static_problems(context: RobotContext) -> list[ProgramProblem]:

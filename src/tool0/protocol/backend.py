@@ -157,7 +157,7 @@ def missing(request: type[Request[Any]], reason: str) -> NotOfferedError:
 
 
 def missing_methods(backend: Backend) -> dict[str, str]:
-    """Return a mapping: method of the contract that is not offered → reason."""
+    """Return the methods that a backend does not offer: method name → reason."""
     reasons = {
         name: backend.why_missing(request)
         for name, request in methods().items()

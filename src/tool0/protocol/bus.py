@@ -14,7 +14,7 @@ from tool0.protocol.goals import Goal
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot
 
 EVENTS_KEPT = 1000
-"""Maximum number of unread events; a subscriber with more events loses the oldest."""
+"""Maximum number of unread events; older events are lost."""
 
 SNAPSHOTS_KEPT = 256
 """Maximum number of unread snapshots of a subscriber: half a second at 500 Hz."""
@@ -211,7 +211,7 @@ class Bus:
         self._lock = threading.RLock()
         self._changed = threading.Condition(self._lock)
         self._n_waiting = 0
-        """Number of readers that wait for a change.  If the number is 0, the wake-up is
+        """Number of readers that wait for a change.  If no reader waits, the wake-up is
         skipped."""
         self.latest: Snapshot | None = None
         self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)

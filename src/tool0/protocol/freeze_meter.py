@@ -38,7 +38,7 @@ class FreezeMeter:
         self._used = processor_time()
 
     def look(self) -> float:
-        """Return how long the process was frozen since the last call [s], or 0."""
+        """Return the time for which the process was frozen since the last call [s]."""
         now = self._now()
         gap, self._last = now - self._last, now
         if gap < FROZEN and now - self._sampled < _SAMPLING:

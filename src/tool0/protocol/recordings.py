@@ -58,4 +58,4 @@ class StopRecording(Request[RecordingStatus], frozen=True):
 
 
 class ReadRecording(Request[RecordingStatus | None], frozen=True):
-    """State of the recording in progress, or of the last recording."""
+    """Read the state of the recording in progress, or of the last recording."""

@@ -117,7 +117,7 @@ class ReadDescription(Request[DescriptionInfo], frozen=True):
 
 
 class ReadInfo(Request[SimulationInfo], frozen=True):
-    """Properties of a simulation that are constant while a bring-up runs."""
+    """Read the properties of a simulation that are constant during a bring-up."""
 
 
 class ReadSnapshot(Request[Snapshot], frozen=True):

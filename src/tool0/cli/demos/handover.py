@@ -251,9 +251,7 @@ class _Handover:
             )
 
     def _facing(self, yaw: float, turn: float) -> Transform:
-        """Return the frame of a horizontal gripper, rotated about its axis by
-        ``turn``.
-        """
+        """Return the frame of a horizontal gripper, rotated about its axis."""
         level = to_transform(Pose(xyz=self._meeting, rpy=(0.0, math.pi / 2.0, yaw)))
         return level @ to_transform(Pose(rpy=(0.0, 0.0, turn)))
 
