@@ -320,8 +320,9 @@ class Robot(AbstractContextManager["Robot"]):
         """Return the collisions at a target posture and on the path to it.
 
         On the path, all joints move synchronously from their current positions, and an
-        object in a gripper moves with the gripper.  A pair that already overlaps as
-        deeply is left out.  The collision shapes are those of MuJoCo, also with Gazebo.
+        object in a gripper moves with the gripper.  A pair is left out if it already
+        overlaps by at least the same depth at present.  The collision shapes are those
+        of MuJoCo, also with Gazebo.
 
         For example::
 

@@ -89,7 +89,7 @@ def insecurity(folder: Path) -> str | None:
 
 
 def is_foreign(peer: socket.socket) -> bool:
-    """Return whether the process at the other end belongs to another user."""
+    """Return whether the other process is known to belong to another user."""
     if not hasattr(socket, "SO_PEERCRED"):
         return False
     credentials = struct.Struct("3i")

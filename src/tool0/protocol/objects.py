@@ -270,8 +270,8 @@ class FindCollisions(Request[tuple[Collision, ...]], frozen=True):
     """Find the collisions of the robot on the path to a pose and at the pose.
 
     On the path, all joints move synchronously from their current positions, and objects
-    in grippers move with the grippers.  A pair is left out if it already overlaps by
-    the same depth at present.  The pairs are sorted by the beginning of their
+    in grippers move with the grippers.  A pair is left out if it already overlaps by at
+    least the same depth at present.  The pairs are sorted by the beginning of their
     collisions.
     """
 

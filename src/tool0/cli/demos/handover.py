@@ -32,7 +32,7 @@ HEIGHT = 0.33
 """Height of the meeting point above the root [m]; for shorter arms, the height is
 reduced."""
 APART = 0.1
-"""Distance between the grippers before the approach and after the retreat [m]."""
+"""Length of a gripper's approach to the meeting point, and of its retreat [m]."""
 
 
 @final
