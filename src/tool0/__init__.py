@@ -1,7 +1,7 @@
 """A UR arm with a Robotiq gripper in simulation, driven by real controllers.
 
-Importing this package starts nothing and imports no simulator: the names below are
-loaded when they are first used.
+Importing this package starts no process and imports no simulator: each name below is
+loaded on first use.
 """
 
 from __future__ import annotations

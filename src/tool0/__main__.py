@@ -6,7 +6,8 @@ import sys
 
 def main() -> int:
     """Run the command line of this process and return its exit status."""
-    # In an import, or while the interpreter ends, a KeyboardInterrupt has a traceback.
+    # By default, Ctrl-C during an import or at exit would print a KeyboardInterrupt
+    # traceback.
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     from tool0.cli import edge, main

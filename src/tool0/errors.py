@@ -1,27 +1,27 @@
-"""The whole error tree: everything that tool0 raises on purpose is a ``Tool0Error``.
+"""The error hierarchy: every error that tool0 raises on purpose is a ``Tool0Error``.
 
 Tool0Error
-├── ModelError                  parameters no robot could have
+├── ModelError                  physically impossible parameters
 │   ├── LimitsError
-│   └── UnreachableError        a pose that the arm cannot take
-├── DescriptionError            XML, YAML parameters or meshes unreadable
-├── ConfigError                 key unknown, missing or out of range
-├── PenetrationError            a pose or an object that is in something else
+│   └── UnreachableError        a pose that the arm cannot reach
+├── DescriptionError            XML, YAML parameters or a mesh that cannot be read
+├── ConfigError                 a setting that is unknown, missing or out of range
+├── PenetrationError            a pose or an object that penetrates a body
 ├── EngineError
-│   ├── EngineUnavailableError  simulator not installed, or not answering
-│   └── DivergenceError         the physics state is not finite, or absurdly fast
+│   ├── EngineUnavailableError  the engine is not installed, or does not answer
+│   └── DivergenceError         the physics state is not finite, or grows without bound
 ├── ControlError
-│   ├── ClaimError              two controllers want one joint
-│   ├── GoalRejectedError       carries a reason; edges map it to ROS codes
-│   ├── GoalTimeoutError        a goal is still active; a TimeoutError too
-│   ├── NotOfferedError         a request that this robot never answers
+│   ├── ClaimError              two controllers claim the same joint
+│   ├── GoalRejectedError       a goal that a controller refuses, with an error code
+│   ├── GoalTimeoutError        a goal is still active; also a TimeoutError
+│   ├── NotOfferedError         a request that this robot does not support
 │   ├── ProgramError            a program that cannot be executed
 │   └── RequestError            a value of the wrong type or out of bounds
-├── GymUnavailableError         Gymnasium is not installed; an ImportError too
+├── GymUnavailableError         Gymnasium is not installed; also an ImportError
 ├── CollectError                episodes cannot be collected
 ├── RecordingError              a recording cannot be written or read
 ├── RenderError                 no picture or video can be made
-└── TransportError              a peer misbehaved, or an address is taken
+└── TransportError              a peer violated the protocol, or an address is in use
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ _CANDIDATES = 8
 """Number of the most similar names that are compared character by character."""
 _MOST_NAMES = 500
 _LONGEST_NAME = 100
-"""Bounds on the search for similar names; its time grows with both."""
+"""Maximum number and maximum length of the names that are searched for similar ones;
+the search time grows with both values."""
 
 
 @final
@@ -44,12 +45,12 @@ class SourceLocation:
     """A location in a user's file."""
 
     file: Path | None
-    """The file; None for text that did not come from a file."""
+    """Path of the file; None if the text is not from a file."""
     line: int | None = None
-    """Line number, counted from 1; None when it is not known."""
+    """Line number, counted from 1; None if the line is unknown."""
 
     def __str__(self) -> str:
-        """Return ``file:line``, as compilers print it."""
+        """Return ``file:line``, in the notation of compilers."""
         name = "<string>" if self.file is None else str(self.file)
         return name if self.line is None else f"{name}:{self.line}"
 
@@ -59,7 +60,7 @@ class Tool0Error(Exception):
 
 
 class _LocatedError(Tool0Error):
-    """An error about something written in a file."""
+    """An error in the content of a file."""
 
     def __init__(self, message: str, location: SourceLocation | None = None) -> None:
         super().__init__(message if location is None else f"{location}: {message}")
@@ -76,7 +77,7 @@ class LimitsError(ModelError):
 
 
 class UnreachableError(ModelError):
-    """A pose that the arm cannot take, or a line that it cannot follow."""
+    """A pose that the arm cannot reach, or a line that the arm cannot follow."""
 
 
 class DescriptionError(_LocatedError):
@@ -88,7 +89,10 @@ class ConfigError(_LocatedError):
 
 
 class PenetrationError(Tool0Error):
-    """A pose or an object would penetrate a body; physics would throw them apart."""
+    """A pose or an object would penetrate a body.
+
+    The physics would separate the bodies violently.
+    """
 
 
 class EngineError(Tool0Error):
@@ -113,7 +117,7 @@ class DivergenceError(EngineError):
     def __init__(
         self, joint: str, time: float, quantity: str = "state", kind: str = "joint"
     ) -> None:
-        """Report the joint (or other ``kind`` of thing) that diverged, and when [s]."""
+        """Report the diverged joint (or other ``kind`` of element), and the time."""
         super().__init__(
             f"the {quantity} of {kind} '{joint}' diverged at t = {time:.3f} s; reset "
             "the simulation, and look for overlapping bodies and unbounded efforts"
@@ -133,7 +137,7 @@ class ClaimError(ControlError):
 class NoSuchPartError(ControlError, KeyError):
     """A part that the robot does not have, such as a gripper or a camera."""
 
-    __str__ = Exception.__str__  # a KeyError shows its message in quotes
+    __str__ = Exception.__str__  # str() of a KeyError puts the message in quotes
 
 
 class NotOfferedError(ControlError):
@@ -161,19 +165,19 @@ class GoalTimeoutError(ControlError, TimeoutError):
 
 
 class CollisionError(ControlError):
-    """A start, a target or a path is in collision, or too close to a body."""
+    """A start, target or path of a motion is in collision, or too close to a body."""
 
 
 class PlanningError(ControlError):
-    """No collision-free motion was found; the message says why."""
+    """No collision-free motion was found; the message contains the reason."""
 
 
 class ProgramError(ControlError):
-    """A program that cannot be executed; the message names the step and the reason."""
+    """A program that cannot be executed; the message has the step and the reason."""
 
 
 class RequestError(ControlError):
-    """A request whose value has the wrong type or is out of bounds."""
+    """A request with a value that has the wrong type or is out of bounds."""
 
     def __init__(self, method: str, problem: str) -> None:
         super().__init__(f"{method}: {problem}")
@@ -190,7 +194,7 @@ class PolicyError(Tool0Error):
 
 
 class RecordingError(Tool0Error):
-    """A recording cannot be written, or a file is no recording."""
+    """A recording cannot be written, or a file is not a recording."""
 
 
 class RenderError(Tool0Error):
@@ -198,15 +202,15 @@ class RenderError(Tool0Error):
 
 
 class TransportError(Tool0Error):
-    """A peer misbehaved or is missing, or an address is in use."""
+    """A peer violated the protocol or is missing, or an address is in use."""
 
 
 def nearest_name(name: str, valid: Collection[str], cutoff: float = 0.6) -> str | None:
-    """Return the valid name most similar to ``name``, or None.
+    """Return the valid name that is most similar to ``name``, or None.
 
-    A name that differs only by a prefix comes first: ``tool0`` suggests ``left_tool0``.
-    Otherwise, it is the name with the fewest different characters, ignoring case:
-    ``UR6`` suggests ``ur5``, not ``ur16e``.
+    A valid name that differs only by a prefix is preferred: for ``tool0``, this is
+    ``left_tool0``.  Otherwise, the name with the fewest different characters is
+    returned, ignoring case: for ``UR6``, this is ``ur5``, not ``ur16e``.
 
     Args:
         name: The unknown name.
@@ -234,9 +238,9 @@ def nearest_name(name: str, valid: Collection[str], cutoff: float = 0.6) -> str 
 
 
 def is_typo(written: str, meant: str | None) -> bool:
-    """Return whether at most two characters differ, fewer for short names.
+    """Return whether two names differ by only a few characters.
 
-    Upper and lower case are equal.
+    The limit is two characters, or fewer for short names.  The comparison ignores case.
     """
     if meant is None or max(len(written), len(meant)) > _LONGEST_NAME:
         return False

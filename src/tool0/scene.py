@@ -1,6 +1,6 @@
 """The surroundings of a robot: scenes, and their objects, cameras, shapes and poses.
 
-For ``robot.scene`` and ``tool0.bringup(scene=…)``::
+Use these classes with ``robot.scene`` and ``tool0.bringup(scene=…)``::
 
     from tool0.scene import Box
 

@@ -13,7 +13,7 @@ from tool0.errors import ConfigError
 
 
 def data_folder() -> Path:
-    """Return tool0's folder in the user's data home; it may not exist yet."""
+    """Return tool0's folder in the user's data home; the folder may not exist yet."""
     return _home("XDG_DATA_HOME", ".local/share") / "tool0"
 
 
@@ -48,7 +48,8 @@ def locked(file: Path, *, wait: bool = True) -> Iterator[None]:
     """Hold the lock ``file``, which excludes other processes and threads.
 
     Args:
-        file: Created if it is missing; its content does not matter.
+        file: The lock file, which is created if it does not exist.  The content of the
+            file is ignored.
         wait: Whether to wait while another process or thread holds the lock.
 
     Raises:
@@ -68,7 +69,7 @@ def locked(file: Path, *, wait: bool = True) -> Iterator[None]:
 
 
 def replace_text(file: Path, text: str) -> None:
-    """Write a file atomically, so that nobody ever reads half of it.
+    """Write a file atomically, so that no process reads an incomplete file.
 
     Raises:
         OSError: If the file cannot be written; the old file is then unchanged.
@@ -87,7 +88,7 @@ def replace_text(file: Path, text: str) -> None:
 
 
 def require_writable(path: Path) -> None:
-    """Raise ConfigError if a file cannot be written; existing files stay unchanged."""
+    """Raise ConfigError if a file cannot be written; do not change an existing file."""
     is_new = not path.exists()
     try:
         with path.open("ab"):

@@ -1,1 +1,1 @@
-"""The Python API: handles on a robot and its parts, in this process or another one."""
+"""The Python API: handles for a robot and its parts, in this or another process."""

@@ -46,24 +46,26 @@ AnyPose = Transform | Pose | Iterable[Sequence[float]]
 
 
 class PlanOptions(TypedDict, total=False):
-    """Options of planning a collision-free motion."""
+    """Options for the planning of a collision-free motion."""
 
     speed: float
-    """Fraction of each joint's maximum velocity, 0.01 … 1; 0.5 if left out."""
+    """Fraction of each joint's maximum velocity, 0.01 … 1; the default is 0.5."""
     clearance: float
-    """Smallest distance between bodies [m]; 0.005 if left out."""
+    """Minimum distance between bodies [m]; the default is 0.005."""
     may_touch: tuple[str, ...]
-    """Links and objects that the motion may touch, such as the object to grip."""
+    """Links and objects that the robot is allowed to touch, such as the object to
+    grip."""
     keep_out: tuple[KeepOut, ...]
     """Regions (boxes, or half-spaces below a plane) that the robot must not enter."""
     upright: Upright
     """Constraint that keeps a tool axis within an angle of its initial direction."""
     joint_ranges: dict[str, tuple[float, float]]
-    """Joint → narrower limits for this motion [rad]."""
+    """Joint → narrower position limits for this motion [rad]."""
     timeout: float
-    """Wall time after which the search ends [s]; 5 if left out."""
+    """Wall time after which the search ends [s]; the default is 5."""
     seed: int
-    """Seed of the search; equal seeds give equal plans unless the search times out."""
+    """Seed of the search; the same seed results in the same plan unless the search
+    reaches the timeout."""
 
 
 @final
@@ -71,10 +73,10 @@ class Arm:
     """An arm with six joints: the pose of its tool, inverse kinematics, and motions.
 
     A pose is a ``Pose`` (xyz [m], rpy [rad]), a ``Transform``, or a homogeneous matrix
-    of shape (4, 4).  It describes the frame ``tool``, which is fixed to the link
-    ``tip``, relative to the link ``relative_to``.  By default, ``tool`` is the ``tip``
-    itself, ``tip`` is the arm's flange, and ``relative_to`` is the robot's root.
-    Motions start from the commanded posture, so that control errors do not accumulate
+    of shape (4, 4).  A pose describes the frame ``tool``, which is fixed to the link
+    ``tip``, relative to the link ``relative_to``.  By default, ``tool`` is the frame of
+    ``tip``, ``tip`` is the arm's flange, and ``relative_to`` is the robot's root.  A
+    motion starts at the commanded posture, so that control errors do not accumulate
     over many motions.
     """
 
@@ -84,7 +86,11 @@ class Arm:
 
     @property
     def name(self) -> str:
-        """Prefix of the arm's links, else ``arm``; in a cell, the robot's name."""
+        """Name of the arm.
+
+        The name is the prefix of the arm's links, or ``arm`` if the links have no
+        prefix.  In a cell, the name is the name of the robot.
+        """
         return self._info.name
 
     @property
@@ -94,7 +100,7 @@ class Arm:
 
     @property
     def tip(self) -> str:
-        """Link at the end of the arm; poses refer to it unless you name another."""
+        """Link at the end of the arm, which is the default ``tip`` of poses."""
         return self._info.tip
 
     @property
@@ -105,7 +111,7 @@ class Arm:
 
     @property
     def chain(self) -> ArmChain:
-        """The arm's joints and links, for your own computations."""
+        """Kinematic chain of the arm's joints and links, for calculations."""
         return self._chain
 
     @cached_property
@@ -116,7 +122,10 @@ class Arm:
 
     @property
     def kinematics(self) -> InverseKinematics:
-        """Inverse kinematics; raises ControlError if the arm is not built like a UR."""
+        """Inverse kinematics of the arm.
+
+        Access raises ControlError if the arm does not have the kinematics of a UR.
+        """
         return self._kinematics
 
     @cached_property
@@ -132,29 +141,29 @@ class Arm:
 
     @property
     def control_box(self) -> ControlBox:
-        """The arm's control box: I/O pins, speed slider, payload and program."""
+        """Control box of the arm: I/O pins, speed slider, payload and program."""
         return ControlBox(self.name, self._channel)
 
     @property
     def motion(self) -> ArmMotion:
-        """Motion along paths and by streams, in place of the arm's controllers."""
+        """Handle that moves the arm along paths or by streams, without controllers."""
         return ArmMotion(self.name, self._channel)
 
     def go_to_pose(
         self, name: str, *, speed: float = 0.5, collision: CollisionRule = "refuse"
     ) -> tuple[GoalHandle, ...]:
-        """Move the arm to a named pose; its gripper stays as it is.
+        """Move the arm to a named pose; the gripper does not move.
 
         A pose that contains only gripper joints, such as ``open``, moves the gripper.
 
         Args:
-            name: A built-in or saved pose; any joints of other robots in it do not
+            name: A built-in or saved pose; joints of other robots in the pose do not
                 move.
             speed: Fraction of each joint's maximum velocity, 0.01 … 1.
             collision: See ``move_to``.
 
         Raises:
-            ControlError: If there is no such pose, or it cannot be reached.
+            ControlError: If the pose does not exist, or if it cannot be reached.
         """
         request = GoToPose(name=name, robot=self.name, speed=speed, collision=collision)
         goals = self._channel.call(request)
@@ -162,7 +171,7 @@ class Arm:
 
     @property
     def branch(self) -> Branch:
-        """The current branch of the inverse kinematics, one of eight."""
+        """Current branch of the inverse kinematics; there are eight branches."""
         return self._channel.call(ReadBranch(arm=self.name))
 
     def pose(
@@ -175,13 +184,14 @@ class Arm:
         """Return the measured pose of the tool.
 
         Args:
-            tip: A link that is fixed to the flange; the flange if left out.
-            tool: Pose of the tool relative to ``tip``; ``tip`` itself if left out.
-            relative_to: Link in whose frame the pose is given; the robot's root if left
-                out.
+            tip: A link that is fixed to the flange; the default is the flange.
+            tool: Pose of the tool relative to ``tip``; the default is the frame of
+                ``tip``.
+            relative_to: Link in whose frame the pose is given; the default is the
+                robot's root.
 
         Raises:
-            ModelError: If a link is unknown, or ``tool`` is not a pose.
+            ModelError: If a link is unknown, or if ``tool`` is not a pose.
         """
         return self._channel.call(
             ReadToolPose(
@@ -199,25 +209,28 @@ class Arm:
         near: Mapping[str, float] | None = None,
         branch: Branch | None = None,
     ) -> tuple[Solution, ...]:
-        """Return the joint positions that put the tool at ``pose``, nearest first.
+        """Return joint positions that put the tool at ``pose``, nearest first.
 
-        There is at most one solution per branch.  Each joint takes the multiple of 2π
-        nearest to ``near`` within its limits.  Collisions are not checked.
+        There is at most one solution per branch.  For each joint, the multiple of 2π is
+        selected that is within the joint's limits and nearest to ``near``.  Collisions
+        are not checked.
 
         Args:
             pose: The pose of the tool.
-            tip: A link that is fixed to the flange; the flange if left out.
-            tool: Pose of the tool relative to ``tip``; ``tip`` itself if left out.
-            relative_to: Link in whose frame ``pose`` is given; the robot's root if left
-                out.
-            near: Joint → position [rad]; joints left out default to their commanded
-                positions.
-            branch: Return only the solution of this branch.
+            tip: A link that is fixed to the flange; the default is the flange.
+            tool: Pose of the tool relative to ``tip``; the default is the frame of
+                ``tip``.
+            relative_to: Link in whose frame ``pose`` is given; the default is the
+                robot's root.
+            near: Joint → position [rad]; the default of each joint is its commanded
+                position.
+            branch: Branch of the returned solution; by default, all branches are
+                returned.
 
         Raises:
-            UnreachableError: If there is no solution, with the reason.
-            ModelError: If ``pose`` or ``tool`` is not a pose, or a link is unknown.
-            ControlError: If the arm is not built like a UR.
+            UnreachableError: If there is no solution; the message contains the reason.
+            ModelError: If ``pose`` or ``tool`` is not a pose, or if a link is unknown.
+            ControlError: If the arm does not have the kinematics of a UR.
         """
         return self._channel.call(
             SolveInverseKinematics(
@@ -246,9 +259,9 @@ class Arm:
     ) -> GoalHandle:
         """Move the tool to ``pose`` in joint space, and return the goal.
 
-        As with ``Robot.move_joints``, the motion is as fast as ``speed`` and the
-        joints' velocity, acceleration and jerk limits allow; the tool moves along a
-        curve.  The target is the nearest solution of ``inverse_kinematics``.
+        Like ``Robot.move_joints``, the motion is as fast as ``speed`` and the limits of
+        joint velocity, acceleration and jerk allow.  The tool moves along a curve.  The
+        target is the nearest solution of ``inverse_kinematics``.
 
         Args:
             pose: The pose of the tool.
@@ -258,18 +271,19 @@ class Arm:
             relative_to: See ``inverse_kinematics``.
             near: See ``inverse_kinematics``.
             branch: See ``inverse_kinematics``.
-            collision: ``refuse`` to move if the arm would collide on the way (the error
-                names the bodies and the place), or ``ignore`` collisions.
-            plan: Whether to go around obstacles: one call then plans and executes a
-                motion to any posture that reaches the pose.
+            collision: ``refuse`` the motion if the arm would collide on the path (the
+                error contains the bodies and the position on the path), or ``ignore``
+                collisions.
+            plan: Whether to avoid obstacles.  The call then plans and executes a motion
+                to any posture that reaches the pose.
 
         Raises:
             UnreachableError: If no posture reaches the pose.
             CollisionError: If the arm would collide on the straight path in joint
                 space.
-            PlanningError: If no way around the obstacles is found.
+            PlanningError: If no path around the obstacles is found.
             ControlError: If no running JointTrajectoryController has the arm's joints,
-                or if it refuses the goal; nothing moves then.
+                or if the controller refuses the goal; the robot then does not move.
         """
         if plan:
             if near or branch:
@@ -305,30 +319,31 @@ class Arm:
     ) -> GoalHandle:
         """Move the tool to ``pose`` along a straight line, and return the goal.
 
-        The tool rotates about one fixed axis, and slows down where a joint would exceed
-        its velocity or acceleration limit.  The whole line is checked before anything
-        moves.  The arm must be at rest.  Speed and acceleration default to those of
-        UR's movel; the rotation ramps up and down over the same durations as the
-        translation.
+        The tool rotates about one fixed axis.  The tool decelerates where a joint would
+        otherwise exceed its velocity or acceleration limit.  The whole line is checked
+        before the motion starts.  The arm must be at rest.  The defaults of the speed
+        and the acceleration are the same as in URScript's ``movel``.  The rotation
+        accelerates and decelerates for the same durations as the translation.
 
         Args:
             pose: The pose of the tool at the end.
-            speed: Largest speed of the tool [m/s].
-            acceleration: Largest acceleration of the tool [m/s²].
-            angular_speed: Largest angular speed of the tool [rad/s].
+            speed: Maximum speed of the tool [m/s].
+            acceleration: Maximum acceleration of the tool [m/s²].
+            angular_speed: Maximum angular speed of the tool [rad/s].
             tip: See ``inverse_kinematics``.
             tool: See ``inverse_kinematics``.
             relative_to: See ``inverse_kinematics``.
-            collision: ``refuse`` to move if the arm would collide on the way (the error
-                names the bodies and the place), or ``ignore`` collisions.
+            collision: ``refuse`` the motion if the arm would collide on the line (the
+                error contains the bodies and the position on the line), or ``ignore``
+                collisions.
 
         Raises:
             CollisionError: If the arm would collide on the line.
             UnreachableError: If the arm cannot follow the line without a joint jump;
-                the message gives the reason and the place on the line.
-            ControlError: If the arm is moving or already at ``pose``, if no running
-                JointTrajectoryController has the arm's joints, or if it refuses the
-                goal.
+                the message contains the reason and the position on the line.
+            ControlError: If the arm is moving or is already at ``pose``, if no running
+                JointTrajectoryController has the arm's joints, or if the controller
+                refuses the goal.
         """
         request = MoveLinear(
             arm=self.name,
@@ -355,31 +370,33 @@ class Arm:
         free_axis: Literal["x", "y", "z"] | None = None,
         **options: Unpack[PlanOptions],
     ) -> Plan:
-        """Return a collision-free motion to a target; nothing moves.
+        """Plan a collision-free motion to a target, and return the plan.
 
-        The motion starts at the commanded posture, and ends at rest.  An object that a
-        gripper holds moves with it.  Robots, objects, held objects and the ground keep
-        the clearance to each other, except links that touch by construction; bodies
-        that are closer than this at the start may stay as close.
+        The robot does not move.  The planned motion starts at the commanded posture,
+        and ends at rest.  An object in a gripper moves with the gripper.  The clearance
+        applies to all pairs of robots, objects, held objects and the ground, except for
+        links that touch by construction.  Bodies that are closer at the start are
+        allowed to remain closer.
 
         Args:
-            target: A pose of the tool, or joint → position [rad].  For a pose, any
-                posture that reaches it is a target, including those with full extra
-                turns of a joint.
+            target: A pose of the tool, or joint → position [rad].  For a pose, all
+                postures that reach the pose are targets, including postures with
+                additional full turns of a joint.
             tip: See ``inverse_kinematics``.
             tool: See ``inverse_kinematics``.
-            relative_to: See ``inverse_kinematics``; if it is ``tip`` itself, the target
-                is relative to the tool's current pose.
-            free_axis: An axis of the tool about which the target may be rotated by any
-                angle.
+            relative_to: See ``inverse_kinematics``; if this link is ``tip``, the target
+                is relative to the current pose of the tool.
+            free_axis: An axis of the tool about which the rotation at the target is
+                free.
             **options: Options of the search; see ``PlanOptions``.
 
         Raises:
-            CollisionError: If the start or the target is in collision, with the bodies.
-            PlanningError: If no collision-free motion is found, or there is no compiled
-                kernel.
+            CollisionError: If the start or the target is in collision; the message
+                contains the bodies.
+            PlanningError: If no collision-free motion is found, or if there is no
+                compiled kernel.
             UnreachableError: If no posture reaches the target.
-            ControlError: If the arm is not built like a UR.
+            ControlError: If the arm does not have the kinematics of a UR.
         """
         wanted = self.target(
             target, tip=tip, tool=tool, relative_to=relative_to, free_axis=free_axis
@@ -389,14 +406,14 @@ class Arm:
     def execute(self, plan: Plan) -> GoalHandle:
         """Follow a plan, and return the goal.
 
-        A contact that neither exists at the start nor is allowed by the plan stops the
-        motion; the goal then ends ABORTED, and its result names the bodies.
+        A new contact that the plan does not allow stops the motion.  The goal then ends
+        as ABORTED, and the result contains the bodies.
 
         Raises:
             ControlError: If the plan is for another arm or for several arms, if the arm
-                or the scene has moved since the plan was made, if no running
-                JointTrajectoryController has the arm's joints, or if it refuses the
-                goal.
+                or an object has moved since the planning, if no running
+                JointTrajectoryController has the arm's joints, or if the controller
+                refuses the goal.
         """
         if not isinstance(plan, Plan):
             raise RequestError("execute", f"'plan': need a Plan, got {plan!r:.80}")
@@ -423,16 +440,16 @@ class Arm:
         Args:
             target: See ``plan``.
             linear: Whether the tool moves along a straight line.
-            clearance: Smallest distance between bodies [m].
-            may_touch: Links and objects that may be touched.
+            clearance: Minimum distance between bodies [m].
+            may_touch: Links and objects that the robot is allowed to touch.
             keep_out: Regions that the robot must not enter; see ``PlanOptions``.
             tip: See ``inverse_kinematics``.
             tool: See ``inverse_kinematics``.
             relative_to: See ``inverse_kinematics``.
 
         Raises:
-            UnreachableError: If no posture reaches the target, or the arm cannot follow
-                the line.
+            UnreachableError: If no posture reaches the target, or if the arm cannot
+                follow the line.
         """
         return self._channel.call(
             CheckMotion(
@@ -453,7 +470,7 @@ class Arm:
         relative_to: str | None = None,
         free_axis: Literal["x", "y", "z"] | None = None,
     ) -> PlanTarget:
-        """Return a target for ``Robot.plan``; the arguments are those of ``plan``."""
+        """Return a target for ``Robot.plan``, with the arguments of ``plan``."""
         positions, pose = {}, None
         if isinstance(target, Mapping):
             positions = checked_value("target", "target", target, JointPositions)
@@ -471,7 +488,7 @@ class Arm:
 
 
 def _sendable(pose: AnyPose | None) -> Any:
-    """Return a pose in the form that requests use: a Pose, or the rows of a matrix."""
+    """Return the form of a pose in requests: a Pose, or the rows of a matrix."""
     if pose is None or isinstance(pose, Pose):
         return pose
     if isinstance(pose, Transform):
@@ -479,5 +496,5 @@ def _sendable(pose: AnyPose | None) -> Any:
         return (*((*row, p) for row, p in rows), (0.0, 0.0, 0.0, 1.0))
     try:
         return plain(pose)
-    except ValueError:  # not finite: the handler says so
+    except ValueError:  # a value is not finite: the handler reports this
         return pose

@@ -1,4 +1,4 @@
-"""Handle that moves an arm in place of its controllers: paths, streams, forces."""
+"""Handle that moves an arm instead of its controllers: paths, streams and forces."""
 
 from __future__ import annotations
 
@@ -40,11 +40,12 @@ _ALL = (True,) * 6
 
 @final
 class ArmMotion:
-    """Moves an arm in place of its controllers: along paths, by streams or by forces.
+    """Moves an arm instead of its controllers: along paths, by streams or by forces.
 
-    Take the arm first; its controllers stop, and start again when you release it.
-    Joints are in the order from base to flange.  Poses use UR's notation: position and
-    rotation vector [m, rad] in the frame of the link ``base``.
+    Take the arm first; this request stops the arm's controllers.  When you release the
+    arm, the controllers are started again.  Joints are in the order from base to
+    flange.  Poses use UR's notation: position and rotation vector [m, rad] in the frame
+    of the link ``base``.
     """
 
     def __init__(self, arm: str, channel: Channel) -> None:
@@ -66,7 +67,7 @@ class ArmMotion:
             self.release()
 
     def take(self, by: str = "Python") -> None:
-        """Stop the arm's controllers and hold still; ``by`` is shown to users.
+        """Stop the arm's controllers, and hold the position; users see ``by``.
 
         Raises:
             ControlError: If the arm is switched off or stopped.
@@ -87,20 +88,21 @@ class ArmMotion:
         after: int | None = None,
         at: float | None = None,
     ) -> int:
-        """Follow a path that starts at the current setpoint; return the path's number.
+        """Follow a path that starts at the current setpoint; return the path number.
 
         Args:
             times: Time of each knot after the start of the path [s].
             positions: Positions [rad], shape (n_knots, 6).
-            velocities: Velocities [rad/s], the same shape; 0 at the end.
-            accelerations: Accelerations [rad/s²], the same shape; with them, segments
-                are quintic polynomials, otherwise cubic ones.
-            after: The number of a path that this one replaces.
-            at: Time on the replaced path at which this one takes over [s].
+            velocities: Velocities [rad/s], shape (n_knots, 6); 0 at the last knot.
+            accelerations: Accelerations [rad/s²], shape (n_knots, 6).  With
+                accelerations, the segments are quintic polynomials; without
+                accelerations, the segments are cubic polynomials.
+            after: Number of the path that this path replaces.
+            at: Time on the replaced path at which this path begins [s].
 
         Raises:
-            ControlError: If the joints cannot follow the path, or it does not start at
-                the setpoint.
+            ControlError: If the joints cannot follow the path, or if the path does not
+                start at the setpoint.
         """
         request = ExecutePath(
             arm=self._arm,
@@ -114,15 +116,15 @@ class ArmMotion:
         return self._channel.call(request)
 
     def wait(self, timeout: float | None = None) -> None:
-        """Wait until the path has reached its end, or the arm has stopped.
+        """Wait until the path has ended, or until the arm has stopped.
 
         Args:
             timeout: Longest wait [s]; see ``GoalHandle.wait``.
 
         Raises:
-            ControlError: If the motion failed (the message names the joint and what it
-                touches), or if the arm is no longer taken.
-            GoalTimeoutError: If the arm still moves after ``timeout``.
+            ControlError: If the motion failed (the message contains the joint and the
+                touched body), or if the arm is no longer taken.
+            GoalTimeoutError: If the arm is still moving after ``timeout``.
         """
         state = self.state
 
@@ -146,8 +148,8 @@ class ArmMotion:
 
         Args:
             deceleration: Deceleration of the leading joint [rad/s²]; with
-                ``along_path``, that of the speed along the path [1/s].
-            along_path: Whether the arm stays on its path.
+                ``along_path``, deceleration of the path's speed [1/s].
+            along_path: Whether the arm stays on its path during the deceleration.
         """
         self._channel.call(
             StopArm(arm=self._arm, deceleration=deceleration, along_path=along_path)
@@ -160,7 +162,7 @@ class ArmMotion:
         lookahead_time: float = 0.1,
         gain: float = 300.0,
     ) -> None:
-        """Follow a joint target [rad] from now on; send new targets regularly."""
+        """Follow a joint target [rad]; send new targets regularly."""
         self._channel.call(
             ServoJoints(
                 arm=self._arm,
@@ -178,20 +180,20 @@ class ArmMotion:
         coulomb_scale: Sequence[float] = COULOMB_SCALE,
         duration: float = 0.02,
     ) -> None:
-        """Drive the joints with torques [N·m], in addition to gravity.
+        """Drive the joints with torques [N·m], in addition to gravity compensation.
 
-        Send new torques within ``duration``; otherwise, the arm returns to position
+        Send new torques within ``duration``.  Otherwise, the arm returns to position
         control.
 
         Args:
-            torques: Torques [N·m], shape (6,).
-            viscous_scale: Fraction of the viscous friction that is compensated, 0 … 1.
-            coulomb_scale: Fraction of the dry friction that is compensated, 0 … 1.
-            duration: Simulated time within which the next torques must arrive [s].
+            torques: Torques of the joints [N·m], shape (6,).
+            viscous_scale: Compensated fraction of each joint's viscous friction, 0 … 1.
+            coulomb_scale: Compensated fraction of each joint's dry friction, 0 … 1.
+            duration: Simulated time within which the next torques must be received [s].
 
         Raises:
-            ControlError: If a torque exceeds its drive's limit, or the engine has no
-                torque control.
+            ControlError: If a torque exceeds the limit of its drive, or if the engine
+                has no torque control.
         """
         self._channel.call(
             DriveTorques(
@@ -204,7 +206,7 @@ class ArmMotion:
         )
 
     def end_torques(self) -> None:
-        """Return from torques to position control."""
+        """Return from torque control to position control."""
         self._channel.call(EndTorques(arm=self._arm))
 
     def speed_joints(
@@ -213,7 +215,7 @@ class ArmMotion:
         acceleration: float = 1.4,
         duration: float | None = None,
     ) -> None:
-        """Ramp to joint velocities [rad/s], and to rest after ``duration`` [s]."""
+        """Accelerate to joint velocities [rad/s], and stop after ``duration`` [s]."""
         self._channel.call(
             SpeedJoints(
                 arm=self._arm,
@@ -231,10 +233,10 @@ class ArmMotion:
         *,
         tcp: Sequence[float] = _NO_POSE,
     ) -> None:
-        """Ramp to a velocity of the point ``tcp``, given in the base's axes.
+        """Accelerate to a velocity of the point ``tcp``, in the axes of the base.
 
-        ``twist`` is the linear and angular velocity [m/s, rad/s]; after ``duration``
-        [s], the arm ramps to rest.
+        ``twist`` is the linear and angular velocity [m/s, rad/s].  After ``duration``
+        [s], the arm decelerates to rest.
         """
         self._channel.call(
             SpeedTool(
@@ -256,11 +258,11 @@ class ArmMotion:
         kind: Literal[1, 2, 3] = 2,
         tcp: Sequence[float] = _NO_POSE,
     ) -> None:
-        """Push with a force and torque [N, N·m] along the selected axes of a frame.
+        """Apply a force and torque [N, N·m] along the selected axes of a frame.
 
-        Along the selected axes, ``limits`` are the largest speeds [m/s, rad/s]; along
-        the others, the largest deviations [m, rad], which the arm resists with more
-        force.
+        Along the selected axes, ``limits`` are the maximum speeds [m/s, rad/s].  Along
+        the other axes, ``limits`` are the deviations [m, rad] at which the restoring
+        force stops increasing.
         """
         self._channel.call(
             StartForceMode(
@@ -275,7 +277,7 @@ class ArmMotion:
         )
 
     def end_force_mode(self) -> None:
-        """End force mode, and hold the arm where it is."""
+        """End force mode, and hold the arm at its present position."""
         self._channel.call(EndForceMode(arm=self._arm))
 
     def start_freedrive(self, axes: Sequence[bool] = _ALL) -> None:
@@ -284,7 +286,7 @@ class ArmMotion:
         self._channel.call(request)
 
     def end_freedrive(self) -> None:
-        """End freedrive, and hold the arm where it is."""
+        """End freedrive, and hold the arm at its present position."""
         self._channel.call(EndFreedrive(arm=self._arm))
 
     def zero_wrench(self) -> None:
@@ -293,7 +295,7 @@ class ArmMotion:
 
 
 def _six(values: Sequence[float]) -> Row6:
-    return cast("Row6", values)  # the request checks it
+    return cast("Row6", values)  # the request checks the values
 
 
 def _six_flags(values: Sequence[bool]) -> Flags6:

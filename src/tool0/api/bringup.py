@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-import tool0.recording.episodes  # handlers of its requests
+import tool0.recording.episodes  # registers the handlers of episode requests
 import tool0.recording.requests  # noqa: F401
 from tool0.api.robot import Robot
 from tool0.description.config import (
@@ -59,44 +59,46 @@ def bringup(
 ) -> Robot:
     """Bring up a robot: its description, physics, drives and controllers.
 
-    ``description``, ``control`` and ``simulation`` hold all options.  The other
-    keywords are shorthands for the most used ones; a shorthand that is given (not
-    None) replaces the field of the same name::
+    ``description``, ``control`` and ``simulation`` contain all options.  The other
+    keywords are shorthands for frequently used options.  A shorthand that is not None
+    replaces the field with the same name::
 
         cell = SimulationConfig(scene="table_and_bin", grasp_assist=True)
         tool0.bringup(arm="ur5", simulation=cell, realtime=False)
 
     Args:
-        arm: The arm; ur5 if not given.
-        gripper: The gripper on tool0; 2f85 if not given, None or "none" for a bare arm.
+        arm: The arm; the default is ur5.
+        gripper: The gripper on tool0; the default is 2f85.  For an arm without a
+            gripper, use None or "none".
         prefix: Prefix of all link and joint names.
         robot: Your own URDF or xacro file, instead of an arm and a gripper.
         cell: Several robots and a scene: a ``Cell``, or a YAML file
             (docs/how-to/cells.md).
-        args: xacro arguments of your own file, or additional ones of the built-in file.
-        ros2_control: Whether the built-in robots have ``<ros2_control>`` tags, and
-            therefore ROS 2 controllers (docs/how-to/ros2.md).
+        args: xacro arguments of your own file, or additional arguments of the built-in
+            file.
+        ros2_control: Whether built-in robots have ``<ros2_control>`` tags and,
+            therefore, controllers of ROS 2 (docs/how-to/ros2.md).
         engine: The physics engine: "mujoco", or "gazebo" (docs/how-to/gazebo.md).
         hardware: The address of a real robot, instead of an engine
             (docs/how-to/hardware.md).
         scene: The objects around the robot: a ``Scene``, a YAML file, or a built-in
             scene (``table_and_bin``, ``table_and_cubes``, ``shelf``).
-        controllers_file: YAML of ros_control or ros2_control, one file or several;
-            later files override earlier ones.
+        controllers_file: One or several YAML files of ros_control or ros2_control;
+            later files override earlier files.
         controllers: Names of the controllers to load and start.
         initial_pose: A named pose, or positions by joint [rad | m].
-        realtime: Whether time passes in real time; otherwise only ``run`` and ``wait``
-            advance it, as fast as possible.
-        speed: Simulated seconds per wall second in real time.
-        paused: Whether to start paused.
-        record: An MCAP file to record to, from the start until the robot is closed
+        realtime: Whether simulated time passes in real time; otherwise, only ``run``
+            and ``wait`` advance time, as fast as possible.
+        speed: Simulated seconds per wall second, if time passes in real time.
+        paused: Whether to start with paused time.
+        record: An MCAP file for a recording from the start until the robot is closed
             (docs/how-to/recordings.md).
-        description: The robot.
-        control: The robot's controllers and initial pose.
-        simulation: The physics, the objects around the robot, and time.
+        description: Options of the robot.
+        control: Options of the robot's controllers and initial pose.
+        simulation: Options of the physics, the objects around the robot, and time.
 
     Returns:
-        The robot, holding its pose.  Its ``warnings`` are also logged.
+        The robot, which holds its pose.  The ``warnings`` of the robot are also logged.
 
     Raises:
         Tool0Error: If an option or a file is wrong.
@@ -135,7 +137,7 @@ def bringup(
             description = replace(description, ros2_control=True)
     robot_description = load_description(description, spawn_z=simulation.spawn_z)
     is_recorded = simulation.record is not None
-    # a recording begins at time zero
+    # start the recording at time zero
     held = replace(simulation, paused=True) if is_recorded else simulation
     started = start_simulation(robot_description, control, held)
     stop_after_freezes(started)
@@ -155,7 +157,7 @@ def bringup(
 
 
 def _is_of_catalogue(description: DescriptionConfig, control: ControlConfig) -> bool:
-    """Return whether robot, drive interfaces and controllers are the built-in ones."""
+    """Return whether the robot, its interfaces and its controllers are built in."""
     chosen = (description.robot, description.transmission_hw_interface)
     return chosen == (None, None) and control.controllers_file is None
 
@@ -170,7 +172,7 @@ def _backend(started: Simulation) -> Backend:
 
 
 def _with_given(config: Config, **keywords: object) -> Config:
-    """Return ``config`` with the keywords that are not None in place of its fields."""
+    """Return ``config`` with fields replaced by the keywords that are not None."""
     given = {name: value for name, value in keywords.items() if value is not None}
     changed: Config = replace(config, **given)  # type: ignore[arg-type]  # any field's
     return changed

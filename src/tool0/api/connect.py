@@ -10,13 +10,13 @@ from tool0.protocol.socket_channel import SocketChannel
 def connect(name: str = DEFAULT_NAME) -> Robot:
     """Return a robot that runs in another process of this user.
 
-    It has the same methods as a robot that ``tool0.bringup`` returns; closing it ends
+    The robot has the same methods as a robot from ``tool0.bringup``; ``close`` ends
     only the connection.  Timeouts are in wall seconds.
 
     Args:
         name: The ``--name`` of the bring-up.
 
     Raises:
-        TransportError: If no bring-up of this name is running.
+        TransportError: If no bring-up with this name is running.
     """
     return Robot(SocketChannel(name))

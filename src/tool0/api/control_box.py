@@ -35,8 +35,8 @@ class ControlBox:
     """Pins, speed slider, payload, program, power and protective stop of one arm.
 
     Pins only store values: clients read and set outputs, and you set the values of the
-    inputs.  Everything else acts as on a UR.  A stopped or powered-off arm is braked;
-    the other arms of a cell continue to run.
+    inputs.  All other functions have the same effect as on a UR.  The brakes hold a
+    stopped or powered-off arm; the other arms of a cell continue to run.
     """
 
     def __init__(self, arm: str, channel: Channel) -> None:
@@ -49,19 +49,19 @@ class ControlBox:
         return self._channel.call(ReadIO(arm=self._arm))
 
     def set_digital_output(self, pin: int, value: bool) -> None:
-        """Set an output: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
+        """Set an output: standard 0 … 7, configurable 8 … 15, or tool 16 and 17."""
         number: int = checked_value("set_digital_output", "pin", pin, int)
         self._channel.call(SetIO(arm=self._arm, digital_outputs={number: value}))
 
     def set_digital_input(self, pin: int, value: bool) -> None:
-        """Set the level of an input, as a wire would; pins as for the outputs."""
+        """Set the level of an input; for the pins, see ``set_digital_output``."""
         number: int = checked_value("set_digital_input", "pin", pin, int)
         self._channel.call(SetIO(arm=self._arm, digital_inputs={number: value}))
 
     def set_analog_output(
         self, pin: int, level: float, domain: AnalogDomain = AnalogDomain.VOLTAGE
     ) -> None:
-        """Set analog output 0 or 1 to ``level``, a fraction of its range, 0 … 1."""
+        """Set analog output 0 or 1 to ``level``, a fraction of the range, 0 … 1."""
         self._channel.call(
             SetAnalogOutput(arm=self._arm, pin=pin, level=level, domain=domain)
         )
@@ -74,7 +74,7 @@ class ControlBox:
         *,
         tool: bool = False,
     ) -> None:
-        """Set the value at analog input 0 or 1 of the box, or of the tool [V | A]."""
+        """Set the value of analog input 0 or 1 of the box or the tool [V | A]."""
         self._channel.call(
             SetAnalogInput(
                 arm=self._arm, pin=pin, value=value, domain=domain, tool=tool
@@ -82,23 +82,23 @@ class ControlBox:
         )
 
     def set_tool_voltage(self, voltage: int) -> None:
-        """Supply 0, 12 or 24 V at the tool's connector."""
+        """Set the voltage at the tool's connector: 0, 12 or 24 V."""
         self._channel.call(
             SetIO(arm=self._arm, tool_voltage=voltage)  # type: ignore[arg-type]
         )
 
     def set_speed_slider(self, fraction: float) -> None:
-        """Set the speed slider: the speed of scaled trajectories, 0.01 … 1."""
+        """Set the speed slider, the fraction of the programmed speed, 0.01 … 1."""
         self._channel.call(SetSpeedSlider(arm=self._arm, fraction=fraction))
 
     def set_payload(
         self, mass: float, center_of_gravity: Sequence[float] = (0.0, 0.0, 0.0)
     ) -> None:
-        """Set the payload that the drives expect at the flange, including the gripper.
+        """Set the payload that the drives assume, including the gripper.
 
         Args:
-            mass: Mass [kg].
-            center_of_gravity: Centre of gravity in the frame of the flange [m].
+            mass: Mass of the payload [kg].
+            center_of_gravity: Center of gravity in the flange frame [m].
         """
         name = "center_of_gravity"
         center: Place = checked_value("set_payload", name, center_of_gravity, Place)
@@ -111,11 +111,11 @@ class ControlBox:
         self._channel.call(SetPayload(arm=self._arm))
 
     def play(self) -> None:
-        """Start or resume the program that lets clients control the arm."""
+        """Start or resume the program, so that clients can control the arm."""
         self._channel.call(PlayProgram(arm=self._arm))
 
     def pause(self) -> None:
-        """Pause the program: scaled trajectories slow down to a standstill."""
+        """Pause the program: scaled trajectories decelerate to rest."""
         self._channel.call(PauseProgram(arm=self._arm))
 
     def stop(self) -> None:
@@ -123,35 +123,35 @@ class ControlBox:
         self._channel.call(StopProgram(arm=self._arm))
 
     def power_off(self) -> None:
-        """Switch the arm off: its controllers stop, and the brakes hold it."""
+        """Switch the arm off: stop its controllers, and engage its brakes."""
         self._channel.call(PowerOff(arm=self._arm))
 
     def power_on(self) -> None:
-        """Switch the arm on; its brakes stay on until ``release_brakes``."""
+        """Switch the arm on; its brakes remain engaged until ``release_brakes``."""
         self._channel.call(PowerOn(arm=self._arm))
 
     def release_brakes(self) -> None:
-        """Release the brakes; the arm is switched on first, if it is off.
+        """Release the brakes; if the arm is off, it is switched on first.
 
-        Nothing moves until ``play`` starts the controllers again.
+        The arm does not move until ``play`` restarts the controllers.
         """
         self._channel.call(ReleaseBrakes(arm=self._arm))
 
     def stop_protectively(self, reason: str) -> None:
-        """Brake this arm until ``unlock``, as its safety system does."""
+        """Trigger a protective stop of this arm, until ``unlock``."""
         self._channel.call(StopProtectively(arm=self._arm, reason=reason))
 
     def unlock(self) -> None:
-        """End a protective stop; the arm holds until ``play``.
+        """End a protective stop; the arm holds its position until ``play``.
 
         Raises:
-            ControlError: If there is no protective stop, or it occurred less than 5
-                simulated seconds ago.
+            ControlError: If there is no protective stop, or if the stop occurred less
+                than 5 simulated seconds ago.
         """
         self._channel.call(UnlockProtectiveStop(arm=self._arm))
 
     def restart_safety(self) -> None:
-        """Clear the stops of the safety system; the arm is then switched off."""
+        """Clear all stops and faults of the safety system; the arm is then off."""
         self._channel.call(RestartSafety(arm=self._arm))
 
     def enable_motion(
@@ -160,13 +160,13 @@ class ControlBox:
         """Enable motion of this real arm until ``disable_motion`` or the session ends.
 
         Args:
-            serial_number: Serial number on the nameplate of the robot that you have in
+            serial_number: Serial number on the nameplate of the robot that is in your
                 view.
-            accept_calibration: Move although the robot's calibration differs from the
-                description; poses are then off by millimetres.
+            accept_calibration: Enable motion even if the robot's calibration differs
+                from the description; poses then have errors of millimeters.
 
         Raises:
-            ControlError: If the arm may not move, with all reasons.
+            ControlError: If motion is not allowed; the message contains all reasons.
         """
         request = EnableMotion(
             arm=self._arm,
@@ -176,14 +176,15 @@ class ControlBox:
         self._channel.call(request)
 
     def disable_motion(self) -> None:
-        """Bring a real arm to rest, and only read its state from now on."""
+        """Stop a real arm and disable motion; the arm's state is still read."""
         self._channel.call(DisableMotion(arm=self._arm))
 
     def set_tcp(self, pose: Sequence[float]) -> None:
-        """Set the tool centre point, for clients of UR's protocols.
+        """Set the tool center point (TCP), for clients of UR's protocols.
 
         Args:
-            pose: TCP in the flange's frame: x, y, z [m] and a rotation vector [rad].
+            pose: Pose of the TCP in the flange frame: x, y, z [m] and a rotation vector
+                [rad].
         """
         self._channel.call(
             SetTcp(arm=self._arm, pose=pose)  # type: ignore[arg-type]
@@ -195,8 +196,9 @@ class ControlBox:
         """Configure the automatic protective stops.
 
         Args:
-            enabled: Whether a path error, a contact force or a command beyond a joint's
-                limit stops the arm; initially false.
-            force: Largest force of contacts with the tool or a link [N]; initially 150.
+            enabled: Whether a path error, a contact force or a command beyond a joint
+                limit stops the arm.  The initial value is false.
+            force: Maximum contact force on the tool or a link [N].  The initial value
+                is 150.
         """
         self._channel.call(SetSafetyLimits(arm=self._arm, enabled=enabled, force=force))

@@ -1,4 +1,4 @@
-"""Handles for a controller, and for a goal that it has accepted."""
+"""Handles for a controller, and for a goal that the controller has accepted."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 @final
 class GoalHandle:
-    """A goal that a controller accepted: wait for it, or cancel it."""
+    """Handle for an accepted goal of a controller, to wait for or cancel the goal."""
 
     def __init__(self, started: GoalStarted, channel: Channel) -> None:
         self._number = started.goal
@@ -57,21 +57,21 @@ class GoalHandle:
 
     @property
     def status(self) -> GoalStatus:
-        """ACTIVE, or how the goal ended."""
+        """Status of the goal: ACTIVE, or the status at its end."""
         return self._goal.status
 
     @property
     def result(self) -> Result | None:
-        """The outcome; None while the goal is active."""
+        """The outcome of the goal; None while the goal is active."""
         return self._goal.result
 
     def wait(self, timeout: float | None = None) -> Result:
         """Wait until the goal ends, and return its outcome.
 
         Args:
-            timeout: Longest wait [s]; None for no limit.  It is wall time if the
-                simulation runs in real time or in another process, otherwise simulated
-                time, which the wait advances.
+            timeout: Longest wait [s]; None for no limit.  The timeout is in wall time
+                if the simulation runs in real time or in another process.  Otherwise,
+                the timeout is in simulated time, and the wait advances this time.
 
         Raises:
             GoalTimeoutError: If the goal is still active after ``timeout``.
@@ -85,9 +85,11 @@ class GoalHandle:
         return self._goal.result
 
     def cancel(self) -> None:
-        """Stop the motion with the controller's stop ramp; the goal ends PREEMPTED.
+        """Cancel the goal: the controller decelerates to rest.
 
-        A goal that has already ended is not affected.
+        The goal ends as PREEMPTED.
+
+        A goal that has already ended is not changed.
         """
         if self._goal.result is None:
             self._channel.call(CancelGoal(goal=self._number))
@@ -95,8 +97,8 @@ class GoalHandle:
     def when_finished(self, callback: Callable[[GoalHandle], None]) -> None:
         """Call ``callback(handle)`` when the goal ends, or now if it has ended.
 
-        The callback runs in a thread of the simulation, which waits for it: keep it
-        short.
+        A thread of the simulation executes the callback, and waits until it returns.
+        Therefore, the callback must be short.
         """
         if not callable(callback):
             raise RequestError("when_finished", f"cannot call {callback!r:.80}")
@@ -108,7 +110,7 @@ class GoalHandle:
 
 @final
 class ControllerHandle:
-    """A loaded controller, by name; what it can do depends on its type."""
+    """Handle for a loaded controller; the supported methods depend on its type."""
 
     def __init__(self, name: str, channel: Channel) -> None:
         self._name = name
@@ -129,23 +131,24 @@ class ControllerHandle:
         goal_tolerance: Mapping[str, ToleranceOverride] | None = None,
         goal_time_tolerance: float | None = None,
     ) -> GoalHandle:
-        """Send a trajectory as a goal; one without points stops the motion.
+        """Send a trajectory as a goal; a trajectory without points stops the motion.
 
         Args:
             points: Setpoints and their times; values are in the order of
                 ``joint_names``.
-            joint_names: Joints of the points; the controller's joints if left out.
-            stamp: Simulated time at which the trajectory starts [s]; now if left out.
-            path_tolerance: Largest error on the way, by joint [rad | m]; a negative
-                value disables the check.
-            goal_tolerance: Largest error at the end, by joint [rad | m]; a negative
-                value disables the check.
-            goal_time_tolerance: Grace period after the last point [s]; a negative value
+            joint_names: Joints of the points; the default is the controller's joints.
+            stamp: Simulated time at which the trajectory starts [s]; by default, it
+                starts immediately.
+            path_tolerance: Joint → maximum error during the motion [rad | m]; a
+                negative value disables the check.
+            goal_tolerance: Joint → maximum error at the end [rad | m]; a negative value
                 disables the check.
+            goal_time_tolerance: Time after the last point within which the goal must be
+                reached [s]; a negative value disables the check.
 
         Raises:
-            GoalRejectedError: If the controller refuses the trajectory; its current
-                motion continues.
+            GoalRejectedError: If the controller refuses the trajectory; the present
+                motion then continues.
         """
         request = FollowTrajectory(
             controller=self.name,
@@ -165,21 +168,22 @@ class ControllerHandle:
         joint_names: Sequence[str] | None = None,
         stamp: float | None = None,
     ) -> None:
-        """Send a trajectory without a goal, as ROS's topic ``command`` does.
+        """Send a trajectory without a goal, like the topic ``command`` of ROS.
 
-        There is no result, and no tolerance is checked.  Controllers of ROS 2 differ: a
-        violated tolerance stops the motion, and an active goal continues with the new
+        There is no result, and tolerances are not checked.  With controllers of ROS 2,
+        a violated tolerance stops the motion, and an active goal continues with the new
         points.
 
         Args:
             points: Setpoints and their times; values are in the order of
                 ``joint_names``.  An empty sequence stops the motion.
-            joint_names: Joints of the points; the controller's joints if left out.
-            stamp: Simulated time at which the trajectory starts [s]; now if left out.
+            joint_names: Joints of the points; the default is the controller's joints.
+            stamp: Simulated time at which the trajectory starts [s]; by default, it
+                starts immediately.
 
         Raises:
-            GoalRejectedError: If the controller refuses the trajectory; its current
-                motion continues.
+            GoalRejectedError: If the controller refuses the trajectory; the present
+                motion then continues.
         """
         request = CommandTrajectory(
             controller=self.name,
@@ -190,14 +194,15 @@ class ControllerHandle:
         self._channel.call(request)
 
     def scale_speed(self, factor: float) -> None:
-        """Scale the speed of trajectories, like ROS 2's topic ``speed_scaling_input``.
+        """Scale the speed of trajectories, like ``speed_scaling_input`` in ROS 2.
 
-        ``factor`` is trajectory time per simulated time: 1 is the trajectory's own
-        speed, and 0 pauses the trajectory.
+        ``factor`` is the trajectory time per simulated time: 1 is the original speed,
+        and 0 pauses the trajectory.
 
         Raises:
-            ControlError: If this is not a ROS 2 trajectory controller that commands
-                positions, or if the arm's speed slider scales its speed.
+            ControlError: If this controller is not a ROS 2 trajectory controller that
+                commands positions, or if the arm's speed slider scales the speed of
+                this controller.
         """
         self._channel.call(ScaleTrajectory(controller=self.name, factor=factor))
 
@@ -211,8 +216,8 @@ class ControllerHandle:
     ) -> GoalHandle:
         """Move joints of a trajectory controller smoothly.
 
-        The motion starts from the current setpoints, respects the joints' limits and
-        ends at rest; other joints continue their motion.
+        The motion starts at the current setpoints, obeys the limits of the joints, and
+        ends at rest.  The other joints continue their motion.
 
         Args:
             positions: Joint → target [rad | m].
@@ -222,8 +227,8 @@ class ControllerHandle:
 
         Raises:
             CollisionError: If an arm would collide.
-            GoalRejectedError: If a joint is not the controller's, or a position is out
-                of its limits; the controller's motion continues.
+            GoalRejectedError: If the controller does not have a joint, or if a position
+                is out of the joint's limits; the present motion then continues.
         """
         request = MoveJoints(
             positions=positions,  # type: ignore[arg-type]
@@ -236,10 +241,10 @@ class ControllerHandle:
         return GoalHandle(started, self._channel)
 
     def steer(self, positions: Mapping[str, float], *, speed: float = 0.5) -> None:
-        """Move joints as ``move`` does, but without a goal.
+        """Move joints like ``move``, but without a goal.
 
-        Use it for streams of setpoints, for example ten per second: position,
-        velocity and acceleration stay continuous.
+        Use this method for streams of setpoints, for example ten setpoints per second.
+        Position, velocity and acceleration are continuous.
 
         Args:
             positions: Joint → target [rad | m].
@@ -263,20 +268,21 @@ class ControllerHandle:
         *,
         max_velocity: float | None = None,
     ) -> GoalHandle:
-        """Send a goal to a GripperActionController, as ROS's actions do.
+        """Send a goal to a GripperActionController, like the actions of ROS.
 
         Args:
             position: Position of the driven joint [rad | m].
-            max_effort: Largest effort of the drive [N·m | N]; if left out or 0, the
-                controller's default.  ROS 2's parallel gripper controller writes it to
-                its ``max_effort_interface``, where it is the force of the pads [N].
-            max_velocity: Largest speed of the pads [m/s], which ROS 2's parallel
-                gripper controller writes to its ``max_velocity_interface``; if left
-                out, the controller's default.
+            max_effort: Maximum effort of the drive [N·m | N].  If the value is left out
+                or 0, the default of the controller is used.  ROS 2's parallel gripper
+                controller writes the value to its ``max_effort_interface``, where the
+                value is the force of the pads [N].
+            max_velocity: Maximum speed of the pads [m/s].  Without a value, the default
+                of the controller applies.  ROS 2's parallel gripper controller writes
+                the value to its ``max_velocity_interface``.
 
         Raises:
             GoalRejectedError: If the position is out of the joint's limits.
-            ControlError: If the controller is of another type.
+            ControlError: If the controller has another type.
         """
         request = CommandGripper(
             controller=self.name,
@@ -290,12 +296,12 @@ class ControllerHandle:
         """Send setpoints to a controller such as JointGroupEffortController.
 
         Args:
-            values: One setpoint per joint, in the order of the controller's joints; the
-                controller's type determines the unit: [rad | m], [rad/s | m/s] or [N·m
-                | N].
+            values: One setpoint per joint, in the order of the controller's joints.
+                The type of the controller determines the unit: [rad | m], [rad/s | m/s]
+                or [N·m | N].
 
         Raises:
-            ControlError: If the number of values is wrong, or one is not finite.
+            ControlError: If the number of values is wrong, or if a value is not finite.
         """
         given = (values,) if isinstance(values, Real) else values
         self._channel.call(
@@ -309,10 +315,10 @@ class ControllerHandle:
         """Return the setpoint of a trajectory controller.
 
         Args:
-            time: Simulated time [s]; now if left out.
+            time: Simulated time of the setpoint [s]; the default is the present time.
 
         Raises:
-            ControlError: If the trajectory at that time is no longer known.
+            ControlError: If the trajectory at this time is no longer stored.
         """
         return self._channel.call(QueryState(controller=self.name, time=time))
 
@@ -323,7 +329,7 @@ class ControllerHandle:
 
     @property
     def gains(self) -> Mapping[str, Gains]:
-        """Current PID gains by joint; empty for a controller without a PID."""
+        """Current PID gains by joint; empty if the controller has no PID."""
         return self._channel.call(ReadGains(controller=self.name))
 
     def set_gains(
@@ -336,25 +342,26 @@ class ControllerHandle:
         i_clamp: float | None = None,
         antiwindup: bool | None = None,
     ) -> Gains:
-        """Change PID gains of a joint, even in motion, and return all of its gains.
+        """Change PID gains of a joint, and return all gains of the joint.
 
-        Gains that are left out keep their values.  The contribution of the integral
-        does not jump, unless the new clamp limits it.  The gains apply until the
-        controller is unloaded, even after resets and restarts; no file is changed.
+        Omitted gains keep their values.  The gains can be changed during a motion.  The
+        integral term does not jump unless the new clamp limits the term.  The gains
+        apply until the controller is unloaded, also after resets and restarts; they are
+        not written to a file.
 
         Args:
             joint: A joint of the controller.
-            p: Command per position error; [N·m/rad | N/m] for an effort controller.
-            i: Command per position error and second; [N·m/(rad·s) | N/(m·s)].
-            d: Command per velocity error; [N·m·s/rad | N·s/m].
-            i_clamp: Largest contribution of the integral in either direction, 0 or
-                more; [N·m | N].
-            antiwindup: Whether the integral itself is clamped, not only its
-                contribution.
+            p: Proportional gain; [N·m/rad | N/m] for an effort controller.
+            i: Integral gain; [N·m/(rad·s) | N/(m·s)] for an effort controller.
+            d: Derivative gain; [N·m·s/rad | N·s/m] for an effort controller.
+            i_clamp: Maximum magnitude of the integral term, 0 or more; [N·m | N] for an
+                effort controller.
+            antiwindup: Whether the integral itself is clamped, in addition to the
+                integral term.
 
         Raises:
-            ControlError: If the controller has no gains or no such joint, or a value is
-                out of range; nothing has changed then.
+            ControlError: If the controller has no gains, if it does not have the joint,
+                or if a value is out of range; all gains are then unchanged.
         """
         request = SetGains(
             controller=self.name,
@@ -369,7 +376,7 @@ class ControllerHandle:
 
     @property
     def spec(self) -> ControllerSpec:
-        """Parameters of the controller as loaded, including later changes of gains.
+        """Parameters of the loaded controller, including later changes of gains.
 
         Raises:
             ControlError: If the simulation runs in another process.
@@ -399,9 +406,9 @@ def _points(method: str, points: Sequence[TrajectoryPoint]) -> Points:
 def _by_joint(
     name: str, tolerances: Mapping[str, ToleranceOverride] | None
 ) -> Tolerances:
-    """Return tolerances in the form of a request, or raise RequestError.
+    """Return the form of tolerances in requests, or raise RequestError.
 
-    The controller checks that they are finite, and otherwise rejects the goal.
+    The controller rejects the goal if a tolerance is not finite.
     """
     if tolerances is None:
         return {}
@@ -418,14 +425,14 @@ def _by_joint(
 
 
 def _number(value: object) -> float:
-    """Return a number, finite or not, as a Python float; TypeError if it is not one."""
+    """Return a number as a Python float; raise TypeError for another value."""
     if not isinstance(value, Real):
         raise TypeError(value)
     return float(value)
 
 
 def checked_timeout(timeout: float | None) -> float | None:
-    """Return a timeout [s], or None for no limit; RequestError if it is invalid."""
+    """Return a valid timeout [s] (None: no limit), or raise RequestError."""
     if timeout is None or timeout is math.inf:
         return None
     seconds: float = checked_value("wait", "timeout", timeout, float)

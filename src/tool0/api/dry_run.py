@@ -1,4 +1,4 @@
-"""Runs a program in a separate simulation, from the robot's current state."""
+"""Dry run of a program: execution in a separate simulation, from the current state."""
 
 from __future__ import annotations
 
@@ -37,28 +37,29 @@ class TouchReport:
     """A contact of the robot that did not exist at the start of the program."""
 
     first: str
-    """A link or an object."""
+    """Name of the first body: a link or an object."""
     second: str
-    """The link or object that it touched."""
+    """Name of the second body: a link or an object."""
     time: float
-    """Time of the first touch, since the start of the program [s]."""
+    """Time of the first contact, since the start of the program [s]."""
     force: float
-    """Largest contact force [N]."""
+    """Maximum contact force [N]."""
     is_of_arm: bool
-    """Whether a link of an arm is in contact; otherwise only its gripper is."""
+    """Whether a link of an arm is in contact; otherwise, only the gripper is in
+    contact."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointPeak:
-    """The joint of an arm that came closest to a limit, and its value there."""
+    """The arm joint that came closest to a limit, with the value of this joint."""
 
     joint: str
     """Name of the joint."""
     value: float
-    """Absolute value of the velocity [rad/s] or effort [N·m]."""
+    """Maximum absolute value of the velocity [rad/s] or the effort [N·m]."""
     share: float
-    """Absolute value as a fraction of the joint's limit."""
+    """Maximum absolute value as a fraction of the joint's limit."""
 
 
 @final
@@ -67,7 +68,7 @@ class DryRun:
     """Result of a program's dry run."""
 
     end: ProgramRun
-    """State of the run at its end, with its duration."""
+    """State of the run at its end, with the duration of the run."""
     touches: tuple[TouchReport, ...]
     """New contacts, in the order in which they began."""
     speed: JointPeak
@@ -77,7 +78,7 @@ class DryRun:
 
     @property
     def has_collided(self) -> bool:
-        """Whether a link of an arm touched something, itself included."""
+        """Whether a link of an arm touched another body or another link."""
         return any(touch.is_of_arm for touch in self.touches)
 
 
@@ -88,7 +89,7 @@ def dry_run(
     timeout: float,
     when_passed: Callable[[ProgramRun], None],
 ) -> DryRun:
-    """Run a program in a separate simulation: see ``Programs.dry_run``."""
+    """Run a program in a separate simulation; see ``Programs.dry_run``."""
     snapshot, model = channel.snapshot, channel.description.model
     start = replace(
         channel.call(ReadReproduction()),
@@ -134,7 +135,7 @@ def _present(snapshot: Snapshot) -> Iterator[ObjectInfo]:
 
 @final
 class _Observer:
-    """Collects new contacts, and the largest speed and effort."""
+    """Collects new contacts, and the maximum speeds and efforts."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -178,7 +179,7 @@ class _Observer:
         )
 
     def outcome(self, end: ProgramRun) -> DryRun:
-        """Return the observations."""
+        """Return the collected observations with the final state of the run."""
         return DryRun(
             end=end,
             touches=tuple(self._touches.values()),

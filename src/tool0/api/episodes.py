@@ -20,25 +20,26 @@ from tool0.protocol.request import checked_path
 
 @final
 class EpisodesHandle:
-    """Starts and ends episodes, as the panel's bar does (docs/how-to/recordings.md)."""
+    """Starts and ends episodes, like the panel's bar (docs/how-to/recordings.md)."""
 
     def __init__(self, channel: Channel) -> None:
         self._channel = channel
 
     @property
     def status(self) -> EpisodesStatus | None:
-        """The folder and its episodes; None while no folder is open."""
+        """State of the folder and its episodes; None if no folder is open."""
         return self._channel.call(ReadEpisodes())
 
     def open(
         self, folder: Path | str, *, task: str = "", reset: bool = True
     ) -> EpisodesStatus:
-        """Open a folder on the simulation's machine; it may already contain episodes.
+        """Open a folder on the simulation's machine; it can already contain episodes.
 
         Args:
             folder: Folder to which the recordings and their index are written.
             task: Description of the task, which is written to each line of the index.
-            reset: Whether each episode starts with a reset of robot and objects.
+            reset: Whether each episode starts with a reset of the robot and the
+                objects.
 
         Raises:
             RecordingError: If the folder cannot be used.
@@ -52,12 +53,13 @@ class EpisodesHandle:
         """Start recording an episode.
 
         Raises:
-            ControlError: If no folder is open, or an episode is being recorded.
+            ControlError: If no folder is open, or if an episode is already being
+                recorded.
         """
         return self._channel.call(StartEpisode())
 
     def end(self, outcome: EpisodeEnd) -> EpisodesStatus:
-        """End the episode: keep it with its outcome, or discard it.
+        """End the episode, and keep it with its outcome or discard it.
 
         Raises:
             ControlError: If no episode is being recorded.

@@ -1,4 +1,4 @@
-"""Grasps of an object from above, and the bin to place it in."""
+"""Grasps of an object from above, and the bin for the object."""
 
 from __future__ import annotations
 
@@ -15,19 +15,20 @@ from tool0.description.transform import Pose, Transform, Vector3, to_transform
 from tool0.errors import ControlError
 
 CLEARANCE = 0.003
-"""Distance between finger tips and the support of the object [m]."""
+"""Distance between the fingertips and the surface below the object [m]."""
 SLACK = 0.002
-"""Total clearance between an object and the open pads, both sides added [m]."""
+"""Total clearance between an object and the open pads, as the sum of both sides [m]."""
 _UPRIGHT = math.cos(math.radians(3.0))
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Grasp:
-    """A pose of the gripper in which it can grasp an object."""
+    """A pose of the gripper at which the gripper can grasp an object."""
 
     pose: Transform
-    """Pose of the frame between the pads when they touch the object, in the root."""
+    """Pose of the frame between the pads when the pads touch the object, in the root
+    frame."""
     width: float
     """Width of the object between the pads [m]."""
 
@@ -39,12 +40,11 @@ def find_grasps(
 
     Args:
         item: A box, a sphere, or an upright cylinder.
-        pose: Pose of the object, in the root.
-        largest: The gripper's widest opening [m].
+        pose: Pose of the object, in the root frame.
+        largest: Maximum opening of the gripper [m].
 
     Raises:
-        ControlError: If the object stands on an edge, has another shape, or is too
-            wide.
+        ControlError: If the object is not upright, has another shape, or is too wide.
     """
     geometry = item.geometry
     if isinstance(geometry, Sphere):
@@ -64,7 +64,8 @@ def find_grasps(
             f"'{item.name}' is {1000 * narrowest:.1f} mm wide, and the gripper opens "
             f"to {1000 * largest:.1f} mm"
         )
-    # Turned by 180 degrees, the pads touch the same sides; round objects have no sides.
+    # After a turn of 180 degrees, the pads touch the same sides.  Round objects have no
+    # sides.
     turns = (
         (0.0, math.pi)
         if isinstance(geometry, Box)
@@ -81,7 +82,7 @@ def grasps_from_above(position: Vector3, width: float) -> tuple[Grasp, ...]:
     """Return grasps of a gripper that points down, aligned with the root's axes.
 
     Args:
-        position: Position midway between the pads, in the root [m].
+        position: Position midway between the pads, in the root frame [m].
         width: Width of the object between the pads [m].
     """
     frame = to_transform(Pose(xyz=position))
@@ -89,7 +90,7 @@ def grasps_from_above(position: Vector3, width: float) -> tuple[Grasp, ...]:
 
 
 def half_height(item: SceneObject, pose: Transform) -> float:
-    """Return how far an upright object reaches below its middle [m]."""
+    """Return the distance from an upright object's middle to its bottom [m]."""
     geometry = item.geometry
     if isinstance(geometry, Sphere):
         return geometry.radius
@@ -106,11 +107,11 @@ def _unknown_sides(item: SceneObject) -> ControlError:
 
 
 def finger_reach(model: RobotModel, gripper: ParallelGripper) -> float:
-    """Return how far the fingers reach beyond the middle of the pads [m].
+    """Return the distance from the middle of the pads to the fingertips [m].
 
     Raises:
-        ControlError: If the gripper does not have two pads, or their shapes include no
-            box.
+        ControlError: If the gripper does not have two pads, or if the shape of a pad
+            does not contain a box.
     """
     pad, _ = pad_links(model, gripper)
     T_grasp_pad = grasp_frame(model, gripper, gripper.max_opening, pad).inverse()
@@ -131,7 +132,7 @@ def finger_reach(model: RobotModel, gripper: ParallelGripper) -> float:
 
 
 def _sides(name: str, box: Box, pose: Transform) -> Iterator[tuple[Transform, float]]:
-    """Yield frames with z up and y across two opposite sides, and their distance."""
+    """Yield frames with z up and y normal to two opposite sides, and the width."""
     up = _upright_axis(name, pose)
     columns = list(zip(*pose.rotation, strict=True))
     for k in range(3):
@@ -162,13 +163,13 @@ class Bin:
     """A box that is open at the top, with its sides along the root's axes."""
 
     lower: Vector3
-    """Lower outer corner of the box, in the root [m]."""
+    """Lower outer corner of the box, in the root frame [m]."""
     upper: Vector3
-    """Opposite outer corner of the box, in the root [m]."""
+    """Opposite outer corner of the box, in the root frame [m]."""
 
     @property
     def center(self) -> Vector3:
-        """Middle of the bin's floor, in the root [m]."""
+        """Middle of the bin's floor, in the root frame [m]."""
         return (
             (self.lower[0] + self.upper[0]) / 2.0,
             (self.lower[1] + self.upper[1]) / 2.0,
@@ -186,10 +187,10 @@ class Bin:
 
 
 def find_bin(objects: tuple[SceneObject, ...], name: str) -> Bin:
-    """Return the bin with parts called ``NAME.part``.
+    """Return the bin whose parts are called ``NAME.part``.
 
     Raises:
-        ControlError: If there is no such bin.
+        ControlError: If there is no bin with this name.
     """
     parts = [item for item in objects if item.name.startswith(f"{name}.")]
     corners = [
@@ -207,7 +208,7 @@ def find_bin(objects: tuple[SceneObject, ...], name: str) -> Bin:
 
 
 def box_corners(box: Box, pose: Transform) -> list[Vector3]:
-    """Return the corners of a box with its middle at ``pose``, in the parent frame."""
+    """Return the corners of a box in the parent frame of ``pose``, the box's middle."""
     x, y, z = (edge / 2.0 for edge in box.size)
     return [
         pose.apply((i * x, j * y, k * z))

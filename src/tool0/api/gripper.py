@@ -16,7 +16,7 @@ from tool0.protocol.request import checked_value
 
 @final
 class Gripper:
-    """A parallel gripper, moved through the controller that claims its joint."""
+    """A parallel gripper; the controller that claims its joint moves the gripper."""
 
     def __init__(
         self, name: str, geometry: ParallelGripper, model: RobotModel, channel: Channel
@@ -28,17 +28,17 @@ class Gripper:
 
     @property
     def geometry(self) -> ParallelGripper:
-        """Opening as a function of the joint's position; ranges of speed and force."""
+        """Geometry of the gripper, with the ranges of speed and force."""
         return self._geometry
 
     @property
     def name(self) -> str:
-        """Prefix of the gripper's name in the URDF, or ``gripper`` without one."""
+        """Name of the gripper: its prefix in the URDF or, by default, ``gripper``."""
         return self._name
 
     @property
     def opening(self) -> float:
-        """Distance between the pads [m]; 0 is closed."""
+        """Distance between the pads [m]; the gripper is closed at 0."""
         snapshot = self._channel.snapshot
         index = snapshot.joint_names.index(self.geometry.joint)
         return max(0.0, self.geometry.opening(snapshot.position[index]))
@@ -48,15 +48,18 @@ class Gripper:
     ) -> Transform:
         """Return the pose of the point midway between the pads at an opening.
 
-        The y axis points from pad to pad, and the z axis away from the gripper.  Pads
-        that move on circles advance along z while they close, by 14 mm on a 2F-85.
+        The y axis points from pad to pad.  The z axis points away from the gripper.
+        Pads that move on circles advance along z when the gripper closes, by 14 mm for
+        a 2F-85.
 
         Args:
-            opening: Distance between the pads [m]; the measured distance if left out.
-            relative_to: Link in whose frame the pose is given; ``tool0`` if left out.
+            opening: Distance between the pads [m]; the default is the measured
+                distance.
+            relative_to: Link in whose frame the pose is given; the default is
+                ``tool0``.
 
         Raises:
-            ModelError: If the opening is out of reach, or there is no such link.
+            ModelError: If the opening is out of range, or if the link does not exist.
             ControlError: If the gripper does not have two pads.
         """
         checked_value("tcp", "opening", opening, float | None)
@@ -69,20 +72,20 @@ class Gripper:
 
     @property
     def state(self) -> GraspState:
-        """State of the gripper: moving, arrived or holding, and the object's width.
+        """State of the gripper: its motion, the opening, and the width of an object.
 
-        It is computed from the last 0.1 s.
+        The state is computed from the last 0.1 s.
         """
         return self._channel.call(ReadGripper(gripper=self.name))
 
     def wait(self, timeout: float | None = None) -> GraspState:
         """Wait until the gripper stops moving, and return its state.
 
-        A change of force alone does not count as a motion: the call returns at once.
+        A change of only the force is not a motion: the call then returns immediately.
         For ``timeout``, see ``GoalHandle.wait``.
 
         Raises:
-            GoalTimeoutError: If the gripper still moves after ``timeout``.
+            GoalTimeoutError: If the gripper is still moving after ``timeout``.
         """
         state = self.state
 
@@ -106,24 +109,25 @@ class Gripper:
     ) -> GoalHandle:
         """Move the pads to ``opening`` and return the goal.
 
-        As on the real gripper, speed and force are settings of the drive: they apply
-        until another goal moves the joint.
+        Like on the real gripper, the speed and the force are settings of the drive,
+        which apply until another goal moves the joint.
 
         Args:
             opening: Distance between the pads [m], 0 … ``geometry.max_opening``.
             position: Position of the driven joint [rad | m], instead of an opening.
             speed: Speed of the pads relative to each other [m/s], within
-                ``geometry.speed``; the maximum if left out.
-            force: Largest force at each pad [N], within ``geometry.force``; the
-                gripper's maximum if left out.  An object between the pads is gripped
-                with this force.
-            effort: Largest effort of the driven joint [N·m | N], instead of a force; it
+                ``geometry.speed``; the default is the maximum.
+            force: Maximum force at each pad [N], within ``geometry.force``; the default
+                is the gripper's maximum.  An object between the pads is gripped with
+                this force.
+            effort: Maximum effort of the driven joint [N·m | N], instead of a force; it
                 corresponds to ``max_effort`` of ROS's GripperCommand.
 
         Raises:
             ModelError: If the opening is out of range.
-            ControlError: If speed, force or effort is out of range, or no running
-                controller accepts the command; nothing has changed then.
+            ControlError: If the speed, the force or the effort is out of range, or if
+                no running controller accepts the command; the gripper's settings are
+                then unchanged.
         """
         request = Grip(
             gripper=self.name,

@@ -12,7 +12,7 @@ Part = TypeVar("Part")
 
 @final
 class Parts(dict[str, Part]):
-    """Parts of one kind by name; errors about unknown names suggest valid ones."""
+    """Parts of one kind by name; the error for an unknown name suggests valid names."""
 
     def __init__(self, kind: str, parts: Mapping[str, Part]) -> None:
         super().__init__(parts)

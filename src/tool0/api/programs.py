@@ -1,4 +1,4 @@
-"""Programs of steps: saved programs, checks, and the handle for a running one."""
+"""Programs of steps: saved programs, checks, and the handle for a running program."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from tool0.api.dry_run import DryRun
 
 AnyProgram = Program | Path | str
-"""A program, the path of its file, or the name of a saved one."""
+"""A program, the path of its file, or the name of a saved program."""
 _SUFFIXES = (".yaml", ".yml")
 
 
@@ -51,11 +51,11 @@ class Programs:
         return self._channel.call(ListPrograms())
 
     def read(self, program: AnyProgram) -> Program:
-        """Return a program from a file, or a saved one.
+        """Return a program from a file, or a saved program.
 
         Raises:
-            ControlError: If no program is saved under that name.
-            ConfigError: If the file cannot be read, or is no program.
+            ControlError: If no program is saved under this name.
+            ConfigError: If the file cannot be read, or is not a program.
         """
         return self._read(program).program
 
@@ -63,14 +63,14 @@ class Programs:
         """Save a program under its name.
 
         Raises:
-            ControlError: If the name is taken and ``overwrite`` is false, or if it is
-                not printable.
+            ControlError: If a program with this name exists and ``overwrite`` is false,
+                or if the name is not printable.
             ConfigError: If the program cannot be written.
         """
         self._channel.call(SaveProgram(program=program, overwrite=overwrite))
 
     def rename(self, name: str, new_name: str) -> None:
-        """Give a saved program another name."""
+        """Rename a saved program."""
         self._channel.call(RenameProgram(name=name, new_name=new_name))
 
     def delete(self, name: str) -> None:
@@ -78,9 +78,9 @@ class Programs:
         self._channel.call(DeleteProgram(name=name))
 
     def check(self, program: AnyProgram) -> ProgramCheck:
-        """Check a program by planning it from the current posture; nothing moves.
+        """Check a program by planning it from the current posture, without moving.
 
-        For a file, problems and warnings include line numbers.
+        For a file, the problems and the warnings contain line numbers.
         """
         source = self._read(program)
         found = self._channel.call(CheckProgram(program=source.program))
@@ -97,20 +97,21 @@ class Programs:
         timeout: float = 3600.0,
         when_passed: Callable[[ProgramRun], None] = lambda run: None,
     ) -> DryRun:
-        """Run a program in a simulation that starts in the robot's current state.
+        """Run a program in a simulation that starts at the robot's current state.
 
-        The simulated robot has the current posture, objects and speed sliders; it may
-        lose an object that a gripper holds.  Nothing is sent to the robot.
+        The simulated robot has the current posture, objects and speed sliders.  The
+        simulated robot may drop an object that a gripper holds.  No command is sent to
+        the robot.
 
         Args:
-            program: The program, its file (``.yaml``), or the name of a saved one.
+            program: The program, its file (``.yaml``), or the name of a saved program.
             timeout: Simulated time after which the program is stopped [s].
             when_passed: Called with the state of the run every 0.02 simulated seconds.
 
         Raises:
             ProgramError: If a step cannot be executed.
-            ConfigError: If the file cannot be read, or is no program.
-            ControlError: If no program is saved under that name.
+            ConfigError: If the file cannot be read, or is not a program.
+            ControlError: If no program is saved under this name.
         """
         from tool0.api.dry_run import dry_run
 
@@ -138,7 +139,7 @@ class Programs:
         return self._channel.call(ExportProgram(program=source.program, format=format))
 
     def run(self, program: AnyProgram, *, paused: bool = False) -> ProgramHandle:
-        """Start a program: see ``Robot.run_program``."""
+        """Start a program; see ``Robot.run_program``."""
         source = self._read(program)
         request = RunProgram(program=source.program, paused=paused)
         try:
@@ -151,7 +152,7 @@ class Programs:
         )
 
     def _explain(self, source: ProgramFile) -> None:
-        """Raise ProgramError with the problems of a file and their lines."""
+        """Raise ProgramError with the problems of a file and the line numbers."""
         if source.file is None:
             return
         problems = self.check(source.program).problems
@@ -180,7 +181,7 @@ class Programs:
 
 @final
 class ProgramHandle:
-    """A running program: wait for it, pause it, step it, or stop it."""
+    """Handle for a running program, to wait for, pause, step or stop the program."""
 
     def __init__(self, goal: GoalHandle, channel: Channel, run: int) -> None:
         self._goal, self._channel, self._run = goal, channel, run
@@ -188,7 +189,7 @@ class ProgramHandle:
 
     @property
     def status(self) -> ProgramRun:
-        """Current state of the program, with its step and error."""
+        """Current state of the program, with the present step and the error."""
         runs = self._channel.call(ReadRuns())
         found = next((item for item in runs if item.run == self._run), None)
         if found is not None:
@@ -201,27 +202,27 @@ class ProgramHandle:
         For ``timeout``, see ``GoalHandle.wait``.
 
         Raises:
-            GoalTimeoutError: If the program still runs after ``timeout``.
+            GoalTimeoutError: If the program is still running after ``timeout``.
         """
         self._goal.wait(timeout)
         return self.status
 
     def pause(self) -> None:
-        """Decelerate the arm to rest on its path."""
+        """Pause the program: the arm decelerates to rest on its path."""
         self._channel.call(PauseRun(arm=self._last.arm))
 
     def resume(self) -> None:
-        """Continue the program."""
+        """Continue the paused program."""
         self._channel.call(ResumeRun(arm=self._last.arm))
 
     def step(self) -> None:
-        """Continue the program until its next step is done."""
+        """Continue the program until the next step is finished."""
         self._channel.call(StepRun(arm=self._last.arm))
 
     def stop(self) -> None:
-        """End the program: the arm stops on its path, and its controllers start again.
+        """End the program: the arm stops on its path; its controllers are restarted.
 
-        A program that has already ended is not affected.
+        A program that has already ended is not changed.
         """
         self._goal.cancel()
 

@@ -36,23 +36,23 @@ QUANTITIES: Final = (
     "desired_position",
     "desired_velocity",
 )
-"""Quantities recorded for each joint, in the order of the columns."""
+"""Quantities that are recorded for each joint, in the order of the columns."""
 
 _INTERVAL: Final = 0.1
-"""Interval at which received snapshots are packed [wall s]."""
+"""Interval at which received snapshots are stored in compact form [wall s]."""
 _LAST_WAIT: Final = 1.0
-"""Longest wait for the last samples of another process [wall s]."""
+"""Longest wait for the last samples from another process [wall s]."""
 _NO_SETPOINT: Final = JointSetpoint(float("nan"), float("nan"), float("nan"))
 
 
 @final
 class Recording(AbstractContextManager["Recording"]):
-    """Joint states and setpoints at a constant rate, from its start to ``stop``.
+    """Recording of joint states and setpoints at a constant rate, until ``stop``.
 
-    Leaving its ``with`` block stops it.  The arrays can also be read during the
-    recording; they then contain the samples so far.  Samples are evenly spaced, unless
-    the simulation was reset or samples were missed.  There are no samples while time is
-    paused.
+    The end of a ``with`` block stops the recording.  The arrays can also be read during
+    the recording; the arrays then contain the samples that were recorded before the
+    read.  The samples are evenly spaced unless the simulation was reset or samples were
+    missed. No samples are recorded while time is paused.
     """
 
     def __init__(self, channel: Channel, rate: float, control_period: float) -> None:
@@ -81,17 +81,17 @@ class Recording(AbstractContextManager["Recording"]):
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints, in the order of the arrays' columns."""
+        """Names of the joints, in the order of the columns of the arrays."""
         return self._joint_names
 
     @property
     def rate(self) -> float:
-        """Samples per simulated second [Hz]: at least the requested rate."""
+        """Sampling rate in simulated time [Hz]: at least the requested rate."""
         return self._rate
 
     @property
     def missed(self) -> int:
-        """Number of samples lost between the processes; 0 within the same process."""
+        """Number of samples lost between processes; 0 within one process."""
         self._take()
         return self._missed
 
@@ -119,7 +119,7 @@ class Recording(AbstractContextManager["Recording"]):
     def desired_position(self) -> Array:
         """Desired positions [rad | m], shape (n_samples, n_joints).
 
-        NaN where no controller moves the joint by position.
+        A value is NaN if no controller moves the joint by position.
         """
         return self._of("desired_position")
 
@@ -147,7 +147,7 @@ class Recording(AbstractContextManager["Recording"]):
     def to_csv(self, path: Path | str) -> None:
         """Write a CSV file with ``columns`` and a line of SI values for each sample.
 
-        Desired values that do not exist are empty fields.
+        A missing desired value is an empty field.
 
         Raises:
             OSError: If the file cannot be written.
@@ -175,13 +175,13 @@ class Recording(AbstractContextManager["Recording"]):
     # ---- recording ------------------------------------------------------------------
 
     def stop(self) -> None:
-        """Stop recording; stopping twice is allowed.
+        """Stop recording; further calls have no effect.
 
-        The arrays then contain all samples up to the call, even over a connection.
+        The arrays then contain all samples up to this call, also for another process.
         """
         if self._stopped.is_set():
             return
-        with contextlib.suppress(Tool0Error):  # the robot is closed: no more will come
+        with contextlib.suppress(Tool0Error):  # no samples from a closed robot
             newest = self._channel.snapshot.tick
             last = newest - newest % self._ticks
             if not self._channel.wait_until(lambda: self._reached(last), _LAST_WAIT):
@@ -202,7 +202,7 @@ class Recording(AbstractContextManager["Recording"]):
         return self._last_tick >= tick
 
     def _take(self) -> None:
-        """Store the snapshots that have arrived, in a few hundred bytes each."""
+        """Store the received snapshots, with a few hundred bytes for each snapshot."""
         with self._lock:
             for snapshot in self._subscription.pending():
                 if (
@@ -213,7 +213,7 @@ class Recording(AbstractContextManager["Recording"]):
 
     def _append(self, snapshot: Snapshot) -> None:
         gap = snapshot.tick // self._ticks - self._last_tick // self._ticks
-        self._missed += max(0, gap - 1)  # below 0 after a reset
+        self._missed += max(0, gap - 1)  # the gap is negative after a reset
         self._last_tick = snapshot.tick
         setpoints = snapshot.setpoints()
         desired = [setpoints.get(name, _NO_SETPOINT) for name in self._joint_names]
@@ -231,7 +231,7 @@ class Recording(AbstractContextManager["Recording"]):
         return 1 + len(QUANTITIES) * len(self._joint_names)
 
     def _table(self) -> Array:
-        """Return a copy of the samples so far, shape (n_samples, n_columns)."""
+        """Return a copy of the recorded samples, shape (n_samples, n_columns)."""
         import numpy as np
 
         self._take()
@@ -250,10 +250,10 @@ class Recording(AbstractContextManager["Recording"]):
 
 
 def _ticks_between_samples(period: float, control_period: float) -> int:
-    """Return the number of control periods between samples, ``period`` [s] or less.
+    """Return the control periods between samples for a ``period`` [s] or less.
 
-    Up to the default rate of snapshots, every n-th snapshot is a sample; above it,
-    every snapshot is.
+    Up to the default rate of snapshots, every n-th snapshot is a sample.  Above the
+    default rate, every snapshot is a sample.
     """
     ticks = ticks_between_snapshots(period, control_period)
     return ticks * max(1, int(period / (ticks * control_period) + 1e-9))

@@ -1,4 +1,4 @@
-"""The robot as Python programs see it, from this process or from another one."""
+"""The robot in the Python API, in this process or in another process."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointValues:
-    """Joint states by name, like ROS's sensor_msgs/JointState."""
+    """Joint states by name, like sensor_msgs/JointState in ROS."""
 
     time: float
     """Simulated time [s]."""
@@ -92,20 +92,21 @@ class JointValues:
 
 @final
 class Robot(AbstractContextManager["Robot"]):
-    """A robot, simulated or real; close it, or use it as a context manager.
+    """A simulated or real robot; close it, or use it as a context manager.
 
-    ``tool0.bringup`` starts a simulation in this process and returns its robot; closing
-    it ends the simulation.  ``tool0.connect`` returns the robot of another process;
-    closing it ends only the connection.  Both have the same methods.
+    ``tool0.bringup`` starts a simulation in this process, and returns the robot;
+    ``close`` then ends the simulation.  ``tool0.connect`` returns a robot in another
+    process; ``close`` then ends only the connection.  The robots from ``bringup`` and
+    ``connect`` have the same methods.
 
-    Joints are named as in the URDF.  Unless stated otherwise, poses are in the robot's
-    root frame, which is ``world`` for the built-in robots.  Every method raises
-    TransportError if the other process has ended; methods that wait for simulated time
-    raise EngineError if the physics has failed.
+    The names of joints are the names in the URDF.  Unless stated otherwise, poses are
+    in the robot's root frame, which is ``world`` for the built-in robots.  Every method
+    raises TransportError if the process of the robot has ended.  Methods that wait for
+    simulated time raise EngineError if the physics has failed.
     """
 
     def __init__(self, channel: Channel) -> None:
-        """Create the handle for the robot that ``channel`` connects to."""
+        """Create a handle for the robot at the other end of ``channel``."""
         self._channel = channel
         self._scene = SceneHandle(channel)
 
@@ -113,17 +114,17 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def channel(self) -> Channel:
-        """The connection to the simulation, for requests: ``channel.call(request)``."""
+        """Connection to the robot, for requests: ``channel.call(request)``."""
         return self._channel
 
     @property
     def scene(self) -> SceneHandle:
-        """The objects around the robot: add, remove and place them."""
+        """Handle to add, remove and place the objects around the robot."""
         return self._scene
 
     @property
     def info(self) -> SimulationInfo:
-        """Constant properties: engine, control period, ground, limits, YAML."""
+        """Constant properties: engine, control period, ground, limits and YAML."""
         return self._info
 
     @cached_property
@@ -132,7 +133,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def description(self) -> RobotDescription:
-        """The robot's description: a checked model and its URDF."""
+        """The robot's description: a checked model and the URDF."""
         return self.channel.description
 
     @property
@@ -142,14 +143,15 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def is_realtime(self) -> bool:
-        """Whether time passes on its own; otherwise ``run`` and ``wait`` advance it."""
+        """Whether simulated time passes automatically, in real time."""
         return self.info.is_realtime
 
     @property
     def joint_limits(self) -> Mapping[str, JointLimits]:
         """Limits of each driven joint, from the URDF or the controllers' YAML.
 
-        Positions [rad | m], velocities [rad/s | m/s], efforts [N·m | N].
+        The units are [rad | m] for positions, [rad/s | m/s] for velocities, and [N·m |
+        N] for efforts.
         """
         return {name: found.limits for name, found in self.info.joint_limits.items()}
 
@@ -160,7 +162,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def simulation(self) -> Simulation:
-        """The simulation of the robot, for code inside the process.
+        """The simulation of the robot, for code in the same process.
 
         Raises:
             ControlError: If the simulation runs in another process.
@@ -174,7 +176,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def engine(self) -> Engine:
-        """The physics engine; use it only while no time passes.
+        """The physics engine; do not use it while simulated time passes.
 
         Raises:
             ControlError: If the simulation runs in another process.
@@ -183,26 +185,26 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def snapshot(self) -> Snapshot:
-        """The newest state of the whole robot, at most 8 ms of simulated time old."""
+        """Newest state of the robot; its age is at most 8 ms of simulated time."""
         return self.channel.snapshot
 
     def subscribe(self, rate: float | None = None) -> Subscription:
         """Return a reader of snapshots and events.
 
-        A reader that falls more than 256 snapshots behind misses the oldest; use
-        ``record`` to keep all.
+        A reader with more than 256 unread snapshots loses the oldest snapshots; use
+        ``record`` to keep all snapshots.
 
         Args:
-            rate: Snapshots per simulated second, up to 500 [Hz]; 125 if left out.
+            rate: Snapshots per simulated second [Hz], at most 500; the default is 125.
 
         Raises:
-            ControlError: If the rate is out of range.
+            ControlError: If ``rate`` is out of range.
         """
         checked_value("subscribe", "rate", rate, float | None)
         return self.channel.subscribe(rate)
 
     def record(self, rate: float = 125.0) -> Recording:
-        """Record joint states and setpoints from now on, until ``stop``.
+        """Start to record joint states and setpoints, until ``stop``.
 
         For example::
 
@@ -211,12 +213,12 @@ class Robot(AbstractContextManager["Robot"]):
             recording.to_csv("motion.csv")
 
         Args:
-            rate: Samples per simulated second, up to 500 [Hz].  At a control period of
-                1 ms, possible rates are 500, 250, 125, and 125 divided by an integer;
-                other values are rounded up to the next possible rate.
+            rate: Samples per simulated second [Hz], at most 500.  At a control period
+                of 1 ms, the possible rates are 500, 250, 125, and 125 divided by an
+                integer.  Other values are rounded up to the next possible rate.
 
         Raises:
-            ControlError: If the rate is out of range.
+            ControlError: If ``rate`` is out of range.
         """
         from tool0.api.recording import Recording
 
@@ -233,25 +235,25 @@ class Robot(AbstractContextManager["Robot"]):
         cameras: Sequence[str] = (),
         camera_rate: float = 5.0,
     ) -> RecordingStatus:
-        """Record everything to an MCAP file until ``stop_recording`` or ``close``.
+        """Record the robot to an MCAP file until ``stop_recording`` or ``close``.
 
-        ``tool0.open_recording`` reads it, and so do Foxglove and ROS 2's tools.
+        ``tool0.open_recording``, Foxglove and the tools of ROS 2 can read the file.
 
         Args:
-            file: Path on the simulation's machine: a file that ends in .mcap, or a
-                folder; if left out, the user's folder of recordings.
-            overwrite: Whether to replace a file that exists.
-            max_size: Start a new file at this size [bytes].
+            file: Path on the simulation's machine: a file with the suffix .mcap, or a
+                folder; the default is the user's folder of recordings.
+            overwrite: Whether to replace an existing file.
+            max_size: Start a new file when the current file has this size [bytes].
             max_duration: Start a new file after this simulated time [s].
-            max_files: Keep only this many files; the oldest are deleted.
+            max_files: Number of files to keep; older files are deleted.
             cameras: Names of cameras whose images are recorded.
-            camera_rate: Images of each camera per simulated second [Hz].
+            camera_rate: Image rate of each camera in simulated time [Hz].
 
         Returns:
-            The recording, with the path of its file.
+            The state of the recording, with the path of the file.
 
         Raises:
-            ControlError: If a recording is in progress.
+            ControlError: If a recording is already in progress.
             RecordingError: If the file cannot be written.
             RenderError: If a camera cannot take images.
         """
@@ -275,7 +277,7 @@ class Robot(AbstractContextManager["Robot"]):
         """End the recording, and complete its file.
 
         Raises:
-            ControlError: If nothing is being recorded.
+            ControlError: If no recording is in progress.
         """
         from tool0.protocol.recordings import StopRecording
 
@@ -283,7 +285,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def recording(self) -> RecordingStatus | None:
-        """The recording in progress, or the last one; None before the first."""
+        """State of the recording in progress or of the last recording, or None."""
         from tool0.protocol.recordings import ReadRecording
 
         return self.channel.call(ReadRecording())
@@ -308,18 +310,19 @@ class Robot(AbstractContextManager["Robot"]):
     def contacts(self) -> tuple[Contact, ...]:
         """Return the contact forces of the last physics step.
 
-        There is one item for each pair of links or objects that touch, with force [N],
-        torque [N·m] and point [m] in the axes of the root.  The engine computes them
-        only on request.  Gazebo reports no contacts the first time.
+        There is one item for each pair of links or objects in contact, with force [N],
+        torque [N·m] and point [m] in the robot's root frame.  The engine computes
+        contacts only on request.  With Gazebo, the first call returns no contacts.
         """
         return self.channel.call(ReadContacts())
 
     def find_collisions(self, positions: Mapping[str, float]) -> tuple[Collision, ...]:
-        """Return the collisions in a target posture and on the way to it.
+        """Return the collisions at a target posture and on the path to it.
 
-        On the way, all joints move synchronously from their current positions, and an
-        object in a gripper moves with the gripper.  Pairs that already overlap this
-        deeply are left out.  The collision shapes are MuJoCo's, with either engine.
+        On the path, all joints move synchronously from their current positions, and an
+        object in a gripper moves with the gripper.  A pair is left out if it already
+        overlaps by at least the same depth at present.  The collision shapes are those
+        of MuJoCo, also with Gazebo.
 
         For example::
 
@@ -327,11 +330,11 @@ class Robot(AbstractContextManager["Robot"]):
                 print(each.first, each.second, each.depth, each.begins)
 
         Args:
-            positions: Joint → target [rad | m]; other joints stay.
+            positions: Joint → target [rad | m]; the other joints keep their positions.
 
         Raises:
-            ModelError: If a joint is unknown or a position is out of its limits, or
-                MuJoCo does not support a shape.
+            ModelError: If a joint is unknown, if a position is out of the joint's
+                limits, or if MuJoCo does not support a shape.
         """
         return self.channel.call(
             FindCollisions(positions=positions)  # type: ignore[arg-type]
@@ -346,19 +349,19 @@ class Robot(AbstractContextManager["Robot"]):
         point: Sequence[float] | None = None,
         duration: float | None = None,
     ) -> None:
-        """Apply a force and a torque to a link or an object from now on.
+        """Start to apply a force and a torque to a link or an object.
 
         Args:
             name: A link or an object that can move.
             force: Force [N], with a constant direction in the robot's root frame.
-            torque: Torque [N·m], in the same axes.
-            point: Point where the force acts now [m], in the root; the body's centre
-                of mass if left out.
-            duration: Simulated time [s]; unlimited if left out.
+            torque: Torque [N·m], with a constant direction in the robot's root frame.
+            point: Initial point of action of the force, in the robot's root frame [m];
+                the default is the center of mass of the body.
+            duration: Duration [simulated s]; by default, it is unlimited.
 
         Raises:
             ControlError: If a value has the wrong number of elements, or is not finite.
-            EngineError: If there is no such link or object, or it cannot move.
+            EngineError: If the link or the object does not exist, or cannot move.
         """
         self.channel.call(
             ApplyWrench(
@@ -371,34 +374,34 @@ class Robot(AbstractContextManager["Robot"]):
         )
 
     def clear_wrenches(self, name: str | None = None) -> None:
-        """End the wrenches of ``apply_wrench`` on one link or object, or on all."""
+        """End the wrenches of ``apply_wrench`` on one body, or on all bodies."""
         self.channel.call(ClearWrenches(name=name))
 
     def pose(self, link: str, relative_to: str | None = None) -> Transform:
         """Return the measured pose of a link.
 
         Args:
-            link: The link.
-            relative_to: Link in whose frame the pose is given; the robot's root if left
-                out.
+            link: Name of the link.
+            relative_to: Link in whose frame the pose is given; the default is the
+                robot's root.
 
         Raises:
-            ModelError: If there is no such link.
+            ModelError: If the link does not exist.
         """
         return self.channel.call(ReadLinkPose(link=link, relative_to=relative_to))
 
     def summary(self) -> dict[str, Any]:
         """Return a summary of the run as JSON-compatible values.
 
-        It contains simulated and wall time [s], late ticks, controllers, joints, the
-        largest drift of an uncommanded joint [rad | m], and warnings.
+        The summary contains the simulated and wall time [s], late ticks, controllers,
+        joints, the largest drift of an uncommanded joint [rad | m], and warnings.
         """
         return self.channel.call(ReadSummary())
 
     # ---- controllers ----------------------------------------------------------------
 
     def controllers(self) -> tuple[ControllerStatus, ...]:
-        """Return every loaded controller with its state and claims."""
+        """Return the status of every loaded controller, with its claimed joints."""
         return self.channel.call(ListControllers())
 
     def controller_types(self) -> tuple[str, ...]:
@@ -407,13 +410,13 @@ class Robot(AbstractContextManager["Robot"]):
         return tuple(each.name for each in types)
 
     def controller(self, name: str) -> ControllerHandle:
-        """Return a handle on a loaded controller.
+        """Return a handle for a loaded controller.
 
         Args:
             name: Name of the controller in the YAML.
 
         Raises:
-            ControlError: If no controller of this name is loaded.
+            ControlError: If no controller with this name is loaded.
         """
         checked_value("controller", "name", name, str)
         names = [status.name for status in self.controllers()]
@@ -428,12 +431,13 @@ class Robot(AbstractContextManager["Robot"]):
 
         Args:
             name: Name of the controller in the YAML of the bring-up, or in ``config``.
-            config: Other YAML that defines the controller; only for a simulation in
+            config: Different YAML that defines the controller; only for a simulation in
                 this process.
 
         Raises:
             ControlError: If the controller is already loaded.
-            ConfigError: If the YAML does not define it, or its parameters are wrong.
+            ConfigError: If the YAML does not define the controller, or if its
+                parameters are invalid.
         """
         if config is None:
             self.channel.call(LoadController(name=name))
@@ -450,8 +454,8 @@ class Robot(AbstractContextManager["Robot"]):
         """Configure a ROS 2 controller that was loaded without being configured.
 
         Raises:
-            ControlError: If the controller is already configured, or not loaded.
-            ConfigError: If its parameters are wrong.
+            ControlError: If the controller is already configured, or is not loaded.
+            ConfigError: If the controller's parameters are invalid.
         """
         self.channel.call(ConfigureController(name=name))
 
@@ -459,7 +463,7 @@ class Robot(AbstractContextManager["Robot"]):
         """Unload a controller.
 
         Raises:
-            ControlError: If the controller is running, or not loaded.
+            ControlError: If the controller is running, or is not loaded.
         """
         self.channel.call(UnloadController(name=name))
 
@@ -475,11 +479,12 @@ class Robot(AbstractContextManager["Robot"]):
         Args:
             start: Controllers to start.
             stop: Controllers to stop.
-            strict: Whether one impossible change rejects the whole request; otherwise,
+            strict: Whether an impossible change rejects the whole request; otherwise,
                 impossible changes are skipped.
 
         Raises:
-            ControlError: If the controller manager refuses; nothing has changed then.
+            ControlError: If the controller manager refuses the request; all controllers
+                then keep their states.
         """
         self.channel.call(
             SwitchControllers(
@@ -504,20 +509,20 @@ class Robot(AbstractContextManager["Robot"]):
         Args:
             positions: Joint → target [rad | m].
             speed: Fraction of each joint's maximum velocity, 0.01 … 1.
-            duration: Duration of the motion [simulated s] instead of a speed, the same
-                for all controllers.
-            collision: ``refuse`` to move if an arm would collide on the straight path
-                in joint space (the error names the bodies and the place), or ``ignore``
-                collisions.
+            duration: Duration of the motion [simulated s], instead of a speed; it is
+                the same for all controllers.
+            collision: ``refuse`` the motion if an arm would collide on the straight
+                path in joint space (the error contains the bodies and the position on
+                the path), or ``ignore`` collisions.
 
         Returns:
             A goal for each running JointTrajectoryController that has one of the
-            joints; the controller's other joints continue their motion.
+            joints.  The other joints of the controller continue their motion.
 
         Raises:
             CollisionError: If an arm would collide.
-            ControlError: If no such controller claims a joint, or one of them refuses;
-                nothing moves then.
+            ControlError: If no JointTrajectoryController claims a joint, or if a
+                controller refuses the goal; the robot then does not move.
         """
         request = MoveJoints(
             positions=positions,  # type: ignore[arg-type]  # any mapping
@@ -531,10 +536,10 @@ class Robot(AbstractContextManager["Robot"]):
     def plan(
         self, targets: Sequence[PlanTarget], **options: Unpack[PlanOptions]
     ) -> Plan:
-        """Return a collision-free motion of several arms together; nothing moves.
+        """Plan a collision-free motion of several arms, without moving the robot.
 
         Args:
-            targets: One target for each arm that moves, made by ``Arm.target``.
+            targets: One target for each moving arm, from ``Arm.target``.
             **options: See ``Arm.plan``.
 
         Raises:
@@ -544,9 +549,9 @@ class Robot(AbstractContextManager["Robot"]):
         return self.channel.call(request)
 
     def execute(self, plan: Plan) -> tuple[GoalHandle, ...]:
-        """Follow a plan; return the goal of each controller.
+        """Follow a plan, and return the goal of each controller.
 
-        See ``Arm.execute``; a contact of one arm stops all arms.
+        A contact of one arm stops all arms.  See ``Arm.execute``.
         """
         if not isinstance(plan, Plan):
             raise RequestError("execute", f"'plan': need a Plan, got {plan!r:.80}")
@@ -554,11 +559,11 @@ class Robot(AbstractContextManager["Robot"]):
         return tuple(GoalHandle(goal, self.channel) for goal in goals)
 
     def cancel_planning(self) -> None:
-        """Cancel all planning in progress; those ``plan`` calls raise PlanningError."""
+        """Cancel all planning in progress; ``plan`` then raises PlanningError."""
         self.channel.call(CancelPlanning())
 
     def poses(self) -> Mapping[str, NamedPose]:
-        """Return the built-in poses and the saved ones, by name.
+        """Return the built-in poses and the saved poses, by name.
 
         Raises:
             ConfigError: If the file of saved poses cannot be read.
@@ -570,10 +575,12 @@ class Robot(AbstractContextManager["Robot"]):
 
         Args:
             name: Name of the pose.
-            robot: Save only the joints of this robot; those of all robots if left out.
+            robot: Save only the joints of this robot; by default, the joints of all
+                robots are saved.
 
         Raises:
-            ControlError: If the name is a built-in pose's, or not printable.
+            ControlError: If the name is the name of a built-in pose, or is not
+                printable.
             ConfigError: If the file of saved poses cannot be read or written.
         """
         self.channel.call(SavePose(name=name, robot=robot))
@@ -582,7 +589,8 @@ class Robot(AbstractContextManager["Robot"]):
         """Delete a saved pose.
 
         Raises:
-            ControlError: If there is no pose of this name, or it is built in.
+            ControlError: If there is no pose with this name, or if the pose is built
+                in.
         """
         self.channel.call(DeletePose(name=name))
 
@@ -594,20 +602,21 @@ class Robot(AbstractContextManager["Robot"]):
         speed: float = 0.5,
         collision: CollisionRule = "refuse",
     ) -> tuple[GoalHandle, ...]:
-        """Move joints to a named pose, as ``move_joints`` does.
+        """Move joints to a named pose, like ``move_joints``.
 
-        A pose that contains joints of an arm does not move its gripper; a pose that
-        contains only gripper joints, such as ``open``, does.
+        A pose that contains joints of an arm does not move the gripper.  A pose that
+        contains only gripper joints, such as ``open``, moves the gripper.
 
         Args:
             name: A built-in or saved pose.
-            robot: Move only the joints of this robot; those of all robots if left out.
+            robot: Move only the joints of this robot; by default, the joints of all
+                robots move.
             speed: Fraction of each joint's maximum velocity, 0.01 … 1.
             collision: See ``move_joints``.
 
         Raises:
             CollisionError: If an arm would collide.
-            ControlError: If there is no such pose, or it cannot be reached.
+            ControlError: If the pose does not exist, or if it cannot be reached.
         """
         request = GoToPose(name=name, robot=robot, speed=speed, collision=collision)
         goals = self.channel.call(request)
@@ -617,7 +626,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def episodes(self) -> EpisodesHandle:
-        """The recorder of demonstrations, which writes episodes into a folder."""
+        """Recorder of demonstrations, which writes episodes into a folder."""
         from tool0.api.episodes import EpisodesHandle
 
         return EpisodesHandle(self.channel)
@@ -632,24 +641,25 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def programs(self) -> Programs:
-        """The programs saved with this robot, and checks and exports of any program."""
+        """Saved programs of this robot, and checks and exports of all programs."""
         return self._programs
 
     def run_program(
         self, program: Program | Path | str, *, paused: bool = False
     ) -> ProgramHandle:
-        """Check a program, start it, and return a handle to wait for its end.
+        """Check and start a program, and return a handle to wait for its end.
 
         Args:
-            program: The program, its file (``.yaml``), or the name of a saved one.
-            paused: Whether the program waits for ``step`` or ``resume`` before its
-                first step.
+            program: The program, its file (``.yaml``), or the name of a saved program.
+            paused: Whether the program is paused before its first step, until ``step``
+                or ``resume``.
 
         Raises:
-            ProgramError: If a step cannot be executed, with the reason; nothing moves.
-            ConfigError: If the file cannot be read, or is no program.
-            ControlError: If the arm may not move, or no program is saved under that
-                name.
+            ProgramError: If a step cannot be executed; the message contains the reason,
+                and the robot does not move.
+            ConfigError: If the file cannot be read, or is not a program.
+            ControlError: If the arm is not allowed to move, or if no program is saved
+                under this name.
         """
         return self.programs.run(program, paused=paused)
 
@@ -657,7 +667,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def grippers(self) -> Mapping[str, Gripper]:
-        """The grippers by the prefix of their names, or ``gripper`` without one."""
+        """Grippers, by the prefix of their names, or ``gripper`` without a prefix."""
         return self._grippers
 
     @cached_property
@@ -671,12 +681,15 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def gripper(self) -> Gripper:
-        """The robot's gripper; raises ControlError unless it has exactly one."""
+        """The robot's only gripper.
+
+        Access raises ControlError if the robot does not have exactly one gripper.
+        """
         return only_part(self.grippers, "gripper", self.description.model)
 
     @property
     def arms(self) -> Mapping[str, Arm]:
-        """The arms by the prefix of their links, or ``arm`` without one.
+        """Arms, by the prefix of their links, or ``arm`` without a prefix.
 
         An arm is a chain of six revolute joints that ends in a link ``…tool0``.
         """
@@ -684,14 +697,14 @@ class Robot(AbstractContextManager["Robot"]):
 
     @cached_property
     def _arms(self) -> Mapping[str, Arm]:
-        from tool0.api.arm import Arm  # numpy, only when needed
+        from tool0.api.arm import Arm  # imports numpy, only when needed
 
         infos = self.channel.call(ListArms())
         return Parts("arm", {info.name: Arm(info, self.channel) for info in infos})
 
     @property
     def arm(self) -> Arm:
-        """The robot's arm: poses, inverse kinematics, motion of the tool.
+        """The robot's only arm: poses, inverse kinematics, and motion of the tool.
 
         Raises:
             ControlError: If the robot does not have exactly one arm.
@@ -700,17 +713,20 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def force_torque(self) -> ForceTorque:
-        """The sensor at ``tool0``; raises ControlError unless there is exactly one."""
+        """The force-torque sensor at the only ``tool0``.
+
+        Access raises ControlError if the robot does not have exactly one ``tool0``.
+        """
         return self.force_torque_of(None)
 
     def force_torque_of(self, link: str | None) -> ForceTorque:
-        """Return the sensor of the wrench that ``link`` and everything beyond it exert.
+        """Return the sensor of the wrench that ``link`` and all links beyond it exert.
 
         Raises:
-            ModelError: If there is no such link.
+            ModelError: If the link does not exist.
         """
         sensor = ForceTorque(link, self.channel)
-        _ = sensor.rate  # ModelError or ControlError, if there is no such link
+        _ = sensor.rate  # raises ModelError or ControlError if the link does not exist
         return sensor
 
     @property
@@ -728,7 +744,7 @@ class Robot(AbstractContextManager["Robot"]):
         """Return a camera; its ``image()`` takes a picture.
 
         Raises:
-            RenderError: If there is no camera of this name.
+            RenderError: If there is no camera with this name.
         """
         checked_value("camera", "name", name, str)
         if name not in self.cameras:
@@ -739,14 +755,14 @@ class Robot(AbstractContextManager["Robot"]):
     # ---- time and safety ------------------------------------------------------------
 
     def run(self, duration: float) -> None:
-        """Advance simulated time, and return when it has passed.
+        """Advance simulated time, and return when this time has passed.
 
         Args:
             duration: Duration [simulated s], 0 or more.
 
         Raises:
             ControlError: If the simulation is paused or closed.
-            EngineError: If the physics fails meanwhile.
+            EngineError: If the physics fails during this time.
         """
         self.channel.call(Run(duration=duration))
 
@@ -767,7 +783,7 @@ class Robot(AbstractContextManager["Robot"]):
         self.channel.call(Step(ticks=ticks))
 
     def set_speed(self, factor: float) -> None:
-        """Set the speed in simulated seconds per wall second: above 0, at most 1000.
+        """Set the simulated seconds per wall second: above 0, and at most 1000.
 
         Raises:
             ControlError: If the simulation does not run in real time.
@@ -784,19 +800,21 @@ class Robot(AbstractContextManager["Robot"]):
         """Return the robot to its initial pose, and the objects to their start poses.
 
         Active goals are PREEMPTED; running controllers hold the pose.  Removed objects
-        stay removed.  A reset also clears a physics fault.
+        are not added again.  A reset also clears a fault of the physics.
 
         Args:
-            position: Joint → position instead of the initial one [rad | m].
-            keep_time: Whether simulated time continues; otherwise it is zero again.
-            allow_penetration: Whether ``position`` may put a link more than 2 mm into
-                the ground, an object or another link, although the physics then throws
-                them apart.
+            position: Joint → position that replaces the initial position [rad | m].
+            keep_time: Whether simulated time continues; otherwise, the time restarts at
+                0.
+            allow_penetration: Whether a link at ``position`` may penetrate the ground,
+                an object or another link by more than 2 mm; the physics then separates
+                the bodies violently.
 
         Raises:
-            ModelError: If a joint is unknown or a position is out of its limits.
-            PenetrationError: If ``position`` puts a link into something; nothing has
-                changed then.
+            ModelError: If a joint is unknown, or if a position is out of the joint's
+                limits.
+            PenetrationError: If a link at ``position`` penetrates a body; the robot is
+                then unchanged.
         """
         self.channel.call(
             Reset(
@@ -807,14 +825,14 @@ class Robot(AbstractContextManager["Robot"]):
         )
 
     def emergency_stop(self, engaged: bool = True) -> None:
-        """Brake every joint at once, or release the brakes.
+        """Brake every joint immediately, or release the brakes.
 
-        Goals are PREEMPTED; after the release, the controllers hold the positions.
+        Goals are PREEMPTED.  After the release, the controllers hold the positions.
         """
         self.channel.call(EmergencyStop(engaged=engaged))
 
     def close(self) -> None:
-        """End the simulation, or the connection to it; closing twice is allowed."""
+        """End the simulation or the connection; further calls have no effect."""
         self.channel.close()
 
     def __exit__(self, *_: object) -> None:

@@ -26,12 +26,12 @@ class SceneHandle:
 
     @property
     def objects(self) -> tuple[SceneObject, ...]:
-        """The current objects, each with its start pose."""
+        """The current objects with their start poses."""
         return self._channel.snapshot.scene
 
     @property
     def states(self) -> Mapping[str, ObjectState]:
-        """Pose and velocity of each object, in the robot's root."""
+        """Pose and velocity of each object, in the robot's root frame."""
         return {state.name: state for state in self._channel.snapshot.objects}
 
     def __iter__(self) -> Iterator[str]:
@@ -51,10 +51,10 @@ class SceneHandle:
         return objects[name]
 
     def pose(self, name: str) -> Transform:
-        """Return the measured pose of an object in the robot's root.
+        """Return the measured pose of an object in the robot's root frame.
 
         Raises:
-            ControlError: If there is no object of this name.
+            ControlError: If there is no object with this name.
         """
         checked_value("pose", "name", name, str)
         return object_pose(self._channel.snapshot, name)
@@ -95,28 +95,32 @@ class SceneHandle:
         """Add an object to the scene, at rest, and return it.
 
         Motions continue.  The control loop waits while the object is added: a few
-        milliseconds in MuJoCo (more for a large mesh), 0.2 s in Gazebo.  In real time,
-        it catches up afterwards.
+        milliseconds in MuJoCo (longer for a large mesh), and 0.2 s in Gazebo.  In real
+        time, the control loop then catches up with the wall clock.
 
         Args:
-            item: Name of the object, or a complete ``SceneObject``; then leave out the
-                arguments from ``shape`` to ``rgba``.
-            shape: ``Box``, ``Cylinder``, ``Sphere``, ``Mesh``, a ``Compound`` of them,
-                or a mesh file in metres (``tool0.scene.mesh`` scales other units).
-            xyz: Position of the object's origin, in the robot's root [m].
-            rpy: Orientation of the object: fixed-axis roll, pitch, yaw [rad].
-            mass: Mass [kg]; an object without one is fixed.
+            item: Name of the object, or a complete ``SceneObject``.  With a
+                ``SceneObject``, leave out the arguments from ``shape`` to ``rgba``.
+            shape: ``Box``, ``Cylinder``, ``Sphere``, ``Mesh``, a ``Compound`` of such
+                shapes, or a mesh file in meters (``tool0.scene.mesh`` scales other
+                units).
+            xyz: Position of the object's origin, in the robot's root frame [m].
+            rpy: Orientation of the object: fixed-axis roll, pitch and yaw [rad].
+            mass: Mass [kg]; an object without a mass is fixed.
             friction: Coulomb coefficient of sliding friction.
-            rgba: Colour and opacity, each 0 … 1; chosen automatically if left out.
-            allow_penetration: Whether the object may be more than 2 mm inside a link.
+            rgba: Red, green, blue and opacity, each 0 … 1; by default, the color is
+                selected automatically.
+            allow_penetration: Whether the object may penetrate a link by more than 2
+                mm.
 
         Raises:
-            PenetrationError: If the object would be inside a link.
-            ConfigError: If the object is impossible, or has the name of a link.
+            PenetrationError: If the object would penetrate a link.
+            ConfigError: If the object is physically impossible, or has the name of a
+                link.
             ControlError: If a value has the wrong type or is out of bounds.
-            DescriptionError: If there is no such mesh.
+            DescriptionError: If the mesh file does not exist.
             ModelError: If the engine does not support the object.
-            EngineError: If there already is an object of this name, or the engine
+            EngineError: If an object with this name already exists, or if the engine
                 refuses the object.
         """
         if isinstance(item, SceneObject):
@@ -145,7 +149,7 @@ class SceneHandle:
         """Remove an object from the scene.
 
         Raises:
-            EngineError: If there is no object of this name.
+            EngineError: If there is no object with this name.
         """
         self._channel.call(RemoveObject(name=name))
 
@@ -159,21 +163,23 @@ class SceneHandle:
         angular: Sequence[float] = (0.0, 0.0, 0.0),
         allow_penetration: bool = False,
     ) -> None:
-        """Move an object to a pose instantly; ``reset`` returns it to its start pose.
+        """Move an object to a pose instantly; ``reset`` restores its start pose.
 
         Args:
-            name: The object.
-            position: Position of the object's origin, in the robot's root [m].
-            quat_wxyz: Orientation of the object, as a quaternion of any length except
-                zero.
-            linear: Velocity of the object's origin, in the root's axes [m/s].
-            angular: Angular velocity, in the root's axes [rad/s].
-            allow_penetration: Whether the object may be more than 2 mm inside a link.
+            name: Name of the object.
+            position: Position of the object's origin, in the robot's root frame [m].
+            quat_wxyz: Orientation of the object, as a quaternion with any nonzero norm.
+            linear: Velocity of the object's origin, in the axes of the root frame
+                [m/s].
+            angular: Angular velocity of the object, in the axes of the root frame
+                [rad/s].
+            allow_penetration: Whether the object may penetrate a link by more than 2
+                mm.
 
         Raises:
-            PenetrationError: If the object would be inside a link.
+            PenetrationError: If the object would penetrate a link.
             ControlError: If a value has the wrong number of elements, or is not finite.
-            EngineError: If there is no such object, or a velocity is given for an
+            EngineError: If the object does not exist, or if a velocity is given for an
                 object without a mass.
         """
         self._channel.call(
@@ -189,7 +195,7 @@ class SceneHandle:
 
 
 def object_pose(snapshot: Snapshot, name: str) -> Transform:
-    """Return an object's pose in ``snapshot``, in the root, or raise ControlError."""
+    """Return the pose of an object in the root frame, or raise ControlError."""
     for state in snapshot.objects:
         if state.name == name:
             return from_quaternion(state.position, state.quat_wxyz)

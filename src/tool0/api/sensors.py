@@ -28,19 +28,19 @@ if TYPE_CHECKING:
     from tool0.protocol.state import Snapshot
 
 _LONGEST_WAIT = 0.5
-"""Longest wait of one request for a sample [wall s]."""
+"""Longest time that one request waits for a sample [wall s]."""
 
 
 @final
 class ForceTorque:
-    """Measures the wrench that a tool exerts on the link that carries it.
+    """Sensor of the wrench that a tool exerts on the link that carries the tool.
 
-    Force [N] and torque [N·m] include the tool's weight, inertia and contacts.  They
-    are given in the link's axes at its origin.  Their sign is that of UR's own
-    ``wrench`` and of Gazebo's ``child_to_parent`` sensors: a tool that hangs down pulls
-    along +z.  The sensor costs nothing until it is started; the first reading starts
-    it.  Gazebo reports contacts only after the first request, so its first sample lacks
-    them.
+    The force [N] and the torque [N·m] include the weight, the inertia and the contacts
+    of the tool.  The wrench is in the frame of the link.  The sign convention is the
+    same as for the ``wrench`` of a UR and for the ``child_to_parent`` sensors of
+    Gazebo: a tool that hangs down pulls along +z.  The sensor uses no computing time
+    until it is started; the first reading starts the sensor.  Gazebo reports contacts
+    only after the first request; therefore, the first sample does not include contacts.
     """
 
     def __init__(self, link: str | None, channel: Channel) -> None:
@@ -49,23 +49,23 @@ class ForceTorque:
 
     @property
     def link(self) -> str | None:
-        """The link that carries the tool; None for the robot's only ``tool0``."""
+        """Link that carries the tool; None selects the robot's only ``tool0``."""
         return self._link
 
     @property
     def rate(self) -> float:
-        """Samples per simulated second [Hz]; 0 while the sensor is stopped."""
+        """Sampling rate in simulated time [Hz]; 0 while the sensor is stopped."""
         return self._channel.call(ReadForceTorqueRate(link=self.link))
 
     def start(self, rate: float | None = None, cutoff: float = DEFAULT_CUTOFF) -> float:
-        """Start sampling without a tare and return the rate [Hz].
+        """Start sampling without a tare, and return the sampling rate [Hz].
 
         A running sensor is restarted.
 
         Args:
-            rate: Samples per simulated second [Hz], 50 … 1000 and a divisor of the
-                control rate.  If left out, 125 or the next lower divisor.
-            cutoff: Cut-off of the low-pass filter [Hz], below half the rate.
+            rate: Sampling rate in simulated time [Hz]: 50 … 1000, and a divisor of the
+                control rate.  The default is 125 or the next lower divisor.
+            cutoff: Cutoff frequency of the low-pass filter [Hz], below half the rate.
 
         Raises:
             ControlError: If ``rate`` or ``cutoff`` is out of range.
@@ -74,13 +74,13 @@ class ForceTorque:
         return self._channel.call(request)
 
     def stop(self) -> None:
-        """Stop sampling and forget the tare; stopping twice is allowed."""
+        """Stop sampling and discard the tare; further calls have no effect."""
         self._channel.call(StopForceTorque(link=self.link))
 
     def zero(self) -> None:
-        """Tare the sensor until it is started again, as UR's ``zero_ftsensor`` does.
+        """Tare the sensor until its next start, like UR's ``zero_ftsensor``.
 
-        The tare survives a reset of the simulation, as it would in a real sensor.
+        A reset of the simulation does not change the tare, like in a real sensor.
         """
         self._channel.call(TareForceTorque(link=self.link))
 
@@ -88,8 +88,8 @@ class ForceTorque:
         """Return the newest sample; the first call starts the sensor.
 
         Raises:
-            ModelError: If there is no such link.
-            ControlError: If no link is named, and the robot does not have exactly one
+            ModelError: If the link does not exist.
+            ControlError: If no link is given, and the robot does not have exactly one
                 ``tool0``.
         """
         return self._channel.call(ReadForceTorque(link=self.link))
@@ -100,16 +100,16 @@ class ForceTorque:
         """Return all samples after ``since``, oldest first.
 
         The sensor keeps the last 4096 samples, which cover 33 s at 125 Hz and 4 s at 1
-        kHz.  If you ask later than that, ``dropped`` of the first returned sample is
-        the number of samples that you missed.
+        kHz.  After a longer time between two calls, ``dropped`` of the first returned
+        sample is the number of missed samples.
 
         Args:
-            since: The ``number`` of the last known sample; a number from before the
-                sensor was restarted is ignored.
+            since: The ``number`` of the last known sample; a number from before a
+                restart of the sensor is ignored.
             timeout: Longest wait for the first sample [wall s]; None for no limit.
 
         Raises:
-            ControlError: If the simulation is closed meanwhile.
+            ControlError: If the simulation is closed during the wait.
             EngineError: If the physics failed.
         """
         longest = checked_timeout(timeout)
@@ -134,16 +134,15 @@ class CameraHandle:
     _channel: Channel
 
     def image(self, snapshot: Snapshot | None = None) -> CameraImage:
-        """Return a colour and depth image of the current state, or of a ``snapshot``.
+        """Return a color and depth image of the current state or of a ``snapshot``.
 
         Args:
-            snapshot: An earlier state to draw instead; only for a simulation in this
-                process.
+            snapshot: An earlier state to render; only for a simulation in this process.
 
         Raises:
-            RenderError: If there is no OpenGL, the robot is closed, or a snapshot is
-                given for a robot in another process.
-            ModelError: If MuJoCo does not support an object that Gazebo has.
+            RenderError: If OpenGL is not available, if the robot is closed, or if a
+                snapshot is given for a robot in another process.
+            ModelError: If MuJoCo does not support an object in Gazebo.
         """
         if snapshot is None:
             return self._channel.call(TakePicture(camera=self.camera.name))

@@ -22,37 +22,42 @@ if TYPE_CHECKING:
 ITEM, BIN, TABLE = "cube", "bin", "table"
 """Names of the object, the bin and the table in the scene ``table_and_bin``."""
 TABLE_TOP = -0.02
-"""Height of the table in the scene ``table_and_bin``, in the robot's root [m]."""
+"""Height of the table in the scene ``table_and_bin``, in the robot's root frame [m]."""
 ARM_LENGTH = 0.81725
-"""Length of upper arm and forearm for which ``table_and_bin`` is laid out [m]."""
+"""Total length of the upper arm and the forearm for which ``table_and_bin`` is designed
+[m]."""
 LIFT = 0.15
 """Value of ``lift`` for an arm of ``ARM_LENGTH`` [m]."""
 LOWEST_LIFT = 0.1
-"""Smallest value of ``lift`` for short arms [m]; the bin's walls are 0.08 m high."""
+"""Minimum value of ``lift`` for short arms [m]; the walls of the bin are 0.08 m
+high."""
 NEAR, FAR = 0.40, 0.65
-"""Range of x of random poses on the table [m]."""
+"""Range of the x coordinate of random poses on the table [m]."""
 RIGHT, LEFT = -0.10, 0.30
-"""Range of y of random poses on the table [m]."""
+"""Range of the y coordinate of random poses on the table [m]."""
 BIN_Y, BIN_HALF_WIDTH = -0.32, 0.10
-"""Position in y of the bin's centre, and half its width [m]."""
+"""The y coordinate of the bin's center, and half the width of the bin [m]."""
 GAP = 0.12
-"""Distance between an object's centre and the bin that a gripper needs [m]."""
+"""Minimum distance that a gripper needs between an object's center and the bin [m]."""
 ATTEMPTS = 1000
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PickTable:
-    """A table with an object and a bin in front of an arm, as in ``table_and_bin``."""
+    """A table with an object and a bin in front of an arm, like ``table_and_bin``."""
 
     scale: float
-    """Scale of the distances on the table; the object and the bin keep their size."""
+    """Scale of the distances on the table; it does not change the size of the object
+    and the bin."""
     base: tuple[float, float] = (0.0, 0.0)
-    """Position of the arm's base in the root [m]."""
+    """Position of the arm's base in the root frame, x and y [m]."""
     arm: str | None = None
-    """Name of the arm and its gripper; the robot's only ones, if None."""
+    """Name of the arm and its gripper; None selects the robot's only arm and
+    gripper."""
     is_turned: bool = False
-    """Whether the arm faces the root's -x direction; the table is then turned by pi."""
+    """Whether the arm faces the -x direction of the root frame; the table is then
+    rotated by pi."""
 
     @property
     def lift(self) -> float:
@@ -60,7 +65,7 @@ class PickTable:
         return min(LIFT, max(LOWEST_LIFT, LIFT * self.scale))
 
     def at(self, x: float, y: float) -> tuple[float, float]:
-        """Return a position of ``table_and_bin``, transformed to the root [m]."""
+        """Return a position of ``table_and_bin``, transformed to the root frame [m]."""
         scale = -self.scale if self.is_turned else self.scale
         return self.base[0] + x * scale, self.base[1] + y * scale
 
@@ -97,18 +102,19 @@ class PickTable:
         return replace(shipped, objects=tuple(objects))
 
     def random_poses(self, robot: Robot, height: float, seed: int) -> Iterator[Pose]:
-        """Yield random poses of an object on the table, endlessly.
+        """Yield an endless sequence of random poses of an object on the table.
 
-        The poses are in the robot's root.  They are clear of the bin, and the arm can
-        lift the object from above there.
+        The poses are in the robot's root frame.  The poses have a sufficient distance
+        from the bin.  At each pose, the arm can grip the object from above and lift it.
 
         Args:
-            robot: The robot.
-            height: Height of the standing object [m].
-            seed: Seed of the poses; equal seeds yield equal poses.
+            robot: The robot that will lift the object.
+            height: Height of the upright object [m].
+            seed: Seed of the poses; the same seed results in the same poses.
         """
         rng = random.Random(seed)
-        # The bin keeps its size, so it takes up more of a small table.
+        # The size of the bin is constant, so the bin covers a larger part of a small
+        # table.
         right = max(RIGHT, BIN_Y + (BIN_HALF_WIDTH + GAP) / self.scale)
         while True:
             for _ in range(ATTEMPTS):
@@ -121,7 +127,7 @@ class PickTable:
             yield pose
 
     def _is_in_reach(self, robot: Robot, pose: Pose) -> bool:
-        """Return whether the arm reaches an object from above, and can lift it."""
+        """Return whether the arm can grip an object from above and lift it."""
         arm = robot.arm if self.arm is None else robot.arms[self.arm]
         gripper = robot.gripper if self.arm is None else robot.grippers[self.arm]
         geometry = gripper.geometry
@@ -140,7 +146,7 @@ class PickTable:
 
 
 def joined(tables: Iterable[SceneObject]) -> SceneObject:
-    """Return the table that encloses several tables aligned with the root's axes."""
+    """Return a table that encloses several tables aligned with the root's axes."""
     first, *_ = boxes = [item for item in tables if isinstance(item.geometry, Box)]
     low, high = (
         [
@@ -159,10 +165,11 @@ def joined(tables: Iterable[SceneObject]) -> SceneObject:
 
 
 def arm_scale(model: RobotModel) -> float:
-    """Return the length of a robot's only arm, relative to ``ARM_LENGTH``.
+    """Return the length of a robot's only arm as a multiple of ``ARM_LENGTH``.
 
     Raises:
-        ControlError: If the robot does not have exactly one arm, built like a UR.
+        ControlError: If the robot does not have exactly one arm, or if the arm does not
+            have the kinematics of a UR.
     """
     from tool0.kinematics.chain import find_chains
     from tool0.kinematics.geometry import ArmGeometry

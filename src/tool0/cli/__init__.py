@@ -1,4 +1,4 @@
-"""The command line: find the command, and import only its module."""
+"""The command line: selects a command, and imports only the command's module."""
 
 from __future__ import annotations
 
@@ -15,16 +15,19 @@ if TYPE_CHECKING:
 
 COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "bringup": ("bringup", "bring up a robot in simulation, with its controllers"),
-    "view": ("panel", "show a robot in a web page without physics, and pose it"),
+    "view": ("panel", "show a robot without physics in a web page, and pose it"),
     "record": ("recording", "record a running bringup, or demonstrations"),
-    "log": ("recording", "print what happened in a recording"),
+    "log": ("recording", "print the events in a recording"),
     "export": ("recording", "write a recording as a table, a video or a data set"),
-    "replay": ("replay", "show a recording in a web page, or simulate it again"),
+    "replay": ("replay", "show a recording in a web page, or repeat the simulation"),
     "demo": (
         "demo",
-        "run a complete task: pick a cube from a table or a shelf, or hand it over",
+        "run a task: pick a cube from a table or a shelf, or hand a cube over",
     ),
-    "collect": ("collect", "collect episodes of a task, with processes or Ray"),
+    "collect": (
+        "collect",
+        "collect episodes of a task in parallel processes or with Ray",
+    ),
     "policy": ("policy", "execute a learned policy in a task, or on a running bringup"),
     "describe": (
         "describe",
@@ -33,7 +36,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "controllers": ("simulation", "list, load, start, stop or switch controllers"),
     "move": ("motion", "move joints, or the tool to a pose"),
     "grip": ("motion", "open or close the gripper"),
-    "run": ("program", "run a program of steps, or check it"),
+    "run": ("program", "run or check a program of steps"),
     "program": ("program", "list, save, delete or export programs"),
     "scene": ("scene", "list, add, remove or place objects around the robot"),
     "state": ("sensors", "print simulated time, joints, grippers and the tool's pose"),
@@ -46,38 +49,42 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "estop": ("simulation", "engage or release the emergency stop"),
     "hardware": (
         "hardware",
-        "enable or stop a real robot, set its power, payload and speed",
+        "enable or stop a real robot, or set its power, payload or speed",
     ),
-    "gazebo": ("installing", "install Gazebo 11, or show which one is used"),
+    "gazebo": ("installing", "install Gazebo 11, or show which installation is used"),
     "ros1": (
         "installing",
         "install ROS 1 for `bringup --ros1`, or show what is installed",
     ),
     "ros2": ("ros2", "install ROS 2 for `bringup --ros2`, or show what is installed"),
-    "check": ("check", "find mistakes in URDF, xacro, YAML and launch files"),
+    "check": ("check", "find errors in URDF, xacro, YAML and launch files"),
     "explain": (
         "explain",
-        "show what a launch file does, and where its arguments are used",
+        "show the contents of a launch file, and where its arguments are used",
     ),
     "workspace": ("workspace", "write ROS packages for a robot into a workspace"),
-    "doctor": ("installing", "show what this machine can run, and what is missing"),
+    "doctor": (
+        "installing",
+        "show the features that this machine can run, and the missing software",
+    ),
     "completion": ("completion", "print a completion script for bash or zsh"),
 }
-"""Command → its module in this package, and a summary.
+"""Command → the command's module in this package, and a summary.
 
-In the module, the function with the command's name executes the command: its parameters
-are the options, and it returns the exit status, or None for 0.  Alternatively, a
-mapping of that name contains such functions by subcommand.  Modules with options of
-special types provide ``READERS``, as ``options`` does.
+In the module, the function with the command's name executes the command: the function's
+parameters are the options, and its return value is the exit status, or None for 0.
+Alternatively, a mapping with the command's name contains one such function for each
+subcommand.  A module whose options have special types provides ``READERS``, like the
+module ``options``.
 """
 
 OK: Final = 0
 GOAL_FAILED: Final = 1
 """A goal was accepted but did not succeed."""
 FAILED: Final = 2
-"""Wrong arguments, or an error that is not a bug."""
+"""The arguments were wrong, or an error occurred that is not a bug."""
 INTERRUPTED: Final = 130
-"""Ctrl-C, with the status that shells use: 128 + SIGINT."""
+"""The command was interrupted by Ctrl-C.  Shells use the same status: 128 + SIGINT."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -123,7 +130,7 @@ def _run(command: str, arguments: list[str]) -> int:
 
 
 def form_and_readers(command: str) -> tuple[Form, Readers]:
-    """Return the function or functions of a command, and how options are written."""
+    """Return the function or functions of a command, and the readers of its options."""
     from importlib import import_module
 
     module = import_module(f"tool0.cli.{COMMANDS[command][0]}")

@@ -41,7 +41,8 @@ READERS = options.READERS
 _POLL_PERIOD: Final = 0.1
 """Longest time between checks of the clock and the signals [wall s]."""
 _RUN_PERIOD: Final = 0.2
-"""Simulated time between checks without real-time pacing [s]; about 10 ms wall time."""
+"""Simulated time between checks without real-time pacing [s].  The simulation of this
+period takes about 10 ms of wall time."""
 
 
 def bringup(options: BringupOptions) -> int:
@@ -52,14 +53,15 @@ def bringup(options: BringupOptions) -> int:
     """
     from tool0.cli.stop_signal import StopSignal
 
-    # With --json, standard output holds one JSON object and nothing else.
+    # With --json, standard output contains only one JSON object.
     is_json = options.run.as_json
     console = sys.stderr if is_json else sys.stdout
     with contextlib.ExitStack() as exits:
         exits.enter_context(quiet_overruns())
         exits.enter_context(garbage.starting())
         stop = exits.enter_context(StopSignal())
-        # Names first, to report an invalid or used one before building the robot.
+        # Check the name first, to report an invalid or used name before building the
+        # robot.
         claim = _claim(options.run)
         if claim is not None:
             exits.callback(claim.close)
@@ -68,7 +70,7 @@ def bringup(options: BringupOptions) -> int:
             from tool0.cli.panel import listening
 
             endpoint = exits.enter_context(listening(options.panel))
-        # Its process starts while the robot is built.
+        # The engine's process starts while the robot is built.
         node = _ros2_node(options)
         if node is not None:
             exits.callback(node.close)
@@ -82,7 +84,7 @@ def bringup(options: BringupOptions) -> int:
         ros = exits.enter_context(_in_ros(robot, options, stop))
         interfaces = [] if ros is None else [ros]
         if node is not None:
-            exits.callback(node.close)  # before the robot
+            exits.callback(node.close)  # close the node before the robot
             interfaces.append(
                 f"ROS 2: node {node.wait()} in domain {node.domain}, {node.ros2.distro}"
             )
@@ -109,13 +111,16 @@ def bringup(options: BringupOptions) -> int:
 
 
 def quiet_overruns() -> AbstractContextManager[None]:
-    """Suppress log entries of overruns; status line and summary count overruns."""
+    """Suppress log entries of overruns.
+
+    The status line and the summary count the overruns.
+    """
     return _without_warnings("tool0.simulation.publisher")
 
 
 @contextlib.contextmanager
 def _without_warnings(name: str) -> Iterator[None]:
-    """Keep a logger from warning about what is already printed."""
+    """Suppress a logger's warnings about problems that are already printed."""
     logger = logging.getLogger(name)
     level = logger.level
     logger.setLevel(logging.ERROR)
@@ -147,7 +152,7 @@ def _robot(options: BringupOptions) -> Robot:
 
     with _without_warnings("tool0.api.bringup"):
         robot = bringup(
-            # without that, a real robot has the controllers of ROS 2
+            # by default, a real robot has the controllers of ROS 2
             ros2_control=False if options.run.ros1 else None,
             description=options.full_description(),
             control=options.control,
@@ -168,7 +173,7 @@ def _robot(options: BringupOptions) -> Robot:
 def _server(
     robot: Robot, claim: Claim | None, endpoint: Endpoint | None, folder: Path | None
 ) -> Server:
-    """Serve the robot to processes, and to pages that may write to ``folder``."""
+    """Serve the robot to processes and to panels, which may write to ``folder``."""
     from tool0.server.server import Server
 
     services: list[Service] = []
@@ -188,7 +193,7 @@ def _server(
 def _in_ros(
     robot: Robot, options: BringupOptions, stop: StopSignal
 ) -> Iterator[str | None]:
-    """Offer the robot in ROS 1 if requested; yield a line about its node."""
+    """Offer the robot in ROS 1 if requested; yield a line about the ROS node."""
     if not options.run.ros1:
         yield None
         return
@@ -226,17 +231,17 @@ def _ur_controller(options: BringupOptions) -> UrController | None:
 def _run(
     robot: Robot, options: BringupOptions, stop: StopSignal, status: StatusLine
 ) -> None:
-    """Run the simulation until the duration is over or a signal arrives.
+    """Run the simulation until the duration is over or a signal is received.
 
-    The duration counts from now on, because time may have passed while interfaces were
-    starting.
+    The duration is measured from the call of this function, because simulated time may
+    have passed while the interfaces were starting.
     """
     simulation, duration = options.simulation, options.run.duration
     length = math.inf if duration is None else duration
     begin = robot.time
     reported: str | None = None
     while not stop.is_set:
-        begin = min(begin, robot.time)  # a reset sets the time back
+        begin = min(begin, robot.time)  # a reset sets the time to zero
         if (left := begin + length - robot.time) <= 0.0:
             break
         status.refresh(robot)
@@ -257,18 +262,18 @@ def _run(
 
 
 def _is_lost(robot: Robot) -> bool:
-    """Return whether the engine has ended; a reset then cannot help."""
+    """Return whether the engine's process has ended; a reset cannot restart it."""
     try:
         robot.run(0.0)
     except EngineUnavailableError:
         return True
     except Exception:
-        return False  # stopped by a fault, which the caller reports
+        return False  # a fault has stopped the simulation; the caller reports the fault
     return False
 
 
 def _advance(robot: Robot, duration: float) -> bool:
-    """Run as fast as possible; return whether at least one tick was left to run."""
+    """Run as fast as possible; return whether at least one tick was executed."""
     before = robot.time
     try:
         robot.run(duration)
@@ -276,7 +281,7 @@ def _advance(robot: Robot, duration: float) -> bool:
         snapshot = robot.snapshot
         if snapshot.fault is None and not snapshot.is_paused:
             raise
-        return True  # paused or stopped by a fault: the caller handles that
+        return True  # the caller handles a pause and a fault
     return robot.time != before
 
 

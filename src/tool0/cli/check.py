@@ -1,4 +1,4 @@
-"""``tool0 check``: find faults in launch files, robots and YAML before they run."""
+"""``tool0 check``: find errors in launch files, robot descriptions and YAML."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ def check(
     as_json: AsJson = False,
     strict: bool = False,
 ) -> int:
-    """Find mistakes in URDF, xacro, ros_control YAML, launch files and workspaces.
+    """Find errors in URDF, xacro, ros_control YAML, launch files and workspaces.
 
-    Exit status: 0 without errors, 1 with errors, 2 for wrong arguments.
+    Exit status: 0 if no errors were found, 1 if errors were found, 2 for wrong
+    arguments.
 
     Args:
         paths: Files, or folders, which are searched recursively.

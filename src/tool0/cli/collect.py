@@ -1,4 +1,4 @@
-"""``tool0 collect``: collect episodes of a task in a folder, by processes or Ray."""
+"""``tool0 collect``: collect episodes of a task in a folder, with processes or Ray."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from tool0.collect import Progress
 
 LINE_PERIOD = 10.0
-"""Interval between two lines of progress where there is no terminal [wall s]."""
+"""Interval between two progress lines if the output is not a terminal [wall s]."""
 
 
 def collect(
@@ -28,31 +28,32 @@ def collect(
     policy: str | None = None,
     env: Annotated[tuple[str, ...], Option(metavar="NAME=VALUE ...")] = (),
     seed: int = 0,
-    format: Literal["parquet", "lerobot"] = "parquet",  # the option's name
+    format: Literal["parquet", "lerobot"] = "parquet",  # named like the option
     instruction: str | None = None,
     copies: int = 8,
     summary: bool = True,
     as_json: AsJson = False,
 ) -> None:
-    """Collect episodes of a task into a folder; run it again to continue.
+    """Collect episodes of a task in a folder; repeat the command to continue.
 
-    An episode depends only on task, policy, seed and its number, not on the number of
-    workers, on machines or on interruptions.
+    An episode depends only on the task, the policy, the seed and the episode's number.
+    The number of workers, the machines and interruptions do not change an episode.
 
     Args:
         task: The task, such as Lift, or the id of a Gymnasium environment; MODULE:ID or
             FILE.py:ID imports the module that registers it.
         episodes: Number of episodes that the folder should contain.
-        folder: Folder to create or to continue; if not given, named after the task.
-        workers: Number of processes; if not given, one per processor.
+        folder: Folder to create or to continue; by default, a folder named after the
+            task.
+        workers: Number of processes; by default, one per processor.
         ray: Collect with Ray: HOST:PORT of a cluster, or `local` to start Ray on this
             machine.
-        policy: MODULE:NAME or FILE.py:NAME; if not given, the task's expert.
+        policy: The policy: MODULE:NAME or FILE.py:NAME; by default, the task's expert.
         env: Keyword arguments of the environment, such as arm=ur5e randomise=true.
-        seed: Base seed, from which the episodes' seeds follow.
+        seed: Base seed, from which the seed of each episode is derived.
         format: Format of the data set.
-        instruction: The task in words, for lerobot; if not given, the task's own
-            sentence.
+        instruction: Description of the task for lerobot; the default is the built-in
+            description of the task.
         copies: Number of simulations that each worker runs in turn.
         summary: Print a report at the end.
         as_json: Print the report as one JSON object.
@@ -97,7 +98,7 @@ def collect(
 
 @final
 class _Display:
-    """A progress bar on a terminal; elsewhere, an occasional line."""
+    """A progress bar on a terminal; on other outputs, an occasional progress line."""
 
     def __init__(self, task: str, stream: TextIO) -> None:
         self._task = task
@@ -110,7 +111,7 @@ class _Display:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        """End the bar's line; after Ctrl-C, report the remaining episodes."""
+        """End the bar's line; after Ctrl-C, print how to continue."""
         if self._bar is not None:
             self._bar.__exit__(kind)
         if kind is KeyboardInterrupt:

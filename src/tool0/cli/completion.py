@@ -9,10 +9,11 @@ from tool0.cli import COMMANDS, form_and_readers
 from tool0.cli.parameters import Option, Parameter, Readers, parameters_of
 
 Table = dict[str, list[str]]
-"""Start of a command line → the words that can follow; empty where files can.
+"""Start of a command line → the words that can follow; empty where file names can
+follow.
 
-A key is a command with its subcommand; for its options, followed by `` -``; for the
-values of an option, followed by that option.
+A key is a command with its subcommand.  For the command's options, the key has the
+suffix `` -``; for the values of an option, it has the option as a suffix.
 """
 
 
@@ -21,12 +22,13 @@ def completion(
 ) -> None:
     """Print a script that completes commands, options and choices in a shell.
 
-    The script is static, so that completion does not start tool0.  Write it again after
-    an update.  For bash, write it to ~/.local/share/bash-completion/completions/tool0;
-    for zsh, to a file _tool0 in a folder of $fpath.
+    The script is static, so that completion does not start tool0.  Write the script
+    again after an update of tool0.  For bash, write the script to
+    ~/.local/share/bash-completion/completions/tool0.  For zsh, write it to a file named
+    _tool0 in a folder of $fpath.
 
     Args:
-        shell: The shell.
+        shell: The shell that will execute the script.
     """
     cases = "\n".join(
         f"    '{words}') echo '{' '.join(following)}' ;;"
@@ -36,7 +38,7 @@ def completion(
 
 
 def table() -> Table:
-    """Return what can follow each command, from the signatures of all of them."""
+    """Return the words that can follow each command, from the commands' signatures."""
     found: Table = {"": [*COMMANDS, "--help", "--version"]}
     for command in COMMANDS:
         form, readers = form_and_readers(command)
@@ -98,7 +100,7 @@ _tool0_candidates() {
     esac
 }
 """
-"""Functions that find the candidates, in POSIX shell with ``local``."""
+"""Shell functions that find the candidates, written in POSIX shell with ``local``."""
 
 _BASH: Final = """\
 # Completion of tool0 for bash, written by `tool0 completion bash`.

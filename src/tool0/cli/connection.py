@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from tool0.protocol.goals import Result
 
 _POLL_PERIOD: Final = 0.05
-"""Longest time between checks of the signals [wall s]; outcomes are noticed at once."""
+"""Longest time between checks of the signals [wall s]; the outcome of a goal ends the
+wait immediately."""
 _CANCEL_TIMEOUT: Final = 10.0
 """Longest wait for a canceled goal to end [wall s]."""
 
@@ -30,7 +31,7 @@ class Bringup:
     """The running bringup."""
 
     name: str = DEFAULT_NAME
-    """Name of the bringup, as in `tool0 bringup --name NAME`."""
+    """Name of the bringup, given by `tool0 bringup --name NAME`."""
 
     def connect(self) -> Robot:
         """Return the running robot, or raise TransportError."""
@@ -43,10 +44,11 @@ DEFAULT: Final = Bringup()
 
 
 def chosen_robot(robot: Robot, name: str | None) -> Arm:
-    """Return the arm of the robot that ``--robot`` names, or the only one.
+    """Return the arm of the robot that ``--robot`` selects, or the only arm.
 
     Raises:
-        ConfigError: If there are several and none is named, or none of this name.
+        ConfigError: If there are several robots and no name is given, or if there is no
+            robot with this name.
     """
     from tool0.errors import ConfigError, did_you_mean
 
@@ -61,10 +63,10 @@ def chosen_robot(robot: Robot, name: str | None) -> Arm:
 
 
 def chosen_gripper(robot: Robot, name: str | None) -> Gripper:
-    """Return the gripper of the robot that ``--robot`` names, or the only one.
+    """Return the gripper of the robot that ``--robot`` selects, or the only gripper.
 
     Raises:
-        ConfigError: If there is no such robot, or it has no gripper.
+        ConfigError: If there is no such robot, or if the robot has no gripper.
     """
     from tool0.description.parts import gripper_of
     from tool0.errors import ConfigError
@@ -81,23 +83,23 @@ def chosen_gripper(robot: Robot, name: str | None) -> Gripper:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """End of a goal, for the command that started it."""
+    """Outcome of a goal, for the command that started the goal."""
 
     status: int
     """The exit status."""
     result: Result
     """The result of the goal."""
     was_canceled: bool = False
-    """Whether a signal or the timeout ended it."""
+    """Whether a signal or the timeout ended the goal."""
 
     def as_json(self) -> dict[str, object]:
-        """Return the end as ``--json`` prints it."""
+        """Return the outcome in the form that ``--json`` prints."""
         from msgspec import to_builtins
 
         return {**to_builtins(self.result), "canceled": self.was_canceled}
 
     def __str__(self) -> str:
-        """Return the end as a line of text."""
+        """Return the outcome as a line of text."""
         text = _described(self.result)
         return f"canceled: {text}" if self.was_canceled else text
 
@@ -105,18 +107,18 @@ class Outcome:
 def wait_for_goal(
     robot: Robot, start: Callable[[], GoalHandle], timeout: float | None
 ) -> Outcome:
-    """Start a goal, wait for it, and return its outcome, as ``wait_for_goals`` does."""
+    """Start a goal, wait for it, and return its outcome; see ``wait_for_goals``."""
     return wait_for_goals(robot, lambda: (start(),), timeout)
 
 
 def wait_for_goals(
     robot: Robot, start: Callable[[], Sequence[GoalHandle]], timeout: float | None
 ) -> Outcome:
-    """Start goals, wait for all, and return the outcome of the first that failed.
+    """Start goals, wait until all have ended, and return the first failure.
 
-    If none failed, return the last outcome.  Ctrl-C and SIGTERM cancel the goals: the
-    robot stops as it does for a ROS client.  The handlers are installed before the
-    goals start, so that no signal is missed.
+    If no goal failed, return the last outcome.  Ctrl-C and SIGTERM cancel the goals:
+    the robot stops in the same way as for a ROS client.  The signal handlers are
+    installed before the goals start, so that no signal is missed.
     """
     from tool0.cli import GOAL_FAILED, INTERRUPTED, OK
     from tool0.cli.stop_signal import StopSignal

@@ -1,4 +1,4 @@
-"""``tool0 demo``: complete tasks to watch, with measurements."""
+"""``tool0 demo``: complete tasks with measurements, shown in the panel."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 READERS = options.READERS
 
 PAGE_TIMEOUT = 300.0
-"""Longest wait for a browser that has loaded the scene [wall s]."""
+"""Longest wait for a browser to load the scene [wall s]."""
 
 
 @final
@@ -43,10 +43,11 @@ class DemoArguments:
     engine: str = SimulationConfig().engine
     """The physics engine: mujoco or gazebo."""
     n: int = 1
-    """Number of trials; from the second on, or with --seed, the cube's pose is
-    random."""
+    """Number of trials.  The cube's pose is random from the second trial onward; with
+    --seed, it is random in all trials."""
     seed: int | None = None
-    """Seed of the random poses; if not given, the first pose is the scene's."""
+    """Seed of the random poses; without a seed, the first trial uses the pose from the
+    scene."""
     size: Metres = 0.045
     """Edge of the cube [m]."""
     mass: float = 0.1
@@ -54,9 +55,9 @@ class DemoArguments:
     friction: float = 1.0
     """Coefficient of friction of the cube."""
     force: float = 60.0
-    """Gripping force at each pad [N], within the gripper's range."""
+    """Gripping force at each pad [N]; it must be within the gripper's range."""
     speed: float = 0.7
-    """Speed of the arm's joints as a fraction of the maximum."""
+    """Speed of the arm's joints, as a fraction of their maximum speed."""
     grasp_assist: bool = False
     """Attach the gripped cube to the gripper, regardless of friction and force."""
     headless: bool = False
@@ -64,9 +65,9 @@ class DemoArguments:
     report: Path | None = None
     """Also write the report to this file, as JSON."""
     video: Path | None = None
-    """Write an MP4 file; needs `pip install '.[video]'`."""
+    """Record a video in this MP4 file; this requires `pip install '.[video]'`."""
     camera: str = "scene"
-    """The camera of the video: scene or wrist."""
+    """The camera that records the video: scene or wrist."""
     as_json: AsJson = False
     """Print the report as one JSON object."""
 
@@ -76,14 +77,14 @@ class DemoArguments:
 
     @property
     def cube(self) -> Cube:
-        """The cube that is picked."""
+        """The cube to pick."""
         from tool0.cli.demos.setup import Cube
 
         return Cube(edge=self.size, mass=self.mass, friction=self.friction)
 
     @property
     def options(self) -> PickOptions:
-        """Options of gripping and carrying the object."""
+        """Options for the gripping and the transport of the object."""
         from tool0.cli.demos.hand import PickOptions
 
         return PickOptions(force=self.force, speed=self.speed)
@@ -96,13 +97,14 @@ def pick(
 ) -> int:
     """Pick a cube from a table, and place it in a bin.
 
-    Friction alone holds the cube.  The table and the bin are placed to suit the arm's
-    reach.  The demo starts in real time when a browser shows the robot; then Enter
-    repeats it and Ctrl-C ends it.  Headless, it runs as fast as possible and ends.
+    Only friction holds the cube.  The positions of the table and the bin depend on the
+    arm's reach.  The demo starts in real time when a browser shows the robot.
+    After the demo, Enter repeats the demo, and Ctrl-C ends the command.  With
+    --headless, the demo runs as fast as possible and then ends.
 
     Exit status: 1 if a cube is not in the bin.
     """
-    _check_files(arguments)  # first: the picks take minutes
+    _check_files(arguments)  # check the files first, because the picks take minutes
     from tool0.cli.demos.setup import pick_demo
 
     return _run(
@@ -116,13 +118,14 @@ def handover(
     taker: str = "ur10e+hande",
     panel: PanelOptions = PanelOptions(),
 ) -> int:
-    """Pick a cube with one arm, hand it to another, and place it in a bin.
+    """Pick a cube with one arm, hand it to a second arm, and place it in a bin.
 
-    Friction alone holds the cube.  Everything else is as in `demo pick`.
+    Only friction holds the cube.  For the panel, repetitions and the exit status, see
+    `demo pick`.
 
     Args:
         giver: The arm that picks, with its gripper: ARM+GRIPPER.
-        taker: The arm that places the cube, with its gripper.
+        taker: The arm that places the cube, with its gripper: ARM+GRIPPER.
     """
     _check_files(arguments)
     from tool0.cli.demos.setup import handover_demo
@@ -140,14 +143,14 @@ def shelf(
 ) -> int:
     """Pick a cube from a shelf, and place it in a bin behind a wall.
 
-    All motions are planned around the obstacles, even while the gripper holds the cube.
-    Friction alone holds it.  The arm needs at least the reach of a UR5.  Everything
-    else is as in `demo pick`.
+    All motions are planned around the obstacles, also while the gripper holds the cube.
+    Only friction holds the cube.  The arm must have at least the reach of a UR5.  For
+    the panel, repetitions and the exit status, see `demo pick`.
 
     Args:
-        second: A second robot, which is in the way above the bin: ARM or
-            ARM+GRIPPER.  It makes room while the cube is carried; both motions are
-            planned together.
+        second: A second robot, which blocks the space above the bin: ARM or
+            ARM+GRIPPER.  The second robot moves aside while the first robot carries the
+            cube; both motions are planned together.
     """
     _check_files(arguments)
     from tool0.cli.demos.setup import shelf_demo
@@ -201,7 +204,7 @@ def _run(what: Demo, arguments: DemoArguments, panel: PanelOptions) -> int:
 
 
 def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> None:
-    """Serve the panel, and wait for a page that shows the robot before the task."""
+    """Serve the panel, and wait until a web page shows the robot."""
     from tool0.cli.panel import listening, show
     from tool0.panel.server import Panel
 
@@ -218,7 +221,7 @@ def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> N
 
 
 def _wants_replay() -> bool:
-    """Keep robot and panel until Ctrl-C; return True if Enter asks for a repeat."""
+    """Wait for Enter or Ctrl-C with the panel running; return True after Enter."""
     from tool0.cli.stop_signal import StopSignal
 
     sources: list[StopSignal | TextIO] = []

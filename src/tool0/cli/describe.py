@@ -1,4 +1,4 @@
-"""``tool0 describe``: print the robot in several forms, its controllers and sources."""
+"""``tool0 describe``: print the robot, its controllers or the sources of its values."""
 
 from __future__ import annotations
 
@@ -33,17 +33,18 @@ def describe(
 ) -> None:
     """Write the robot as a tree, a table of joints, URDF or MJCF, or its controllers.
 
-    ``controllers`` is the built-in ros_control YAML with all gains and where they come
-    from: copy it, change it, and give it to ``tool0 bringup --controllers-file``.  With
-    ``--ros2-control`` it is that of ros2_control.
-    ``sources`` lists the ratings of each part, and its values without a published
-    source.
+    ``controllers`` prints the built-in ros_control YAML with all gains and the sources
+    of the gains.  Copy this file, change it, and give it to ``tool0 bringup
+    --controllers-file``.  With ``--ros2-control``, ``controllers`` prints the YAML of
+    ros2_control. ``sources`` prints the ratings of each part, and the values of the
+    part that have no published source.
 
     Args:
-        form: Kind of output.
-        output: File to write; standard output if not given.
-        gripper_action: In ``controllers``, give grippers a GripperActionController.
-        as_json: Write tree, table or sources as one JSON object.
+        form: Kind of output to write.
+        output: File to write; the default is standard output.
+        gripper_action: In the output ``controllers``, use a GripperActionController for
+            grippers.
+        as_json: Write the tree, the table or the sources as one JSON object.
     """
     from tool0.description.loading import load_description
 
@@ -90,7 +91,7 @@ def _render(description: RobotDescription, form: Form, *, gripper_action: bool) 
 
 
 def tree(model: RobotModel) -> str:
-    """Return a line for each joint with its child link, indented below its parent."""
+    """Return a line for each joint and its child link, indented below its parent."""
     rows = [
         (f"{branch}{joint.name}", joint.type.value, f"─> {joint.child}")
         for branch, joint in _branches(model, model.root, "")
@@ -108,7 +109,7 @@ def _branches(model: RobotModel, link: str, indent: str) -> Iterator[tuple[str, 
 
 
 def table(model: RobotModel) -> str:
-    """Return the movable joints with type, axis, limits and drive."""
+    """Return a table of the movable joints: type, axis, limits and drive."""
     heads = ("joint", "type", "axis", "lower", "upper", "velocity", "effort", "driven")
     units = ("", "", "", "rad|m", "rad|m", "/s", "N·m|N", "")
     rows = [_row(model, joint) for joint in model.movable_joints]
@@ -136,7 +137,7 @@ def sources(description: RobotDescription) -> str:
 
 
 def plain(description: RobotDescription) -> dict[str, object]:
-    """Return the joints of the tree with limits and drives, for JSON."""
+    """Return the joints with their limits and drives, for JSON."""
     model = description.model
     return {
         "root": model.root,
@@ -164,7 +165,7 @@ def _plain_joint(model: RobotModel, joint: Joint) -> dict[str, object]:
 
 
 def plain_sources(description: RobotDescription) -> dict[str, object]:
-    """Return the specifications of each part by its name, for JSON."""
+    """Return the specifications of each part by the part's name, for JSON."""
     parts = {part for robot in description.robots for part in robot.parts}
     return {part.name: dict(part.load("specifications")) for part in parts}
 

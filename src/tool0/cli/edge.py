@@ -1,7 +1,8 @@
-"""The edge of the process: its signals, its standard streams, and its errors.
+"""The process-wide behavior of the command line: signals, standard streams and errors.
 
-A failure of the environment (a full disk, no descriptors, a closed output) ends a
-command with one line and an exit status.  Only bugs have tracebacks.
+After a failure of the environment (a full disk, no free file descriptors, a closed
+output), a command prints a one-line message and ends with an exit status.  Only a bug
+results in a traceback.
 """
 
 from __future__ import annotations
@@ -17,10 +18,10 @@ from typing import TextIO
 
 
 def open_standard_streams() -> None:
-    """Reopen closed standard streams, and make all of them accept any text.
+    """Reopen closed standard streams, and make all standard streams accept any text.
 
-    Other files can then no longer take their descriptors.  Writing to a closed standard
-    output fails, as in other programs.
+    Open streams prevent other files from using the descriptors of the standard
+    streams.  Writing to a closed standard output fails, like in other programs.
     """
     for number, (name, mode) in enumerate(_STREAMS.items()):
         try:
@@ -45,7 +46,7 @@ _PLAIN = {
 
 
 def _plain(error: UnicodeError) -> tuple[str | bytes, int]:
-    """Replace characters that an encoding lacks, mostly ASCII, by similar ones."""
+    """Replace an unencodable character with ASCII characters."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     character = error.object[error.start]
@@ -57,7 +58,7 @@ def _plain(error: UnicodeError) -> tuple[str | bytes, int]:
 
 @contextmanager
 def interruptible() -> Iterator[None]:
-    """Make Ctrl-C raise KeyboardInterrupt instead of ending the process at once."""
+    """Make Ctrl-C raise KeyboardInterrupt instead of ending the process immediately."""
     if signal.getsignal(signal.SIGINT) is not signal.SIG_DFL:
         yield
         return
@@ -70,16 +71,16 @@ def interruptible() -> Iterator[None]:
 
 def flush() -> None:
     """Flush the output while a failure can still be reported."""
-    _discard_unwritten(sys.stderr)  # there is nowhere to report it
+    _discard_unwritten(sys.stderr)  # a failure of stderr cannot be reported
     if sys.stdout is not None:
         sys.stdout.flush()
 
 
 def report(error: Exception) -> bool:
-    """Print the error in one line; return False if it is only a broken pipe.
+    """Print the error in one line.  For a broken pipe, print nothing and return False.
 
     Raises:
-        Exception: ``error`` again, if it is a bug.
+        Exception: The given ``error``, if the error is a bug.
     """
     from tool0.errors import Tool0Error
 
@@ -88,7 +89,7 @@ def report(error: Exception) -> bool:
         case Tool0Error() | ImportError() | UnicodeError():
             text = str(error)
         case BrokenPipeError():
-            return False  # `tool0 describe tree | head`: the reader has finished
+            return False  # such as `tool0 describe tree | head`: the reader has ended
         case OSError():
             text = _described(error)
         case MemoryError():
@@ -102,7 +103,7 @@ def report(error: Exception) -> bool:
 
 
 def _discard_unwritten(stream: TextIO | None) -> None:
-    """Flush a stream; if that fails, keep the interpreter from retrying at exit."""
+    """Flush a stream; after a failure, prevent another attempt at exit."""
     try:
         if stream is not None:
             stream.flush()

@@ -1,4 +1,4 @@
-"""``tool0 record --episodes``: demonstrations that keys start, drive and end."""
+"""``tool0 record --episodes``: demonstrations that are controlled by keys."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ HELP: Final = """\
 _JOG_SPEED: Final = 0.1
 """Speed of the tool while a key is held [m/s]."""
 _JOG_DURATION: Final = 0.25
-"""Time for which a key press moves the tool [s]; a held key repeats sooner."""
+"""Duration of the motion of one key press [s]; it exceeds the repeat interval of a held
+key."""
 _TWISTS: Final = {
     "w": (1.0, 0.0, 0.0),
     "s": (-1.0, 0.0, 0.0),
@@ -35,7 +36,7 @@ _TWISTS: Final = {
     "r": (0.0, 0.0, 1.0),
     "f": (0.0, 0.0, -1.0),
 }
-"""Direction in the base."""
+"""Key → direction of the tool in the base frame."""
 _OUTCOMES: Final[Mapping[str, EpisodeEnd]] = {
     "y": "success",
     "n": "failure",
@@ -68,7 +69,7 @@ def record_episodes(folder: Path, task: str, *, reset: bool, bringup: Bringup) -
 
 @final
 class _Session:
-    """Executes keys, and shows a status line."""
+    """Executes the commands of keys, and shows a status line."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -77,7 +78,7 @@ class _Session:
         self.show()
 
     def take(self, key: str) -> None:
-        """Execute a key; an empty text only updates the status line."""
+        """Execute the command of a key; an empty key only updates the status."""
         from tool0.protocol.episodes import EndEpisode, StartEpisode
 
         channel, problem = self._robot.channel, ""
@@ -92,12 +93,12 @@ class _Session:
                 gripper = self._robot.gripper
                 most = gripper.geometry.max_opening
                 gripper.move(opening=most if key == "o" else 0.0)
-        except Tool0Error as error:  # the session goes on
+        except Tool0Error as error:  # the session continues
             problem = str(error)
         self.show(problem)
 
     def show(self, problem: str = "") -> None:
-        """Show the status if it has changed, or the error."""
+        """Show the problem, or show the status if there is no problem."""
         from tool0.protocol.episodes import ReadEpisodes
 
         text = problem or _described(self._robot.channel.call(ReadEpisodes()))
@@ -117,7 +118,7 @@ class _Session:
         x, y, z = (_JOG_SPEED * part for part in direction)
         try:
             motion.speed_tool((x, y, z, 0.0, 0.0, 0.0), duration=_JOG_DURATION)
-        except ControlError:  # another program has it, or a stop has ended it
+        except ControlError:  # the arm is no longer taken
             self._has_taken = False
             raise
 
@@ -134,7 +135,7 @@ def _described(status: EpisodesStatus | None) -> str:
 
 @contextlib.contextmanager
 def _keys() -> Iterator[int]:
-    """Yield the descriptor of the standard input; a terminal delivers single keys."""
+    """Yield the descriptor of the standard input; make a terminal send single keys."""
     number = sys.stdin.fileno()
     if not os.isatty(number):
         yield number
@@ -151,7 +152,7 @@ def _keys() -> Iterator[int]:
 
 
 def _pressed(number: int, stop: StopSignal) -> Iterator[str]:
-    """Yield keys, and regular empty texts, until the input or the process ends."""
+    """Yield keys, with empty texts at intervals, until the input or process ends."""
     while not stop.is_set:
         inputs: list[int | StopSignal] = [number, stop]
         ready, _, _ = select.select(inputs, [], [], _PERIOD)

@@ -1,4 +1,4 @@
-"""``tool0 explain``: what a launch file does, and where its arguments are used."""
+"""``tool0 explain``: the contents of a launch file, and the uses of its arguments."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 OK, HAS_ERRORS = 0, 1
 WIDTH = 100
-"""Columns of the terminal."""
+"""Width of the output [columns]."""
 EMPTY = "''"
 _LEAST = 40
-"""Minimum width of the text in columns, even deep in the tree."""
+"""Minimum width of the text, including text that is deep in the tree [columns]."""
 _FIND = "$(find\N{NO-BREAK SPACE}"
 
 
@@ -33,13 +33,14 @@ def explain(
     ],
     as_json: AsJson = False,
 ) -> int:
-    """Show what a launch file of ROS 1 (XML) or ROS 2 (Python) includes and sets.
+    """Show the includes and settings of a launch file of ROS 1 (XML) or ROS 2 (Python).
 
-    It also shows where the value of each argument is used.  Exit status: 1 if the files
-    contain errors.
+    The command also shows where the value of each argument is used.  Exit status: 1 if
+    the files contain errors.
 
     Args:
-        words: The launch file, or its package and file name; then arguments for it.
+        words: The launch file, or its package and file name, followed by arguments for
+            the launch file.
         as_json: Print one JSON object.
     """
     from tool0.description.packages import packages_around
@@ -52,7 +53,7 @@ def explain(
     names = [word for word in words if ":=" not in word]
     file = _file(names)
     pairs = [word.split(":=", 1) for word in words if ":=" in word]
-    given = {name: value for name, value in pairs if name and value}  # as roslaunch
+    given = {name: value for name, value in pairs if name and value}  # like roslaunch
     packages = PackageIndex(packages_around(file))
     launch = read_launch(file, given, packages)
     robots = xacro_robots(launch, packages)
@@ -66,7 +67,7 @@ def explain(
 
 
 def _file(names: list[str]) -> Path:
-    """Return the launch file that the given words name."""
+    """Return the launch file that is given by one or two words."""
     match names:
         case [name]:
             file = Path(name)
@@ -81,7 +82,7 @@ def _file(names: list[str]) -> Path:
 
 
 def _in_package(package: str, name: str) -> Path:
-    """Return a package's file from any of its folders, as roslaunch does."""
+    """Return a package's file from any folder of the package, like roslaunch."""
     from tool0.description.packages import packages_around
     from tool0.lint.packages import PackageIndex
 
@@ -94,7 +95,7 @@ def _in_package(package: str, name: str) -> Path:
         return (folder / name).absolute()
     try:
         found = sorted(path for path in folder.rglob(name) if path.is_file())
-    except (NotImplementedError, ValueError):  # an absolute path, or none
+    except (NotImplementedError, ValueError):  # the name is an absolute path, or empty
         found = []
     if len(found) == 1:
         return found[0].absolute()
@@ -132,7 +133,7 @@ def text_of(
     launch: LaunchFile,
     packages: PackageIndex,
 ) -> str:
-    """Return the whole text: the tree, the arguments' uses, findings and notes."""
+    """Return the whole text: tree, uses of arguments, findings and notes."""
     writer = _Writer(packages)
     lines = [writer.path(contents.name), *writer.tree(contents.items, "")]
     for file in arguments:
@@ -180,7 +181,7 @@ class _Writer:
         return f"{package}/{Path(name).relative_to(folder)}"
 
     def argument(self, item: Item, file: str) -> Iterator[str]:
-        """Yield the lines of an argument: value, origin, and where it goes."""
+        """Yield the lines of an argument: its value, its origin and its uses."""
         head = f"  {item.name}"
         if item.value is not None:
             head += f" = {self._value(item.value) or EMPTY}"
@@ -196,7 +197,8 @@ class _Writer:
         Args:
             items: The uses.
             indent: The text before each line.
-            around: Text and file of the line above; they are not repeated.
+            around: The text and the file of the line above.  A file name that occurs
+                here is not repeated.
         """
         places = [_place(item, around) for item in items]
         width = max(map(len, places), default=0)
@@ -228,7 +230,7 @@ class _Writer:
         return text + _note(item)
 
     def _value(self, value: str) -> str:
-        """Return a value with package folders in roslaunch's notation."""
+        """Return a value with package folders in the notation of roslaunch."""
         value = " ".join(value.split())
         for folder, name in self._folders.items():
             value = value.replace(f"{folder}/", f"$(find {name})/")
@@ -236,7 +238,7 @@ class _Writer:
 
 
 def _place(item: Item, around: str) -> str:
-    """Return the line, with the file unless the context names it."""
+    """Return the line number, with the file name unless ``around`` contains it."""
     line, name = item.location.line, Path(str(item.location.file)).name
     if name in around:
         return "" if line is None else f"line {line}"
@@ -256,14 +258,16 @@ def _branch(text: str, indent: str, item: Item, *, is_last: bool) -> Iterator[st
 
 
 def _wrapped(text: str, indent: str) -> Iterator[str]:
-    """Yield lines that fit the width; those after the first start with ``indent``."""
+    """Yield lines that fit the width; all except the first start with ``indent``."""
     if len(text) <= WIDTH:
         yield text
         return
     width = max(WIDTH, len(indent) + _LEAST)
     start = len(text) - len(text.lstrip(" │├└─"))
     lines = textwrap.wrap(
-        text[start:].replace("$(find ", _FIND),  # no line break there
+        text[start:].replace(
+            "$(find ", _FIND
+        ),  # prevents a line break inside "$(find "
         width,
         initial_indent=text[:start],
         subsequent_indent=indent,

@@ -1,4 +1,4 @@
-"""``tool0 hardware``: whether a real robot may move, its power, payload and speed."""
+"""``tool0 hardware``: motion enable, power, payload and speed of a real robot."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _link(state: ControlBoxState) -> RobotLink:
 
 
 def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
-    """Print the robot's model and serial number, its modes, and what prevents motion.
+    """Print the robot's model, serial number, modes and obstacles to motion.
 
     Args:
         as_json: Print one JSON object.
@@ -78,15 +78,16 @@ def enable(
     accept_calibration: bool = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Enable motion, at first with the speed slider at 25 %.
+    """Enable motion; the speed slider is initially at 25 %.
 
-    It asks for the serial number on the robot's nameplate, so that the right robot
-    moves.
+    The command asks for the serial number on the robot's nameplate, to make sure that
+    the intended robot moves.
 
     Args:
-        serial: The serial number, instead of asking for it.
-        accept_calibration: Move although the robot's calibration differs from the
-            description; poses are then off by millimetres.
+        serial: The serial number.  With this option, the command does not ask for the
+            number.
+        accept_calibration: Enable motion even if the robot's calibration differs from
+            the description; poses then have errors of millimeters.
     """
     with bringup.connect() as robot:
         box = _box(robot)
@@ -108,19 +109,19 @@ def enable(
 
 
 def disable(*, bringup: Bringup = DEFAULT) -> None:
-    """Stop the robot, and only read its state from now on."""
+    """Stop the robot and disable motion; the robot's state is still read."""
     with bringup.connect() as robot:
         _box(robot).disable_motion()
 
 
 def play(*, bringup: Bringup = DEFAULT) -> None:
-    """Restart the controllers after the arm was stopped."""
+    """Restart the controllers after a stop of the arm."""
     with bringup.connect() as robot:
         _box(robot).play()
 
 
 def power_on(*, bringup: Bringup = DEFAULT) -> None:
-    """Switch the arm on; its brakes stay on."""
+    """Switch the arm on; its brakes remain engaged."""
     with bringup.connect() as robot:
         _box(robot).power_on()
 
@@ -132,13 +133,13 @@ def power_off(*, bringup: Bringup = DEFAULT) -> None:
 
 
 def release_brakes(*, bringup: Bringup = DEFAULT) -> None:
-    """Release the brakes; the arm is switched on first, if it is off."""
+    """Release the brakes; if the arm is off, it is switched on first."""
     with bringup.connect() as robot:
         _box(robot).release_brakes()
 
 
 def unlock(*, bringup: Bringup = DEFAULT) -> None:
-    """Clear a protective stop, once its cause is known; the robot does not move."""
+    """Clear a protective stop after its cause is known; the robot does not move."""
     with bringup.connect() as robot:
         _box(robot).unlock()
 
@@ -147,8 +148,9 @@ def payload(*, mass: float | None = None, bringup: Bringup = DEFAULT) -> None:
     """Set the payload of the robot.
 
     Args:
-        mass: Mass of gripper and load [kg], with the centre of mass from the
-            description; if not given, the mass that the description has at the flange.
+        mass: Mass of the gripper and the load [kg]; the default is the mass at the
+            flange in the description.  The center of mass is always from the
+            description.
     """
     with bringup.connect() as robot:
         box = _box(robot)

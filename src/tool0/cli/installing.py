@@ -13,9 +13,9 @@ OK, NOT_READY = 0, 1
 
 
 def doctor(*, as_json: AsJson = False) -> int:
-    """Show what this machine can run, and the command that installs what is missing.
+    """Show the features that this machine can run, and how to install missing software.
 
-    Exit status: 1 if it cannot run `tool0 bringup` with MuJoCo.
+    Exit status: 1 if this machine cannot run `tool0 bringup` with MuJoCo.
 
     Args:
         as_json: Print one JSON object.
@@ -33,16 +33,18 @@ def _install_gazebo(
     mirror: str | None = None,
     keyring: Path | None = None,
 ) -> int:
-    """Prepare Gazebo 11: use the system's, or make a private copy of Debian 11's.
+    """Prepare Gazebo 11: use the system's packages, or unpack packages of Debian 11.
 
-    A private copy needs no root: apt downloads and verifies the packages, and they are
-    unpacked in your data folder.  The next run resumes an interrupted download.
+    The private copy requires no root access: apt downloads and verifies the packages,
+    and tool0 unpacks them in your data folder.  If the download is interrupted, run the
+    command again to resume it.
 
     Args:
-        gui: Also install what Gazebo's window and cameras need.
+        gui: Also install the packages that Gazebo's window and cameras require.
         private: Make a private copy even if the system has Gazebo 11.
-        mirror: URL of a Debian mirror, instead of those in apt's configuration.
-        keyring: Keys that sign Debian 11, instead of those of debian-archive-keyring.
+        mirror: URL of a Debian mirror, instead of the mirrors in apt's configuration.
+        keyring: File with the keys that sign Debian 11, instead of the keys of
+            debian-archive-keyring.
     """
     from tool0.installation.gazebo.install import KEYRING, install_gazebo
     from tool0.installation.gazebo.installation import NAMED_BY, find_installation
@@ -64,7 +66,7 @@ def _install_gazebo(
 
 
 def _gazebo_status(*, as_json: AsJson = False) -> int:
-    """Show which Gazebo is used, and what is missing.
+    """Show which Gazebo is used, and which components are missing.
 
     Exit status: 1 if there is no usable Gazebo.
 
@@ -91,14 +93,14 @@ gazebo = {
 
 
 def _install_ros1(*, rviz: bool = False, dry_run: bool = False) -> int:
-    """Install with apt what `tool0 bringup --ros1` needs.
+    """Use apt to install the packages that `tool0 bringup --ros1` needs.
 
-    This works on Debian 12 and 13 and on Ubuntu 22.04.  With ROS Noetic or RoboStack,
-    nothing is installed; missing packages are listed.
+    The command supports Debian 12, Debian 13 and Ubuntu 22.04.  With ROS Noetic or
+    RoboStack, the command installs nothing, but lists the missing packages.
 
     Args:
         rviz: Also install RViz.
-        dry_run: Only print the command.
+        dry_run: Only print the apt command.
     """
     from tool0.installation.ros1.install import install_ros1, plan_install
 
@@ -118,7 +120,7 @@ def _install_ros1(*, rviz: bool = False, dry_run: bool = False) -> int:
 
 
 def _ros1_status(*, as_json: AsJson = False) -> int:
-    """Show which ROS 1 is installed, and what is missing.
+    """Show which ROS 1 is installed, and which packages are missing.
 
     Exit status: 1 if there is no usable ROS 1.
 
@@ -131,7 +133,7 @@ def _ros1_status(*, as_json: AsJson = False) -> int:
 
 
 def _ros1_env() -> int:
-    """Print shell commands that make the generated messages known to ROS tools.
+    """Print shell commands that make the generated messages available to ROS tools.
 
     Run `eval "$(tool0 ros1 env)"` in the shell, so that rostopic, rosservice and rosmsg
     find the messages.  Nothing is printed if control_msgs, controller_manager_msgs and
@@ -148,7 +150,7 @@ ros1 = {"install": _install_ros1, "status": _ros1_status, "env": _ros1_env}
 
 
 class InstallationStatus(Protocol):
-    """Whether something can run here, and what is missing."""
+    """Status of an installation: whether it is usable, and what is missing."""
 
     @property
     def can_run(self) -> bool: ...
@@ -165,7 +167,7 @@ def print_removed(size: int) -> int:
 
 
 def print_status(status: InstallationStatus, *, as_json: bool) -> int:
-    """Print the result as text or as JSON; return the exit status."""
+    """Print the status as text or as JSON; return the exit status."""
     if as_json:
         print_json(status.as_json())
     else:

@@ -52,7 +52,7 @@ ToolPose = Annotated[
 JointTargets = Annotated[tuple[str, ...], Option(metavar="JOINT=VALUE ...")]
 
 _SETTLE = 1.0
-"""Longest wait, after a goal has ended, for the pads to stand still [wall s]."""
+"""Longest wait for the pads to come to rest after a goal has ended [wall s]."""
 
 
 def move(
@@ -76,31 +76,32 @@ def move(
 ) -> int:
     """Move joints, or the tool to a pose, and wait until the motion has ended.
 
-    Give either --joints or --pose.  A motion that would collide is refused; --plan goes
-    around obstacles.  Ctrl-C stops the robot.
+    Give either --joints or --pose.  A motion that would collide is refused; with
+    --plan, the motion avoids obstacles.  Ctrl-C stops the robot.
 
     Args:
-        joints: Target positions [rad | m]; other joints stay where they are.
-        duration: Duration of a motion with --joints, in simulated time [s]; 2 if not
-            given.
-        controller: Trajectory controller to use; if not given, the one that drives the
-            joints.
+        joints: Target positions [rad | m]; the other joints keep their positions.
+        duration: Duration of a motion with --joints, in simulated time [s]; the default
+            is 2.
+        controller: Trajectory controller to use; by default, the controller that drives
+            the joints.
         pose: Target pose of the tool [m, rad].
         linear: Move the tool along a straight line.
-        speed: Speed of a motion with --pose or --plan: a fraction of the joints'
-            velocity limits, 0.01 to 1; with --linear, the speed of the tool [m/s].
-        tip: Link that moves to --pose; tool0 if not given.
-        relative_to: Link in whose frame --pose is given; the root if not given.
-        check: Only print whether the motion would be free of collisions, or, with
-            --plan, whether there is a path around obstacles; exit status 1 if not.
-        plan: Plan a path around obstacles, to any configuration that reaches the
-            target, and move along it.
-        clearance: Smallest distance between bodies [m], with --plan (5mm if not given)
-            or --check (0 if not given).
-        collision: Refuse a motion that would collide (if not given), or ignore
+        speed: Speed of a motion with --pose or --plan, as a fraction of the joints'
+            velocity limits, 0.01 to 1.  With --linear, the value is the speed of the
+        tool [m/s]. tip: Link that moves to --pose; the default is tool0. relative_to:
+        Reference link of --pose; the default is the robot's root. check: Only print
+        whether the motion would be free of collisions or, with
+            --plan, whether a path around the obstacles exists.  The exit status is 1 if
+            the answer is no.
+        plan: Plan a path around obstacles to any configuration that reaches the target,
+            and move along this path.
+        clearance: Minimum distance between bodies [m]; the default is 5mm with --plan,
+            and 0 with --check alone.
+        collision: Refuse a motion that would collide (the default), or ignore
             collisions.
-        robot: Robot of a cell that moves to --pose, or whose joints --joints names
-            without their prefix.
+        robot: Robot of a cell that moves to --pose.  With --joints, the names of this
+            robot's joints need no prefix.
         timeout: Cancel the motion after this wall time [s].
         as_json: Print one JSON object.
     """
@@ -166,7 +167,7 @@ def _finish(outcome: Outcome, *, as_json: bool, plan: Plan | None = None) -> int
 
 
 def _refuse(other: str, options: Mapping[str, object]) -> None:
-    """Raise ConfigError if an option was given that belongs to ``other``."""
+    """Raise ConfigError if an option is given that applies only to ``other``."""
     for name, value in options.items():
         if value is not None:
             raise ConfigError(f"--{name.replace('_', '-')} needs {other}")
@@ -216,7 +217,7 @@ def _joint_motion(
 def _arm_of(
     target: Pose | Mapping[str, float], connected: Robot, robot: str | None
 ) -> Arm:
-    """Return the arm that moves to a target, named by ``--robot`` or by its joints."""
+    """Return the arm that moves to a target, given by ``--robot`` or the joints."""
     if robot is None and not isinstance(target, Pose):
         for arm in connected.arms.values():
             if not target.keys().isdisjoint(arm.joint_names):
@@ -225,7 +226,7 @@ def _arm_of(
 
 
 def _show_check(found: Checked, *, as_json: bool) -> int:
-    """Print whether a motion is free; return the exit status."""
+    """Print whether a motion is free of collisions; return the exit status."""
     from msgspec import to_builtins
 
     if as_json:
@@ -264,7 +265,7 @@ def _way_json(plan: Plan) -> dict[str, object]:
 
 
 def _way_text(plan: Plan) -> str:
-    """Return a line about a plan."""
+    """Return a line of text that describes a plan."""
     turns = len(plan.waypoints) - 2
     way = "straight" if turns == 0 else f"around by {counted(turns, 'waypoint')}"
     apart = "nothing within 1 m"
@@ -277,7 +278,7 @@ def _way_text(plan: Plan) -> str:
 
 
 def _check_units(units: Mapping[str, Quantity], robot: Robot) -> None:
-    """Raise ConfigError if an angle is meant for a sliding joint, or the reverse."""
+    """Raise ConfigError if a value has the wrong kind of unit for its joint."""
     joints = robot.description.model.joint_by_name if units else {}
     for name, quantity in units.items():
         if name not in joints:
@@ -302,19 +303,21 @@ def grip(
     as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> int:
-    """Open or close the gripper, wait, and report what it holds.
+    """Open or close the gripper, wait, and report whether it holds an object.
 
     Give either --opening or --position.  Ctrl-C stops the gripper.
 
     Args:
-        opening: Distance between the pads [m]; 0 is closed.
-        position: Position of the driven joint, instead of --opening: an angle, or a
-            length if it slides; 0 is open.
-        speed: Speed of the pads relative to each other [m/s]; the maximum if not given.
-        force: Maximum force at each pad [N]; that of the gripper if not given.
-        effort: Maximum effort of the driven joint [N·m], or [N] if it slides, instead
-            of --force.
-        robot: Robot of a cell.
+        opening: Distance between the pads [m]; the gripper is closed at 0.
+        position: Position of the driven joint, instead of --opening: an angle for a
+            revolute joint, or a length for a prismatic joint.  The gripper is open at
+            0.
+        speed: Speed of the pads relative to each other [m/s]; the default is the
+            maximum.
+        force: Maximum force at each pad [N]; the default is the gripper's maximum.
+        effort: Maximum effort of the driven joint, instead of --force: [N·m] for a
+            revolute joint, [N] for a prismatic joint.
+        robot: Robot of a cell that has the gripper.
         timeout: Cancel the motion after this wall time [s].
         as_json: Print one JSON object.
     """
@@ -346,7 +349,7 @@ def grip(
 
 
 def _joint_position(text: str | None, quantity: Quantity) -> float | None:
-    """Return ``--position`` [rad | m] of a joint that measures ``quantity``."""
+    """Return ``--position`` [rad | m], which must have the unit of ``quantity``."""
     if text is None:
         return None
     try:

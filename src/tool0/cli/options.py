@@ -1,8 +1,9 @@
 """The options of ``bringup``, ``view`` and ``describe`` as dataclasses.
 
-A field is an option, and the string below it is the option's help.  The robot,
-its controllers and its simulation use the same classes as ``tool0.bringup``; this
-module adds only the command line's own options.
+Each field is an option, and the string below the field is the option's help text.  The
+options of the robot, its controllers and its simulation use the same classes as
+``tool0.bringup``; this module adds only the options that exist solely on the command
+line.
 """
 
 from __future__ import annotations
@@ -48,12 +49,12 @@ class EngineOptions:
     """Options of Gazebo."""
 
     world: Path | None = None
-    """World file; an empty world with ground if not given."""
+    """World file; the default is an empty world with a ground plane."""
     gazebo_gui: bool = False
-    """Open Gazebo's own window, gzclient."""
+    """Open the window of Gazebo, gzclient."""
 
     def given(self) -> dict[str, object]:
-        """Return the given options under the engine's names."""
+        """Return the given options by the names that the engine uses."""
         options: dict[str, object] = {}
         if self.world is not None:
             options["world"] = self.world
@@ -68,19 +69,19 @@ class HardwareOptions:
     """Options of a real robot."""
 
     hardware_port_base: int = 0
-    """Offset added to the port numbers of a UR, to reach a simulated one."""
+    """Offset added to the port numbers of a UR, to connect to a simulated UR."""
     callback_host: str | None = None
-    """Address of this machine as seen from the robot; if not given, that of the
-    connection to the robot."""
+    """Address of this machine as seen from the robot; by default, the local address of
+    the connection to the robot."""
     callback_port: int = 0
-    """Port on this machine to which tool0's program on the robot connects; 0 for a free
-    one."""
+    """Port on this machine to which tool0's program on the robot connects; 0 selects a
+    free port."""
     gripper_link: str | None = None
     """Connection to the gripper: urcap, modbus, modbus:HOST:PORT, rtu:/dev/ttyUSB0 or
-    none; the URCap's socket if not given."""
+    none.  The default is the socket of the URCap."""
 
     def given(self) -> dict[str, object]:
-        """Return the options under the engine's names."""
+        """Return the options by the names that the engine uses."""
         return {
             "port_base": self.hardware_port_base,
             "callback_host": self.callback_host or "",
@@ -95,32 +96,33 @@ class RunOptions:
     """Duration, output and access."""
 
     duration: float | None = None
-    """End after this simulated time [s], counted from the moment all interfaces are
-    up; without it, run until Ctrl-C."""
+    """End after this simulated time [s], measured from the time when all interfaces are
+    ready.  By default, run until Ctrl-C."""
     headless: bool = False
-    """Run without the panel, and open no window."""
+    """Run without the panel and without any window."""
     summary: bool = True
     """Print a report at the end."""
     as_json: AsJson = False
-    """Print the report as one JSON object, and nothing else on standard output."""
+    """Print the report as one JSON object, and print no other text on standard
+    output."""
     name: str = "tool0"
-    """Name of this bringup, by which other commands select it: `tool0 move --name
-    NAME`."""
+    """Name of this bringup.  Other commands select the bringup by this name: `tool0
+    move --name NAME`."""
     panel_folder: Annotated[Path | None, Option(metavar="FOLDER")] = None
-    """Also allow the panel to record below this folder; by default, only below the
-    user's folders of recordings and episodes."""
+    """Allow the panel to write recordings also below this folder.  By default, the
+    panel can write only below the user's folders of recordings and episodes."""
     remote: bool = True
-    """Allow other processes of this user to drive the robot, such as `tool0 move`."""
+    """Allow other processes of this user, such as `tool0 move`, to drive the robot."""
     ros1: bool = False
-    """Offer the robot in ROS 1, with the interfaces of ur_gazebo; `tool0 ros1 install`
-    installs what it needs."""
+    """Offer the robot in ROS 1, with the interfaces of ur_gazebo.  `tool0 ros1 install`
+    installs the required packages."""
     ros2: bool = False
     """Offer the robot in ROS 2, with the interfaces of ur_simulation_gz and controllers
-    of ros2_control; `tool0 ros2 install` installs what it needs."""
+    of ros2_control.  `tool0 ros2 install` installs the required packages."""
 
     ur: bool = False
-    """Act as a UR control box: RTDE, dashboard server, URScript, and the gripper's
-    socket and Modbus."""
+    """Emulate a UR control box: RTDE, dashboard server, URScript, and the gripper's
+    socket and Modbus interfaces."""
 
     def __post_init__(self) -> None:
         if self.duration is not None and not 0.0 <= self.duration < math.inf:
@@ -146,10 +148,11 @@ class PanelOptions:
     """The panel, a web page that shows and drives the robot."""
 
     panel_host: str | None = None
-    """Address to listen on, 0.0.0.0 for all; if not given, only browsers on this
-    machine can connect.  If others can, the URL contains a token."""
+    """Address to listen on; 0.0.0.0 selects all addresses.  By default, only browsers
+    on this machine can connect.  If other machines can connect, the URL contains a
+    token."""
     panel_port: int | None = None
-    """Port to listen on; if not given, 8085, or a free port if that is taken."""
+    """Port to listen on.  The default is 8085, or a free port if 8085 is in use."""
     open: bool = True
     """Open the panel in a browser if there is a desktop."""
 
@@ -160,17 +163,19 @@ class Ros2NodeOptions:
     """ROS 2."""
 
     ros2_ns: str = ""
-    """Namespace of all names, such as robot1, for several robots in one domain."""
+    """Namespace of all ROS names, such as robot1, to separate several robots in one
+    domain."""
     domain: int | None = None
-    """ROS_DOMAIN_ID; if not given, that of the environment."""
+    """ROS domain ID; the default is the value of the environment variable
+    ROS_DOMAIN_ID."""
 
     def options(self) -> Ros2Options:
-        """Return the options in the form that the node takes."""
+        """Return the options in the form that the ROS 2 node requires."""
         return Ros2Options(ns=self.ros2_ns, domain=self.domain)
 
 
 def _own_programs() -> Path | None:
-    """Return the folder of UR programs in the user's data; None if not creatable."""
+    """Return the user's folder of UR programs; None if it cannot be created."""
     folder = data_folder() / "ur-programs"
     with contextlib.suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
@@ -183,20 +188,20 @@ class UrControllerOptions:
     """The UR controller."""
 
     ur_host: str = "127.0.0.1"
-    """Address to listen on; further arms of a cell get the following ones."""
+    """Address to listen on; in a cell, each further arm uses the next address."""
     ur_port_base: int = 0
     """Offset added to the port numbers of a real UR."""
     ur_programs: Annotated[Path | None, Option(metavar="FOLDER")] = None
-    """Folder of the programs (*.script) that the dashboard server can load, and of its
-    saved log; ~/.local/share/tool0/ur-programs if not given."""
+    """Folder of the programs (*.script) that the dashboard server can load, and of the
+    dashboard server's saved log.  The default is ~/.local/share/tool0/ur-programs."""
     ur_sockets: bool = False
     """Allow URScript programs to connect to other machines."""
     ur_active_gripper: bool = False
-    """Start with an activated gripper; a real one has to be activated after
+    """Start with an activated gripper.  A real gripper must be activated after
     power-on."""
 
     def options(self) -> UrOptions:
-        """Return the options in the form that the UR interface takes."""
+        """Return the options in the form that the UR interface requires."""
         return UrOptions(
             host=self.ur_host,
             port_base=self.ur_port_base,
@@ -209,7 +214,7 @@ class UrControllerOptions:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BringupOptions:
-    """All options of ``tool0 bringup``, by group."""
+    """All options of ``tool0 bringup``, in groups."""
 
     description: DescriptionConfig = field(default_factory=DescriptionConfig)
     control: ControlConfig = field(default_factory=ControlConfig)
@@ -247,7 +252,7 @@ class BringupOptions:
             )
 
     def _check_hardware(self) -> None:
-        """Raise ConfigError for options that apply only to a simulation."""
+        """Raise ConfigError if an option is given that applies only to a simulation."""
         usual = SimulationConfig()
         simulated = {
             "--engine": self.simulation.engine != usual.engine,
@@ -264,9 +269,9 @@ class BringupOptions:
                 )
 
     def full_description(self) -> DescriptionConfig:
-        """Return ``description`` with the tags that ROS 2's controllers need.
+        """Return ``description`` with the tags that the controllers of ROS 2 need.
 
-        A real robot has these controllers, too, because one of them follows the speed
+        A real robot also uses these controllers, because one of them follows the speed
         slider.
         """
         is_ros2 = self.run.ros2 or (
@@ -319,4 +324,4 @@ READERS: Final[Readers] = {
     tuple[Camera, ...]: None,
     Mapping[str, object]: None,
 }
-"""Notation of the types of configuration values on the command line."""
+"""Notations of configuration values on the command line, by type."""

@@ -26,7 +26,7 @@ READERS = options.READERS
 
 @contextlib.contextmanager
 def listening(options: PanelOptions) -> Iterator[Endpoint]:
-    """Listen at the address of the options, and warn if others can reach it."""
+    """Listen at the address in the options; warn if other machines can connect."""
     from tool0.panel.address import open_endpoint
     from tool0.panel.server import is_page_built, load
 
@@ -51,7 +51,7 @@ def listening(options: PanelOptions) -> Iterator[Endpoint]:
 
 
 def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
-    """Open the page in a browser if there are a terminal and a desktop.
+    """Open the page in a browser if the console is a terminal and a desktop exists.
 
     Returns:
         The thread that opens the page; None if the page is not opened.
@@ -62,7 +62,7 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
     import threading
     import webbrowser
 
-    # Some browsers return only when they are closed.
+    # For some browsers, the call returns only after the browser is closed.
     opener = threading.Thread(
         target=webbrowser.open, args=(url,), name="tool0-browser", daemon=True
     )
@@ -72,7 +72,7 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
 
 def view(
     description: DescriptionConfig = DescriptionConfig(),
-    spawn_z: Metres = SimulationConfig().spawn_z,  # frozen
+    spawn_z: Metres = SimulationConfig().spawn_z,  # a frozen dataclass
     panel: PanelOptions = PanelOptions(),
 ) -> None:
     """Show a robot in a web page, without physics, and pose its joints there.

@@ -1,7 +1,8 @@
 """Options from the parameters of a command's function: names, types and help texts.
 
-A dataclass parameter is a group of options: the fields of the dataclass.  Texts come
-from docstrings: the ``Args`` of a function, and the string below a field.
+A parameter whose type is a dataclass is a group of options: each field of the dataclass
+is an option.  The help texts come from docstrings: the ``Args`` of a function, and the
+string below each field.
 """
 
 from __future__ import annotations
@@ -35,14 +36,14 @@ from tool0.errors import ConfigError
 
 _SECTION: Final = re.compile(r"^(Args|Returns|Raises):\n", re.MULTILINE)
 _WORDS: Final = re.compile(r"[A-Za-z_]\w*(,[A-Za-z_]\w*)+")
-"""A list of names, such as scene,wrist."""
+"""Pattern of a list of names, such as scene,wrist."""
 _ENTRY: Final = re.compile(r"^    (\w+): (.*(?:\n(?:     .*)?)*)", re.MULTILINE)
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Option:
-    """Annotation of a parameter whose name and type do not define its notation."""
+    """Annotation of a parameter whose notation is not clear from its name and type."""
 
     name: str | None = None
     """Name of the option, if it differs from the parameter's name."""
@@ -62,14 +63,15 @@ class Reader:
 
     n_words: int | Literal["*"]
     metavar: str
-    """Placeholder of the words in the help; if empty, the option's name is used."""
+    """Placeholder of the words in the help; if it is empty, the option's name is
+    used."""
     read: Callable[[list[str]], object]
     choices: tuple[str, ...] = ()
     """The valid words, if there are only a few."""
 
 
 Readers = Mapping[object, Reader | None]
-"""Type → the notation of its options; None if it cannot be an option."""
+"""Type → the notation of options of this type; None if the type cannot be an option."""
 
 
 @final
@@ -127,12 +129,12 @@ class Parameter:
 
     @property
     def written_default(self) -> str:
-        """The default as it is typed; empty if there is none, or if it is obvious."""
+        """Default in command-line notation; empty if it is obvious or missing."""
         return self.flag if self.default is True else _written(self.default)
 
     @property
     def help(self) -> str:
-        """Explanation of the parameter, with the default unless that is obvious."""
+        """Explanation of the parameter, with its default unless that is obvious."""
         default = self.written_default
         return f"{self.text} (default: {default})" if default else self.text
 
@@ -147,7 +149,7 @@ class Parameter:
 def parameters_of(
     form: Callable[..., Any], readers: Readers, path: tuple[str, ...] = ()
 ) -> Iterator[Parameter]:
-    """Yield the parameters of a function, and the fields of those that are groups."""
+    """Yield the parameters of a function, with the fields of groups as parameters."""
     hints = get_type_hints(form, include_extras=True)
     for name, parameter in inspect.signature(form).parameters.items():
         kind, _ = _unwrapped(hints[name])
@@ -174,7 +176,7 @@ def _unwrapped(kind: Any) -> tuple[Any, tuple[Any, ...]]:
 
 
 def _option(annotated: Any) -> Option:
-    """Return the annotation of a type or, in a union, of its parts."""
+    """Return the annotation of a type; for a union, the annotation of a part."""
     kind, marks = _unwrapped(annotated)
     inner = get_args(kind) if get_origin(kind) in (Union, UnionType) else ()
     found = [mark for mark in marks if isinstance(mark, Option)]
@@ -182,7 +184,7 @@ def _option(annotated: Any) -> Option:
 
 
 def reader_of(annotated: Any, readers: Readers) -> Reader:
-    """Return how values of a type are written."""
+    """Return the reader for values of a type."""
     kind, marks = _unwrapped(annotated)
     reader = readers.get(kind)
     if reader is not None:
@@ -195,7 +197,7 @@ def reader_of(annotated: Any, readers: Readers) -> Reader:
     items = get_args(kind)
     if get_origin(kind) is Literal:
         return _choice(items)
-    if get_origin(kind) is not tuple:  # a union with None
+    if get_origin(kind) is not tuple:  # the type is a union with None
         (inner,) = (item for item in items if item is not type(None))
         return reader_of(inner, readers)
     if items[-1] is ...:
@@ -225,7 +227,7 @@ def _number(kind: type[float], name: str) -> Reader:
 
 
 def read_path(text: str) -> Path:
-    """Return a typed path; ConfigError if empty, as it would mean this folder."""
+    """Return the path, or raise ConfigError if ``text`` is empty."""
     if not text.strip():
         raise ConfigError("the name of the file is empty; give a file")
     return Path(text)
@@ -249,7 +251,7 @@ def _choice(values: tuple[str, ...]) -> Reader:
 
 
 def _written(default: object) -> str:
-    """Return a default as it is typed; empty if the help omits it."""
+    """Return a default in command-line notation, or an empty text."""
     if isinstance(default, bool | type | Enum) or default is None:
         return ""
     if isinstance(default, tuple):
@@ -261,7 +263,7 @@ def _written(default: object) -> str:
 
 
 def joint_values(words: Sequence[str]) -> tuple[dict[str, float], dict[str, Quantity]]:
-    """Return ``joint=value …`` as positions [rad | m], and each unit's quantity."""
+    """Return the positions in ``joint=value …`` [rad | m], and each unit's quantity."""
     values, units = {}, {}
     for name, text in assignments(words, "=").items():
         try:
@@ -292,7 +294,7 @@ def keywords(words: Sequence[str]) -> dict[str, object]:
 
 
 def _value(text: str) -> object:
-    """Return JSON as its value, ``96,96`` and ``a,b`` as lists, the rest as text."""
+    """Return the value of JSON, a list for ``96,96`` or ``a,b``, otherwise the text."""
     for form in (text, f"[{text}]") if "," in text else (text,):
         try:
             value: object = json.loads(form)
@@ -306,7 +308,7 @@ def _value(text: str) -> object:
 
 
 def description_of(form: Callable[..., Any]) -> str:
-    """Return the docstring above its sections."""
+    """Return the part of the docstring above its sections."""
     return _plain(_SECTION.split(inspect.getdoc(form) or "")[0])
 
 
@@ -317,7 +319,7 @@ def summary_of(form: Callable[..., Any]) -> str:
 
 @cache
 def _texts_of(form: Callable[..., Any]) -> dict[str, str]:
-    """Return the text of each parameter; reading the source takes milliseconds."""
+    """Return the help text of each parameter; the first call takes milliseconds."""
     return _field_texts(form) if is_dataclass(form) else _argument_texts(form)
 
 

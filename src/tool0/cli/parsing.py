@@ -1,4 +1,4 @@
-"""Parses the words of a command line, and calls the command's function."""
+"""Parser that reads the words of a command line, and calls the command's function."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ Parsed = TypeVar("Parsed")
 
 HELP: Final = ("-h", "--help")
 UNITS: Final = (
-    "Numbers without a unit are in metres and radians.  You can write units: 40mm, "
+    "Numbers without a unit are in meters and radians.  You can write units: 40mm, "
     "0.04m, 90deg, 1.57rad."
 )
 _HAS_UNITS: Final = re.compile(r"\b(LENGTH|ANGLE|JOINT|X Y Z|ROLL)\b")
 _NEGATIVE: Final = re.compile(r"-\.?\d")
-"""Beginning of a value with a minus sign, such as -90deg."""
+"""Pattern of the beginning of a value with a minus sign, such as -90deg."""
 
 
 def parse(
@@ -41,16 +41,16 @@ def parse(
     """Call ``form`` with the arguments and return its result, or print help and exit.
 
     Args:
-        form: A function or dataclass whose parameters are the options; or a mapping
-            from subcommands to functions.
-        command: The words before the arguments.
-        arguments: The words.
-        readers: Readers for types with their own notation.
-        summary: The purpose of the subcommands.
+        form: A function or dataclass with the options as parameters, or a mapping from
+            subcommands to functions.
+        command: The words before the arguments, which select the command.
+        arguments: The words to parse.
+        readers: Readers for types with a special notation.
+        summary: The summary of a command with subcommands.
 
     Raises:
         ConfigError: If a word or a value is not valid.
-        SystemExit: 0 after ``--help``.
+        SystemExit: With status 0, after ``--help``.
     """
     if isinstance(form, Mapping):
         name = arguments[0] if arguments else HELP[0]
@@ -92,7 +92,7 @@ def _made(
     values: Mapping[tuple[str, ...], object],
     path: tuple[str, ...] = (),
 ) -> Parsed:
-    """Create the groups of options, then call ``form`` with the values."""
+    """Create the groups of options, and call ``form`` with the values."""
     keywords: dict[str, Any] = {
         name: _made(kind, values, (*path, name))
         for name, kind in get_type_hints(form).items()
@@ -107,7 +107,7 @@ def _made(
 
 @final
 class _Formatter(argparse.HelpFormatter):
-    """Shows metavars as they are, and wraps each paragraph of a text separately."""
+    """Shows metavars unchanged, and wraps each paragraph of a text separately."""
 
     def __init__(self, prog: str) -> None:
         super().__init__(prog, max_help_position=28)
@@ -122,7 +122,7 @@ class _Formatter(argparse.HelpFormatter):
 
 @final
 class _Parser(argparse.ArgumentParser):
-    """Sorts words by option; raises ConfigError for those it refuses."""
+    """Assigns words to options, and raises ConfigError for words that it refuses."""
 
     def error(self, message: str) -> NoReturn:
         message = message.removeprefix("argument ")

@@ -43,34 +43,36 @@ def run(
     as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> int:
-    """Execute a policy: with --task in episodes of a task, otherwise on the bringup.
+    """Execute a policy: in episodes of a task with --task, otherwise on the bringup.
 
-    A policy is MODULE:NAME or FILE.py:NAME, lerobot:FOLDER of a pretrained LeRobot
-    policy, or ws://HOST:PORT of an openpi server.  Ctrl-C stops the robot.
+    A policy is Python code (MODULE:NAME or FILE.py:NAME), a pretrained LeRobot policy
+    (lerobot:FOLDER), or an openpi server (ws://HOST:PORT).  Ctrl-C stops the robot.
 
     Args:
-        policy: The policy.
+        policy: The policy to execute.
         task: The task, such as Lift, or the id of a Gymnasium environment.
-        episodes: Number of episodes, with --task; 20 if not given.
-        seed: Seed of the first episode; the others follow.
+        episodes: Number of episodes, with --task; the default is 20.
+        seed: Seed of the first episode; each further episode uses the next number.
         env: Keyword arguments of the environment, such as arm=ur5e observation=image.
-        videos: Episodes to write as videos into --folder.
-        rate: Actions per second on the bringup [Hz]; 25 if not given.
+        videos: Episodes to record as videos in --folder.
+        rate: Rate of the actions on the bringup [Hz]; the default is 25.
         duration: End after this simulated time [s], on the bringup.
-        camera: Cameras whose images the policy gets, on the bringup.
+        camera: Cameras whose images the policy receives, on the bringup.
         folder: A new folder for observations, actions, results and the recording.
-        instruction: The task in words; if not given, the task's own sentence.
-        execute: Number of actions of a chunk to execute before the next chunk is
-            requested; if not given, all.
+        instruction: Description of the task; the default is the built-in description of
+            the task.
+        execute: Number of actions of a chunk that are executed before the next chunk is
+            requested; by default, all actions.
         ensemble: Request a chunk in each step, and execute the weighted mean of all
-            predictions; the weights are exp(-ENSEMBLE i), from the oldest on.
+            predictions for this step.  The weights are exp(-ENSEMBLE i), where i = 0 is
+            the oldest prediction.
         latency: Simulated time from an observation to its actions [s], with --task;
-            `measured` for the wall time that the policy takes.
-        keep_late: Execute each chunk from its first action on, even if the chunk is
-            late.
-        clip: Clip actions to their limits; otherwise, an action beyond them ends the
-            episode.
-        device: Device that computes a LeRobot policy, such as cuda.
+            `measured` uses the wall time that the policy takes.
+        keep_late: Start each chunk with its first action, even if the chunk was
+            received late.
+        clip: Clip actions to their limits; otherwise, an action beyond its limits ends
+            the episode.
+        device: Device on which a LeRobot policy runs, such as cuda.
         key: Names under which an openpi server receives its inputs, such as
             observation/image=rgb.
         as_json: Print the report as one JSON object.
@@ -183,7 +185,7 @@ def _on_bringup(
 
 
 def _refuse(what: str, **options: object) -> None:
-    """Raise ConfigError for an option that only applies to ``what``."""
+    """Raise ConfigError for a given option that applies only to ``what``."""
     for name, value in options.items():
         if value is not None:
             raise ConfigError(f"--{name} needs {what}")
@@ -223,4 +225,4 @@ def _report_text(report: Report) -> str:
 
 
 policy = {"run": run}
-"""Subcommand → function."""
+"""Subcommand → function that executes it."""

@@ -1,7 +1,7 @@
-"""The probes of ``tool0 doctor``, and those of tool0's own packages.
+"""The probes of ``tool0 doctor`` for tool0's own packages, and the list of all probes.
 
-A probe runs in a separate process and imports its package there.  Importing this module
-therefore stays fast, and a library that cannot be imported breaks only one probe.
+A probe runs in a separate process and imports its package there.  Therefore, the import
+of this module is fast, and a library that cannot be imported affects only one probe.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def mujoco(_: Machine) -> list[ProbeResult]:
 
 
 def kernel(examined: Machine) -> list[ProbeResult]:
-    """Return the compiled kernel, or why it is missing and how to compile it."""
+    """Return the state of the compiled kernel, and how to compile a missing kernel."""
     from tool0.kernel import build, library
 
     if examined.system == "win32":
@@ -90,7 +90,7 @@ def panel(_: Machine) -> list[ProbeResult]:
 
 
 def browser(examined: Machine) -> list[ProbeResult]:
-    """Return which browser shows the panel, and whether it opens automatically."""
+    """Return the browser that shows the panel, and whether it opens automatically."""
     from tool0.panel.address import DEFAULT_PORT
 
     program = examined.program(*_BROWSERS) or _BUILT_IN_BROWSER.get(examined.system)
@@ -110,7 +110,7 @@ def browser(examined: Machine) -> list[ProbeResult]:
 
 
 def cameras(examined: Machine) -> list[ProbeResult]:
-    """Return whether rendering works, by creating a context."""
+    """Return whether rendering works, by creating a rendering context."""
     from tool0.engines.mujoco.gl import PACKAGES, kind_of_context, make_context
     from tool0.errors import RenderError
 
@@ -124,7 +124,7 @@ def cameras(examined: Machine) -> list[ProbeResult]:
 
 
 def ur(_: Machine) -> list[ProbeResult]:
-    """Return whether URScript can be read, and whether the ports are free."""
+    """Return whether URScript can be parsed, and whether the UR's ports are free."""
     from tool0.ur.options import UrOptions
 
     host = UrOptions().host
@@ -167,4 +167,4 @@ PROBES: Final = (
     Probe(ur),
     Probe(probes.workspace),
 )
-"""The probes of the doctor, in the order of its report."""
+"""The probes of ``tool0 doctor``, in the order of the report."""

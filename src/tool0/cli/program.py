@@ -35,17 +35,18 @@ def run(
     as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> int:
-    """Run a program to its end, and print its steps.
+    """Run a program until it ends, and print its steps.
 
-    The program is checked first: if a step cannot be executed, nothing moves.  Ctrl-C
-    stops it; the exit status is 0 if it succeeded.
+    The program is checked first: if a step cannot be executed, the robot does not move.
+    Ctrl-C stops the program.  The exit status is 0 if the program succeeded.
 
     Args:
         program: Program file (.yaml), or the name of a saved program.
-        check: Only check the program.
-        dry_run: Only simulate the program, from the robot's present state, and print
-            contacts, duration, and the largest speed and effort.  Nothing is sent to
-            the robot.  The exit status is 0 if it succeeded and no arm collided.
+        check: Only check the program, without execution.
+        dry_run: Only simulate the program, starting at the robot's current state, and
+            print the contacts, the duration, and the largest speed and effort.  No
+            command is sent to the robot.  The exit status is 0 if the program succeeded
+            and no arm collided.
         as_json: Print one JSON object at the end instead of the steps.
     """
     if check and dry_run:
@@ -165,7 +166,7 @@ def _stopped(handle: ProgramHandle) -> ProgramRun:
 
 
 def _show(run: ProgramRun, shown: tuple[object, ...]) -> tuple[object, ...]:
-    """Print the step, unless it is already ``shown``; return the step shown now."""
+    """Print the step unless it is already ``shown``; return the last printed step."""
     from tool0.protocol.program import path_text
 
     state = "paused" if run.state == "paused" else ""
@@ -197,11 +198,11 @@ def save(
     as_name: Annotated[str, Option(metavar="PROGRAM")] | None = None,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Save the program of a file with the robot.
+    """Save the program from a file with the robot.
 
     Args:
         program: File of the program.
-        as_name: Name to save it under; the one in the file if not given.
+        as_name: Name of the saved program; the default is the name in the file.
     """
     from msgspec.structs import replace
 
@@ -233,12 +234,13 @@ def export(
     output: Path | None = None,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Write a program as YAML, or as a script that does the same.
+    """Write a program as YAML, or as an equivalent script.
 
     Args:
-        program: File of the program, or the name of a saved one.
-        format: Language: ``python`` for tool0, ``urscript`` for a UR's control box.
-        output: File to write; standard output if not given.
+        program: File of the program, or the name of a saved program.
+        format: Language of the output: ``python`` for tool0, ``urscript`` for a UR's
+            control box.
+        output: File to write; the default is standard output.
     """
     with bringup.connect() as robot:
         text = robot.programs.export(program, format)

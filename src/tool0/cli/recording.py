@@ -41,23 +41,25 @@ def record(
 ) -> int:
     """Record a running bringup to an MCAP file, until Ctrl-C.
 
-    The bringup's process writes the file, which can be read while it grows.  With
-    --episodes, keys in the terminal or in the panel start and end demonstrations.
+    The process of the bringup writes the file; the file can be read during the
+    recording.  With --episodes, keys in the terminal or in the panel start and end
+    demonstrations.
 
     Args:
-        file: The file to write, which ends in .mcap, or a folder for a file named by
-            date and time.
-        episodes: Record demonstrations into this folder, one file each.
+        file: The file to write, with the suffix .mcap, or a folder.  In a folder, the
+            file name consists of the date and the time.
+        episodes: Record demonstrations into this folder, with one file for each
+            demonstration.
         task: Description of the task.
-        reset: Reset robot and objects before each demonstration.
+        reset: Reset the robot and the objects before each demonstration.
         duration: End after this simulated time [s].
-        overwrite: Replace a file that exists.
-        max_size: Start a new file at this size [MB].
+        overwrite: Replace an existing file.
+        max_size: Start a new file when the current file has this size [MB].
         max_duration: Start a new file after this simulated time [s].
-        max_files: Number of files to keep, the newest ones.
+        max_files: Number of files to keep; older files are deleted.
         cameras: Cameras whose images are recorded.
-        camera_rate: Images of each camera per simulated second [Hz].
-        as_json: Print one JSON object at the end; not with --episodes.
+        camera_rate: Image rate of each camera in simulated time [Hz].
+        as_json: Print one JSON object at the end; this does not work with --episodes.
     """
     if (file is None) == (episodes is None):
         raise ConfigError("record: give either a FILE.mcap or --episodes FOLDER")
@@ -67,7 +69,7 @@ def record(
         from tool0.cli.episodes import record_episodes
 
         return record_episodes(episodes, task, reset=reset, bringup=bringup)
-    assert file is not None  # one of them is given
+    assert file is not None  # either a file or --episodes is given
     with bringup.connect() as robot, StopSignal() as stop:
         status = robot.start_recording(
             file.expanduser(),
@@ -113,10 +115,10 @@ def log(
     severity: Literal["info", "warning", "error"] = "info",
     as_json: AsJson = False,
 ) -> None:
-    """Print what happened in a recording: goals, requests, warnings, contacts.
+    """Print the events in a recording: goals, requests, warnings and contacts.
 
     Args:
-        file: A recording.
+        file: A recording (MCAP file).
         requests: Also print the requests that changed the simulation.
         severity: Lowest severity to print.
         as_json: Print one JSON object.
@@ -148,7 +150,7 @@ _FORMATS: Final[Mapping[str, Literal["parquet", "mp4"]]] = {
     "parquet": "parquet",
     "mp4": "mp4",
 }
-"""Formats by file suffix; the format of other files is csv."""
+"""File suffix → output format; for other suffixes, the format is csv."""
 
 
 _VIDEO_SIZE: Final = 960, 720
@@ -161,21 +163,22 @@ class VideoOptions:
     """Options of a video."""
 
     camera: str = "scene"
-    """A camera of the robot or its scene."""
+    """Camera of the robot or the scene that records the video."""
     eye: Annotated[tuple[float, float, float] | None, Option(metavar="X Y Z")] = None
-    """Look from here instead, in the robot's root [m]."""
+    """Position of the viewpoint in the robot's root frame [m], instead of a camera."""
     at: Annotated[tuple[float, float, float], Option(metavar="X Y Z")] = (0.0, 0.0, 0.3)
-    """The point that the eye looks at [m]."""
+    """Point at the center of the image, in the robot's root frame [m]; used only with
+    an eye position."""
     width: int | None = None
-    """Width of the images [pixels]; if not given, 960, or the camera's own for
-    lerobot."""
+    """Width of the images [pixels].  The default is 960 or, for lerobot, the width of
+    the camera's images."""
     height: int | None = None
-    """Height of the images [pixels]; if not given, 720, or the camera's own for
-    lerobot."""
+    """Height of the images [pixels].  The default is 720 or, for lerobot, the height of
+    the camera's images."""
     fps: float = 30.0
-    """Images per second."""
+    """Frame rate of the video [Hz]."""
     speed: float = 1.0
-    """Seconds of the recording per second of the video."""
+    """Speed of the video: recorded seconds per second of the video."""
     start: float | None = None
     """Simulated time at which the video begins [s]."""
     end: float | None = None
@@ -218,22 +221,24 @@ def export(
     only_successes: bool = False,
     instruction: str | None = None,
     cameras: Annotated[tuple[str, ...], Option(metavar="NAME ...")] = (),
-    video: VideoOptions = VideoOptions(),  # frozen
+    video: VideoOptions = VideoOptions(),  # a frozen dataclass
 ) -> None:
     """Write a recording as a table, a video or a data set.
 
-    A table has a row for each snapshot, in SI units: joints, objects, wrenches and
-    grippers.  A video shows what a camera would have seen.  A folder of demonstrations
-    becomes a LeRobot data set.
+    A table contains the joints, objects, wrenches and grippers, with one row for each
+    snapshot, in SI units.  A video shows the recorded motion from a camera.  A folder
+    of demonstrations is converted to a LeRobot data set.
 
     Args:
-        file: A recording, or a folder of demonstrations for lerobot.
-        format: Format; if not given, from the suffix of the output, otherwise csv.
-        output: File or folder to write; if not given, beside the recording.
-        overwrite: Replace a file that exists.
-        rate: Frames per simulated second of a LeRobot data set [Hz].
-        only_successes: Leave out demonstrations that failed.
-        instruction: The task in words, for a LeRobot data set; if not given, the
+        file: A recording; for lerobot, a folder of demonstrations.
+        format: Format of the output.  By default, the format follows from the suffix of
+            --output; without a known suffix, the format is csv.
+        output: File or folder to write; by default, it is in the same folder as the
+            recording.
+        overwrite: Replace an existing file.
+        rate: Frame rate of a LeRobot data set in simulated time [Hz].
+        only_successes: Leave out failed demonstrations.
+        instruction: Description of the task, for a LeRobot data set; the default is the
             recorded description.
         cameras: Cameras whose images are included in each frame of a LeRobot data set.
     """

@@ -31,16 +31,17 @@ def replay(
     as_json: AsJson = False,
     panel: PanelOptions = PanelOptions(),
 ) -> int:
-    """Show a recording in a web page: the robot as it was, with a time line.
+    """Show a recording in a web page, with a timeline.
 
     Args:
         file: The recording, an MCAP file.
-        speed: Seconds of the recording per second.
-        loop: Start again at the end.
-        simulate: Re-simulate the recording, without a page, and compare every frame bit
-            for bit; exit status 1 if they differ.
-        compare: Simulate the recorded requests in MuJoCo, and print how the motions
-            differ; the plots show both, the simulated one dashed.
+        speed: Speed of the playback: recorded seconds per second of wall time.
+        loop: Start again at the beginning when the recording ends.
+        simulate: Simulate the recording again without a web page, and compare every
+            frame bit by bit.  The exit status is 1 if a frame differs.
+        compare: Simulate the recorded requests in MuJoCo, and print the differences
+            between the motions.  The plots show both motions; the simulated motion is
+            dashed.
         as_json: With --simulate or --compare, print one JSON object and end.
     """
     if as_json and not (simulate or compare):
@@ -77,7 +78,7 @@ def replay(
 
 
 def _simulate(recording: RecordingFile, *, as_json: bool) -> int:
-    """Repeat a recording, and print the differences; return the exit code."""
+    """Simulate a recording again, and print the differences; return the exit status."""
     from tool0.recording.resimulation import resimulate
 
     with ProgressBar(sys.stderr) as bar:
@@ -93,7 +94,7 @@ def _simulate(recording: RecordingFile, *, as_json: bool) -> int:
 
 
 def _simulated_beside(recording: RecordingFile, *, as_json: bool) -> SimulatedRun:
-    """Simulate a recording's requests, and print how the motions differ."""
+    """Simulate a recording's requests, and print how much the motions differ."""
     from tool0.recording.simulated_run import simulate_beside
 
     with ProgressBar(sys.stderr) as bar:

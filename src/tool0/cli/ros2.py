@@ -8,15 +8,15 @@ from tool0.cli.text import ProgressBar
 
 
 def _install_ros2(*, own: bool = False) -> int:
-    """Prepare ROS 2 for `tool0 bringup --ros2`: an installed one, or PyPI's wheels.
+    """Prepare ROS 2 for `tool0 bringup --ros2`: check an installation, or install it.
 
-    A ROS 2 that is sourced in this terminal or in /opt/ros is used as it is; missing
-    packages are listed.  Without one, tool0 installs rclpy and the messages of Kilted
-    in your data folder.  This needs no root access, takes about a minute, and
-    uses 300 MB.
+    If ROS 2 is sourced in this terminal or installed in /opt/ros, the command uses this
+    ROS 2, changes nothing, and lists missing packages.  Otherwise, the command installs
+    rclpy and the messages of Kilted from PyPI in your data folder.  The installation
+    requires no root access, takes about a minute, and uses 300 MB of disk space.
 
     Args:
-        own: Install tool0's own ROS 2 even if there is another one.
+        own: Install tool0's own ROS 2 even if another ROS 2 is installed.
     """
     from tool0.installation.ros2.install import install_ros2
     from tool0.installation.ros2.installation import find_ros2
@@ -39,7 +39,7 @@ def _install_ros2(*, own: bool = False) -> int:
 
 
 def _ros2_status(*, as_json: AsJson = False) -> int:
-    """Show which ROS 2 is used, and what is missing.
+    """Show which ROS 2 is used, and which packages are missing.
 
     Exit status: 1 if there is no usable ROS 2.
 
@@ -54,8 +54,8 @@ def _ros2_status(*, as_json: AsJson = False) -> int:
 def _ros2_env() -> int:
     """Print shell commands that make ROS 2 and tool0's node usable in a terminal.
 
-    Run `eval "$(tool0 ros2 env)"` in the shell: then `python` has rclpy, and `python -m
-    tool0_ros2` starts the node.
+    Run `eval "$(tool0 ros2 env)"` in the shell.  In this shell, `python` can then
+    import rclpy, and `python -m tool0_ros2` starts the node.
     """
     from tool0.installation.ros2.status import shell_exports
 

@@ -48,12 +48,13 @@ def show(
     as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """List the objects with shape, mass and pose.
+    """List the objects with their shapes, masses and poses.
 
     Positions are in the robot's root frame [m]; roll, pitch and yaw are in degrees.
 
     Args:
-        as_json: Print one JSON object, in metres and with quaternions.
+        as_json: Print one JSON object, with lengths in meters and orientations as
+            quaternions.
     """
     with bringup.connect() as robot:
         snapshot = robot.snapshot
@@ -87,18 +88,18 @@ def add(
 
     Args:
         name: Name of the new object.
-        box: Edge lengths along x, y and z [m].
-        cylinder: Radius, and length along z [m].
-        sphere: Radius [m].
-        mesh: STL or OBJ file.
-        scale: Scale of the mesh file to metres, such as 0.001 for millimetres; 1 if not
-            given.
+        box: Edge lengths of a box along x, y and z [m].
+        cylinder: Radius of a cylinder, and its length along z [m].
+        sphere: Radius of a sphere [m].
+        mesh: STL or OBJ file of a mesh.
+        scale: Factor from the unit of the mesh file to meters, such as 0.001 for
+            millimeters; the default is 1.
         xyz: Position of the object's origin in the robot's root frame [m].
-        rpy: Orientation in that frame [rad].
-        mass: Mass [kg]; an object without a mass is fixed in place.
+        rpy: Orientation of the object in the robot's root frame [rad].
+        mass: Mass [kg]; an object without a mass cannot move.
         friction: Coefficient of friction.
-        rgba: Colour, each value from 0 to 1.
-        allow_penetration: Add it even if it is inside a link.
+        rgba: Color: red, green, blue and opacity, each from 0 to 1.
+        allow_penetration: Add the object even if it penetrates a link.
     """
     shape = _shape(box, cylinder, sphere, mesh, scale)
     with bringup.connect() as robot:
@@ -141,8 +142,8 @@ def place(
     Args:
         name: Name of the object.
         xyz: Position of the object's origin in the robot's root frame [m].
-        rpy: Orientation in that frame [rad].
-        allow_penetration: Place it even if it is then inside a link.
+        rpy: Orientation of the object in the robot's root frame [rad].
+        allow_penetration: Place the object even if it penetrates a link.
     """
     with bringup.connect() as robot:
         robot.scene.place(
@@ -193,7 +194,7 @@ def _row(item: SceneObject, state: ObjectState) -> tuple[str, ...]:
 
 
 def _signed(value: float, digits: int) -> str:
-    """Return a rounded number with its sign; what is rounded to 0 has a plus."""
+    """Return a rounded number with its sign; the sign of 0 is a plus."""
     return f"{round(value, digits) + 0.0:+.{digits}f}"
 
 

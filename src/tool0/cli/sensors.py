@@ -30,7 +30,7 @@ def state(
     as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Print simulated time, joint states, gripper states and the pose of tool0.
+    """Print the simulated time, joint states, gripper states and the pose of tool0.
 
     Args:
         as_json: Print one JSON object.
@@ -70,7 +70,7 @@ def _plain(
 
 
 def _poses(ends: Mapping[str, Pose]) -> str:
-    """Return the pose of each arm's end, in the notation of ``tool0 move --pose``."""
+    """Return the poses of the arms' ends, in the notation of ``tool0 move --pose``."""
     return "".join(
         f"{name}: xyz {_numbers(pose.xyz)} m, rpy {_numbers(pose.rpy)} rad\n"
         for name, pose in ends.items()
@@ -83,7 +83,7 @@ def _numbers(values: Vector3) -> str:
 
 def _table(snapshot: Snapshot, grippers: Mapping[str, GraspState]) -> str:
     marks = [f"t = {snapshot.time:.3f} s"]
-    if snapshot.real_time_factor > 0.0:  # zero until it was measured for a second
+    if snapshot.real_time_factor > 0.0:  # 0 until it is measured
         marks.append(f"{snapshot.real_time_factor:.2f} x real time")
     if snapshot.is_paused:
         marks.append("paused")
@@ -122,17 +122,20 @@ def wrench(
 ) -> None:
     """Print the force and torque that the tool exerts on tool0, in tool0's axes.
 
-    The measurement includes the tool's weight, its inertia and contact forces.
+    The measurement includes the weight and the inertia of the tool, and contact forces.
 
     Args:
-        zero: Tare the sensor first.  Changing --rate or --cutoff removes the tare.
-        rate: Set the sampling rate [Hz], 50 to 1000; initially 125.
-        cutoff: Set the cutoff frequency of the low-pass filter [Hz]; initially 15.
-        duration: Print every sample for this simulated time [s]; otherwise print one.
+        zero: Tare the sensor before the measurement.  A change of --rate or --cutoff
+            removes the tare.
+        rate: Set the sampling rate [Hz], 50 to 1000.  The initial rate is 125 Hz.
+        cutoff: Set the cutoff frequency of the low-pass filter [Hz].  The initial
+            frequency is 15 Hz.
+        duration: Print every sample for this simulated time [s].  By default, print one
+            sample.
         raw: Print unfiltered values.
-        as_json: Print one JSON object per sample, each on a line, with filtered and raw
+        as_json: Print one JSON object per line for each sample, with filtered and raw
             values.
-        robot: Robot of a cell.
+        robot: Robot of a cell that has the sensor.
     """
     if duration is not None and not duration >= 0.0:
         raise ConfigError(f"--duration must be 0 or more seconds, got {duration}")
@@ -176,7 +179,7 @@ def _line(reading: WrenchReading, raw: bool) -> str:
 
 
 def _aligned(values: Vector3, digits: int) -> str:
-    rounded = (round(value, digits) + 0.0 for value in values)  # no -0.00
+    rounded = (round(value, digits) + 0.0 for value in values)  # avoids -0.00
     return " ".join(f"{value:+{digits + 5}.{digits}f}" for value in rounded)
 
 
@@ -190,16 +193,17 @@ def camera(
     robot: str | None = None,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Take a picture, or list the cameras.
+    """Take a picture with a camera, or list the cameras.
 
     Args:
         name: The camera, such as wrist or scene.
-        out: Write the colour image to this PNG file.
-        depth: Write the depth image to this file: a 16-bit PNG [mm], 0 where nothing is
-            seen, or a .npy array [m], inf where nothing is seen.
+        out: Write the color image to this PNG file.
+        depth: Write the depth image to this file: a 16-bit PNG [mm], or a .npy array
+            [m].  Pixels without an object are 0 in a PNG, and inf in an array.
         as_list: List the cameras.
-        as_json: Print one JSON object: the cameras, or the files and their size.
-        robot: Robot of a cell that has the camera: `--robot left wrist` is left_wrist.
+        as_json: Print one JSON object: the cameras, or the files and the image size.
+        robot: Robot of a cell that has the camera: `--robot left wrist` selects
+            left_wrist.
     """
     if as_list == (name is not None):
         raise ConfigError("give the name of a camera, or --list")

@@ -13,7 +13,7 @@ Names = Annotated[tuple[str, ...], Option(is_positional=True, metavar="CONTROLLE
 
 
 def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
-    """List the loaded controllers with type, state and claimed joints.
+    """List the loaded controllers with their types, states and claimed joints.
 
     Args:
         as_json: Print one JSON object.
@@ -47,7 +47,7 @@ def load(names: Names, bringup: Bringup = DEFAULT) -> None:
 
 
 def configure(names: Names, bringup: Bringup = DEFAULT) -> None:
-    """Configure unconfigured controllers of ROS 2: they are inactive then.
+    """Configure unconfigured controllers of ROS 2, which makes them inactive.
 
     Args:
         names: Names of the controllers.
@@ -79,7 +79,7 @@ def start(names: Names, bringup: Bringup = DEFAULT) -> None:
 
 
 def stop(names: Names, bringup: Bringup = DEFAULT) -> None:
-    """Stop controllers; brakes then hold their joints.
+    """Stop controllers; the brakes then hold the controllers' joints.
 
     Args:
         names: Names of the controllers.
@@ -99,7 +99,7 @@ def switch(
     Args:
         start: Controllers to start.
         stop: Controllers to stop.
-        best_effort: Skip what is impossible instead of refusing the whole request.
+        best_effort: Skip impossible changes instead of refusing the whole request.
     """
     if not start and not stop:
         raise ConfigError("give --start CONTROLLER ... or --stop CONTROLLER ...")
@@ -120,16 +120,17 @@ def gains(
 ) -> None:
     """Print the PID gains of a controller; with --joint, change them first.
 
-    The gains apply until the controller is unloaded. To change them permanently, edit a
-    copy of the YAML: `tool0 describe controllers`, `tool0 bringup --controllers-file`.
+    The gains apply until the controller is unloaded.  To change the gains permanently,
+    write the YAML with `tool0 describe controllers`, edit it, and use it with `tool0
+    bringup --controllers-file`.
 
     Args:
         name: Name of the controller.
-        joint: Joint whose gains change.
-        p: Proportional gain: command per position error.
-        i: Integral gain: command per position error and second.
-        d: Derivative gain: command per velocity error.
-        i_clamp: Largest contribution of the integral in either direction.
+        joint: Joint whose gains are changed.
+        p: Proportional gain: command per unit of position error.
+        i: Integral gain: command per unit of the time integral of the position error.
+        d: Derivative gain: command per unit of velocity error.
+        i_clamp: Maximum magnitude of the integral term.
         as_json: Print one JSON object.
     """
     if joint is None and (p, i, d, i_clamp) != (None,) * 4:
@@ -196,16 +197,17 @@ def step(
 
 
 def reset(bringup: Bringup = DEFAULT) -> None:
-    """Return to time zero and the initial pose; active goals are PREEMPTED."""
+    """Return to time zero and the initial pose; active goals end as PREEMPTED."""
     with bringup.connect() as robot:
         robot.reset()
 
 
 def estop(release: bool = False, bringup: Bringup = DEFAULT) -> None:
-    """Engage the emergency stop: brake every joint at once, and hold it.
+    """Engage the emergency stop: brake every joint immediately, and hold it.
 
     Args:
-        release: Release the emergency stop; the controllers hold the current positions.
+        release: Release the emergency stop; the controllers then hold the current
+            positions.
     """
     with bringup.connect() as robot:
         robot.emergency_stop(engaged=not release)

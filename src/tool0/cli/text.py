@@ -1,4 +1,4 @@
-"""Text for terminals: tables, progress, and what ``tool0 bringup`` prints."""
+"""Text for terminals: tables, progress, and the output of ``tool0 bringup``."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from tool0.ur.options import UrArm
 
 _BAR: Final = 24
-"""Characters of a progress bar."""
+"""Width of a progress bar [characters]."""
 
 
 def columns(rows: Sequence[Sequence[str]]) -> str:
-    """Return a line for each of ``rows``, with columns as wide as their widest word."""
+    """Return a line for each row; each column is as wide as its widest word."""
     if not rows:
         return ""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -37,7 +37,7 @@ def counted(number: int, what: str) -> str:
 
 
 def grasp_text(state: GraspState) -> str:
-    """Return a gripper's state as text, with Robotiq's number for it."""
+    """Return the state of a gripper as text, with Robotiq's number for this state."""
     opening = f"{1e3 * state.opening:.1f} mm"
     words = {
         "holding_inside": f"holds an object {opening} wide",
@@ -67,7 +67,7 @@ def greeting(
     Args:
         robot: The robot.
         options: Options of the bring-up.
-        url: URL of the panel, if there is one.
+        url: URL of the panel; None if there is no panel.
         interfaces: Lines about other interfaces to the robot, such as its ROS node.
     """
     description, simulation, run = robot.description, options.simulation, options.run
@@ -99,7 +99,7 @@ def greeting(
 def _real_robot(robot: Robot, name: str) -> str:
     """Return the warnings that a user must read before a real robot moves."""
     link = robot.arm.control_box.state.link
-    assert link is not None  # it is a real robot
+    assert link is not None  # a real robot has a link
     who = f"{link.model} {link.serial_number}, PolyScope {link.software}"
     lines = [
         f"REAL ROBOT: {name} at {link.address} ({who}); tool0 only reads its state",
@@ -152,7 +152,7 @@ def _examples(robot: Robot, name: str) -> Iterator[str]:
 
 @final
 class StatusLine:
-    """A status line on a terminal, rewritten once a second; nothing elsewhere."""
+    """A status line, rewritten once per second; it appears only on a terminal."""
 
     def __init__(self, console: TextIO) -> None:
         self._console = console
@@ -184,7 +184,7 @@ class StatusLine:
 
 @final
 class ProgressBar:
-    """A progress bar on a terminal; elsewhere, a line for each activity."""
+    """A progress bar on a terminal; on other outputs, a line for each activity."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = sys.stderr if stream is None else stream
@@ -197,13 +197,13 @@ class ProgressBar:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End the bar's line, so that the next output starts on its own line."""
+        """End the bar's line, so that the next output starts on a new line."""
         self._end_line()
 
     def __call__(self, activity: str, fraction: float, detail: str = "") -> None:
-        """Show that ``fraction`` of the activity is done, from 0 to 1.
+        """Show the completed ``fraction`` of the activity, from 0 to 1.
 
-        A terminal also shows ``detail``, which may change.
+        On a terminal, the bar also shows ``detail``, which can change in each call.
         """
         if activity != self._activity and self._activity:
             self._end_line()
@@ -232,7 +232,7 @@ class ProgressBar:
 
 
 def summary_line(summary: dict[str, Any]) -> str:
-    """Return the run in one line."""
+    """Return a one-line summary of the run."""
     return (
         f"{summary['sim_time']:.3f} s simulated in {summary['wall_time']:.2f} s "
         f"({summary['real_time_factor']:.2f} x real time), {summary['steps']} steps, "
@@ -257,7 +257,7 @@ def print_json(value: object) -> None:
 
 
 def finite(value: object) -> object:
-    """Return ``value`` with NaN and infinity replaced by None, as JSON lacks them."""
+    """Return ``value`` with NaN and infinity replaced by None, for JSON."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""``tool0 workspace``: the robot as packages, for Noetic or for ROS 2."""
+"""``tool0 workspace``: writes the robot as packages for Noetic or for ROS 2."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 READERS = options.READERS
 
 _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
-"""Repository of robotiq_2f_85_gripper_visualization; no distribution packages it."""
+"""Repository of robotiq_2f_85_gripper_visualization, which no distribution contains."""
 
 
 def workspace(
@@ -43,26 +43,26 @@ def workspace(
 ) -> None:
     """Write ROS packages for a robot into a workspace.
 
-    For ROS 1 these are tool0_description and tool0_gazebo; with --ros2,
-    tool0_description, tool0_ros2 and tool0_bringup.  They are written to DIR/src, or to
-    DIR if that is the src folder of a workspace.  A second run updates the files,
-    except those that you have edited.
+    The packages for ROS 1 are tool0_description and tool0_gazebo.  With --ros2, they
+    are tool0_description, tool0_ros2 and tool0_bringup.  The packages are written to
+    DIR/src, or to DIR if DIR is the src folder of a workspace.  A second run updates
+    all files that you have not edited.
 
     Args:
-        folder: The workspace; it is created if it does not exist.
-        arm: The arm that the launch files bring up: its name, or a folder of your own;
-            ur5 if not given.
-        gripper: The gripper, or none; 2f85 if not given.
-        cell: Several robots, a YAML file (docs/how-to/cells.md); only with --moveit or
-            --ros2.
-        robots: Several robots, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0; only
-            with --moveit or --ros2.
+        folder: The folder of the workspace; it is created if it does not exist.
+        arm: The arm that the launch files bring up: a name, or a folder with your own
+            arm; the default is ur5.
+        gripper: The gripper, or none; the default is 2f85.
+        cell: YAML file with several robots (docs/how-to/cells.md); it requires --moveit
+            or --ros2.
+        robots: Several robots, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0; this
+            option requires --moveit or --ros2.
         ros2: Write packages for ROS 2 and colcon, with Python launch files.
         moveit: Also write a MoveIt configuration package for the same ROS version.
         upstream_meshes: Use the meshes of ur_description and
-            robotiq_2f_85_gripper_visualization, and depend on those packages; only for
+            robotiq_2f_85_gripper_visualization, and depend on these packages; only for
             ROS 1.
-        force: Also overwrite files that you have edited; your version is kept as
+        force: Also overwrite files that you have edited; your version is renamed to
             FILE.orig.
     """
     from tool0.description.loading import load_description
@@ -160,7 +160,7 @@ def _colcon_files(description: RobotDescription, moveit: bool) -> Files:
 def _disabled_collisions(
     description: RobotDescription,
 ) -> Mapping[tuple[str, str], str]:
-    """Return the pairs of links that MoveIt does not check, and print how many."""
+    """Return the pairs of links that MoveIt does not check, and print their number."""
     from tool0.description.loading import named_poses
     from tool0.engines.mujoco.gl import import_mujoco
 

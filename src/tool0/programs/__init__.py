@@ -1,1 +1,1 @@
-"""Programs: steps for one arm and its gripper, as data."""
+"""Programs, as data: sequences of steps for one arm and its gripper."""

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 def exported(
     context: RobotContext, language: Literal["yaml", "python", "urscript"]
 ) -> str:
-    """Return a program as text; ControlError if the language cannot express it."""
+    """Return a program as text, or raise ControlError if this is impossible."""
     from tool0.programs.files import program_text
 
     match language:

@@ -1,4 +1,4 @@
-"""Programs as Python scripts: steps by ``run_program``, and loops in Python."""
+"""Programs as Python scripts that call ``run_program``, with loops in Python."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ if __name__ == "__main__":
 def python_text(program: Program) -> str:
     """Return a script that executes a program through the Python API.
 
-    Consecutive moves stay together, so that they are blended.
+    Consecutive moves are in the same call, so that they are blended.
     """
     settings = {
         item.name: getattr(program, item.name)
@@ -70,7 +70,7 @@ def python_text(program: Program) -> str:
 
 
 def _body(program: Program, steps: Sequence[Step], indent: int) -> list[str]:
-    """Return the lines for some steps."""
+    """Return the lines of Python code for a sequence of steps."""
     space = " " * indent
     lines: list[str] = []
     batch: list[str] = []
@@ -106,7 +106,7 @@ def _loop(program: Program, loop: LoopStep) -> str:
 
 
 def _code(value: Any, indent: int) -> str:
-    """Return a value as Python code, on several lines if it is long."""
+    """Return a value as Python code; a long value has several lines."""
     if isinstance(value, Struct):
         parts = [
             f"{item.name}={_code(getattr(value, item.name), indent + 4)}"

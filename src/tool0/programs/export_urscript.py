@@ -37,12 +37,13 @@ from tool0.protocol.program import (
 
 
 def urscript_text(context: RobotContext) -> str:
-    """Return a URScript program that does the same on a UR's control box.
+    """Return an equivalent URScript program for a UR's control box.
 
-    The script does not place objects; comments in it say where this is left out.
+    The script does not place objects; a comment in the script marks each omitted step.
 
     Raises:
-        ProgramError: If a step is impossible or must be planned around obstacles.
+        ProgramError: If a step is impossible, or if its path must be planned around
+            obstacles.
     """
     steps = dict(walk(context.program.steps))
     for path, step in steps.items():
@@ -71,7 +72,8 @@ class _Writer:
         if any(link.name == base for link in model.links):
             T_chain_base = fixed_transform(model, chain.base, base).matrix
         self._T_base_root = np.linalg.inv(context.T_root_base @ T_chain_base)
-        """Pose of the robot's root in the frame of UR's poses."""
+        """Pose of the robot's root in the base frame of UR's controller, shape (4,
+        4)."""
 
     def program(self) -> Iterator[str]:
         program = self._context.program
@@ -117,17 +119,17 @@ class _Writer:
             case SetOutputStep():
                 yield f"set_digital_out({step.output}, {step.level})"
             case LoopStep():
-                pass  # by _block
+                pass  # _block writes loops
             case _:
                 yield self._move(step, goes_on)
 
     def _move(self, step: MoveStep, goes_on: bool) -> str:
-        """Return a move, which has a blend only if the path ``goes_on``."""
+        """Return the line of a move; it has a blend only if the path continues."""
         move: Move = self._context.move(step)
         if move.q is not None:
             target = "[" + ", ".join(f"{q:.9g}" for q in move.q) + "]"
         else:
-            assert move.pose is not None  # one of both
+            assert move.pose is not None  # a move has joint positions or a pose
             target = _pose(self._T_base_root @ matrix_of(move.pose))
         blend = f", r={move.r:.6g}" if move.r and goes_on else ""
         label = f"  # {_one_line(step.label)}" if step.label else ""
@@ -136,7 +138,7 @@ class _Writer:
     def _grip(self, step: GripperStep, path: StepPath) -> Iterator[str]:
         geometry = self._context.geometry
         opening = self._context.opening(step)
-        assert geometry is not None  # the opening is known
+        assert geometry is not None  # the step has an opening, so the geometry is known
         if geometry.protocol != ROBOTIQ:
             raise ProgramError(
                 f"step {path_text(path)}: URScript has functions for Robotiq grippers "

@@ -1,4 +1,4 @@
-"""Programs as YAML files that people read and edit."""
+"""Programs as YAML files that users can read and edit."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ _PLACE: Final = re.compile(r"^(?P<what>.*?)(?: - at `\$(?P<path>.*)`)?$", re.DOT
 _PART: Final = re.compile(r"\.(\w+)|\[(\d+)\]")
 _UNKNOWN: Final = re.compile(r"unknown field `(\w+)`")
 KINDS: Final = tuple(str(kind.__struct_config__.tag) for kind in get_args(Step))
-"""Kinds of steps."""
+"""Names of all kinds of steps."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProgramFile:
-    """A program, with the lines of its steps in the file."""
+    """A program from a file, with the line numbers of its steps."""
 
     program: Program
     file: Path | None
     lines: Mapping[StepPath, int]
-    """Line of each step in the file, from 1 on."""
+    """Line number of each step in the file, counted from 1."""
 
     def located(self, problem: ProgramProblem) -> ProgramProblem:
-        """Return a problem with the line of its step."""
+        """Return a copy of a problem that contains the line number of the step."""
         return msgspec.structs.replace(problem, line=self.lines.get(problem.step))
 
 
@@ -45,17 +45,17 @@ def read_program(file: Path) -> ProgramFile:
     """Return the program in a file.
 
     Raises:
-        ConfigError: If the file cannot be read or is not a program; the message has
-            file and line.
+        ConfigError: If the file cannot be read or is not a program; the message
+            contains the file and the line number.
     """
     return parse_program(text_of(file), file)
 
 
 def parse_program(text: str, file: Path | None = None) -> ProgramFile:
-    """Return the program in a text; ``file`` is the origin of the text.
+    """Return the program in a YAML text; ``file`` is the origin of the text.
 
     Raises:
-        ConfigError: If the text is not a program; the message has the line.
+        ConfigError: If the text is not a program; the message contains the line number.
     """
     tree = read_verbatim_text(text, SourceLocation(file, 1))
     tree.require_unique_keys()
@@ -69,7 +69,7 @@ def parse_program(text: str, file: Path | None = None) -> ProgramFile:
     for entry in root.leaves():
         _require_finite(entry)
     try:
-        # YAML 1.1 takes 1e-3 for a text.
+        # YAML 1.1 reads 1e-3 as a string.
         program = msgspec.convert(plain_in_si(root, Program), Program, strict=False)
     except msgspec.ValidationError as error:
         raise _explained(error, root) from None
@@ -79,7 +79,7 @@ def parse_program(text: str, file: Path | None = None) -> ProgramFile:
 
 
 def program_text(program: Program) -> str:
-    """Return the YAML of a program, without entries that have their default values."""
+    """Return the YAML of a program; entries with default values are omitted."""
     import yaml
 
     text: str = yaml.safe_dump(
@@ -110,7 +110,7 @@ def _note_lines(
 
 
 def _explained(error: msgspec.ValidationError, root: YamlEntry) -> ConfigError:
-    """Return the error with the line of the entry that it is about."""
+    """Return an error with the line number of the invalid entry."""
     what, path = problem_text(error), ""
     found = _PLACE.match(what)
     if found is not None:
@@ -134,7 +134,7 @@ def _explained(error: msgspec.ValidationError, root: YamlEntry) -> ConfigError:
 
 
 def _hint(name: str, entry: YamlEntry) -> str:
-    """Return the key that was probably meant, of a step or of the program."""
+    """Return a hint: the key that was probably intended in a step or the program."""
     kind = entry.children.get("kind")
     of = [item for item in get_args(Step) if kind and _tag(item) == kind.scalar]
     structs = of or [Program]
@@ -148,7 +148,7 @@ def _tag(kind: type[Struct]) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value in its YAML form."""
+    """Return the YAML form of a value."""
     if isinstance(value, Struct):
         kind, tag = type(value), _tag(type(value))
         found = {} if tag is None else {"kind": tag}

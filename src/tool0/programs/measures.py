@@ -1,4 +1,4 @@
-"""Numbers with units in a program's YAML, read by the types of the steps."""
+"""Conversion of numbers with units in a program's YAML to numbers in SI units."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from tool0.description.yaml_values import number_of
 
 
 class _Kind(NamedTuple):
-    """One of the types that a value can have."""
+    """One of the types that a value is allowed to have."""
 
     type: Any
     quantity: Quantity | None
@@ -32,11 +32,11 @@ class _Kind(NamedTuple):
 def plain_in_si(entry: YamlEntry, annotated: Any) -> object:
     """Return an entry as dicts, lists and scalars, with numbers converted to SI.
 
-    Values that do not fit the type are returned unchanged; ``msgspec`` then refuses
-    them.
+    A value that does not match the type is returned unchanged; ``msgspec`` then refuses
+    the value.
 
     Raises:
-        ConfigError: If a number has a wrong unit, with its location.
+        ConfigError: If a number has a wrong unit; the error contains the location.
     """
     kinds = tuple(_kinds(annotated))
     if entry.is_mapping:
@@ -78,7 +78,7 @@ def _is_list(kind: _Kind) -> bool:
 
 
 def _types_of_values(entry: YamlEntry, kinds: tuple[_Kind, ...]) -> Mapping[str, Any]:
-    """Return the types of a mapping's values, where types are known."""
+    """Return the types of a mapping's values, for the keys with known types."""
     for kind in kinds:
         if get_origin(kind.type) is dict:
             return dict.fromkeys(entry.children, get_args(kind.type)[1])

@@ -1,9 +1,10 @@
-"""Planning of a program before it runs: every path from every possible posture.
+"""Planning of a program before execution: every path from every possible posture.
 
-Consecutive moves are one path, including their blends; comments between them are
-ignored.  A move until contact may end anywhere on its path, so planning continues from
-both ends of the path.  A loop is planned until its postures repeat.  A path around
-obstacles is planned in the present scene, and again when the step begins.
+Consecutive moves form one path, including the blends between the moves; comments
+between the moves are ignored.  A move until contact can end at any point of its path;
+therefore, planning continues from both ends of the path.  A loop is planned until its
+start postures repeat.  A path around obstacles is planned in the present scene, and is
+planned again when the step begins.
 """
 
 from __future__ import annotations
@@ -48,33 +49,33 @@ from tool0.protocol.program import (
 from tool0.protocol.programs import PlannedMotion, ProgramCheck, ProgramProblem
 
 _REFUSALS: Final = (ControlError, ModelError, ConfigError)
-"""Errors that reject a step before it is planned."""
+"""Types of the errors that reject a step before planning."""
 _SAME: Final = 1e-7
-"""Distance below which two postures count as one [rad]."""
+"""Distance below which two postures are treated as the same posture [rad]."""
 _MOST_POSTURES: Final = 8
-"""Largest number of postures that a program may have at one step."""
+"""Maximum number of possible postures at the beginning of one step."""
 _PREVIEW_STEP: Final = 0.02
-"""Time between two points of a preview of a short program [s]."""
+"""Time between two points in the preview of a short program [s]."""
 _MOST_POINTS: Final = 1500
-"""Largest number of points of a preview."""
+"""Maximum number of points in a preview."""
 
 
 class NumberedMove(NamedTuple):
-    """A step that moves the arm, with its place in the program."""
+    """A step that moves the arm, with the position of the step in the program."""
 
     path: StepPath
     step: MoveStep
 
 
 def is_planned(step: Step) -> TypeGuard[MoveJointStep]:
-    """Return whether a step is planned around obstacles, as a separate path."""
+    """Return whether the path of a step is planned around obstacles."""
     return isinstance(step, MoveJointStep) and step.plan
 
 
 def moves_from(
     steps: Sequence[Step], first: int, parents: StepPath
 ) -> list[NumberedMove]:
-    """Return the moves that form one path, from the step at index ``first`` on."""
+    """Return the moves that form one path, starting at the index ``first``."""
     found = []
     for number, step in enumerate(steps[first:], first + 1):
         if isinstance(step, MoveStep) and not is_planned(step):
@@ -90,11 +91,11 @@ class ProgramPath:
     """A path of a program's arm that starts and ends at rest."""
 
     steps: tuple[StepPath, ...]
-    """Steps of the path's moves."""
+    """Positions of the path's steps in the program."""
     plan: MovePlan
 
     def is_from(self, step: StepPath, q: Sequence[float] | Array) -> bool:
-        """Return whether the path begins with a step, at ``q`` [rad]."""
+        """Return whether the path begins with ``step`` at the posture ``q`` [rad]."""
         start = self.plan.path.positions[0]
         return self.steps[0] == step and bool(np.abs(start - q).max() < _SAME)
 
@@ -114,20 +115,20 @@ class StepError(Exception):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ProgramPlan:
-    """A program with its paths, as far as they can be planned."""
+    """A program with all paths that can be planned in advance."""
 
     program: Program
     paths: tuple[ProgramPath, ...] = ()
-    """Paths, in the order of their first execution."""
+    """Paths of the program, in the order of their first execution."""
     problems: tuple[ProgramProblem, ...] = ()
     warnings: tuple[ProgramProblem, ...] = ()
 
     def find(self, step: StepPath, q: Sequence[float]) -> ProgramPath | None:
-        """Return the path that begins with a step at ``q`` [rad]; None if unknown."""
+        """Return the path that begins with ``step`` at ``q`` [rad], or None."""
         return next((path for path in self.paths if path.is_from(step, q)), None)
 
     def check(self, context: RobotContext) -> ProgramCheck:
-        """Return the findings, and the motion for a preview."""
+        """Return the problems, and the motion for a preview."""
         return ProgramCheck(
             problems=self.problems,
             warnings=self.warnings,
@@ -136,7 +137,10 @@ class ProgramPlan:
 
 
 def plan_program(context: RobotContext, start: Sequence[float]) -> ProgramPlan:
-    """Plan a program from rest at ``start`` [rad]; the result contains the problems."""
+    """Plan a program that starts at rest at ``start`` [rad].
+
+    The result contains the problems that were found.
+    """
     program = context.program
     problems = static_problems(context)
     if problems:
@@ -147,7 +151,7 @@ def plan_program(context: RobotContext, start: Sequence[float]) -> ProgramPlan:
     except StepError as error:
         problems.append(error.problem)
     except _UnknownEndError:
-        pass  # the rest is planned when it begins; there is a warning
+        pass  # the remaining steps are planned when they begin; a warning reports this
     return ProgramPlan(
         program=program,
         paths=tuple(planning.paths),
@@ -167,7 +171,7 @@ def plan_path(
 def plan_search(
     context: RobotContext, path: StepPath, step: UntilStep, start: Sequence[float]
 ) -> ProgramPath:
-    """Return the full path of a move until contact; StepError if it is impossible."""
+    """Return the full path of a move until contact, or raise StepError."""
     move = context.search(step, np.array(start, dtype=np.float64))
     return _planned(context, (path,), [move], start)
 
@@ -175,7 +179,7 @@ def plan_search(
 def plan_way(
     context: RobotContext, path: StepPath, step: MoveJointStep, start: Sequence[float]
 ) -> ProgramPath:
-    """Return the path around obstacles from rest at ``start`` [rad].
+    """Return the path around obstacles that starts at rest at ``start`` [rad].
 
     Raises:
         StepError: If the target is out of reach.
@@ -206,11 +210,11 @@ def _planned(
     return ProgramPath(steps=steps, plan=plan)
 
 
-# ---- what needs no planning ----------------------------------------------------------
+# ---- checks without planning ---------------------------------------------------------
 
 
 def static_problems(context: RobotContext) -> list[ProgramProblem]:
-    """Return the problems of single steps, such as names, ranges and missing values."""
+    """Return the problems of individual steps, such as wrong names or values."""
     numbered = list(walk(context.program.steps))
     if len(numbered) > MOST_STEPS:
         text = f"the program has {len(numbered)} steps; {MOST_STEPS} is the most"
@@ -232,7 +236,7 @@ def static_problems(context: RobotContext) -> list[ProgramProblem]:
 def _blends_into_ways(
     steps: Sequence[Step], parents: StepPath = ()
 ) -> Iterator[ProgramProblem]:
-    """Yield a problem for each blend before a step that is planned from rest."""
+    """Yield a problem for each blend into a path that must start at rest."""
     blended: StepPath | None = None
     for number, step in enumerate(steps, 1):
         path = (*parents, number)
@@ -250,7 +254,7 @@ def _blends_into_ways(
 
 
 def _check(context: RobotContext, path: StepPath, step: Step) -> None:
-    """Raise one of the ``_REFUSALS`` if a step is impossible by itself."""
+    """Raise one of the ``_REFUSALS`` if a single step is impossible."""
     if len(path) > MOST_NESTED + 1:
         raise ControlError(f"more than {MOST_NESTED} loops are within each other here")
     match step:
@@ -286,7 +290,7 @@ def _check(context: RobotContext, path: StepPath, step: Step) -> None:
 @final
 @dataclass(slots=True)
 class _Planning:
-    """Plans every path from every posture in which it may begin."""
+    """Plans every path from every posture at which the path can begin."""
 
     context: RobotContext
     paths: list[ProgramPath] = field(default_factory=list)
@@ -295,7 +299,7 @@ class _Planning:
     def follow(
         self, steps: Sequence[Step], parents: StepPath, starts: list[Array]
     ) -> list[Array]:
-        """Return the postures in which the steps may end; empty if they never end."""
+        """Return the possible end postures; empty if the steps never end."""
         index = 0
         while index < len(steps):
             step, path = steps[index], (*parents, index + 1)
@@ -381,7 +385,7 @@ class _Planning:
 
 
 def _distinct(postures: Iterable[Array]) -> list[Array]:
-    """Return the postures without repetitions, in their order."""
+    """Return the postures without duplicates, in the given order."""
     found: list[Array] = []
     for q in postures:
         if all(np.abs(q - known).max() >= _SAME for known in found):
@@ -393,7 +397,7 @@ def _distinct(postures: Iterable[Array]) -> list[Array]:
 
 
 def preview(paths: Sequence[ProgramPath], context: RobotContext) -> PlannedMotion:
-    """Return the first path of every step, in sequence."""
+    """Return the motion along the first path of every step, in sequence."""
     shown: list[ProgramPath] = []
     for path in paths:
         if all(path.steps[0] != other.steps[0] for other in shown):
@@ -425,7 +429,7 @@ def preview(paths: Sequence[ProgramPath], context: RobotContext) -> PlannedMotio
 
 
 def problems_text(name: str, problems: Sequence[ProgramProblem]) -> str:
-    """Return the problems as one message."""
+    """Return all problems as one message."""
     parts = [
         f"step {path_text(item.step)}: {item.text}" if item.step else item.text
         for item in problems

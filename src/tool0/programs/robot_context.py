@@ -1,4 +1,4 @@
-"""The context of a program: the arm, its surroundings, and the named poses."""
+"""The context of a program: the arm, the surroundings, and the named poses."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ from tool0.protocol.program import (
 
 
 class FindWay(Protocol):
-    """Plans paths around obstacles."""
+    """Function that plans paths around obstacles."""
 
     def __call__(
         self, target: PlanTarget, start: Sequence[float], joints: Sequence[Joint]
     ) -> Path:
         """Return a collision-free motion of the arm from ``start`` [rad].
 
-        ``joints`` are the arm's joints with the limits that apply.
+        ``joints`` are the arm's joints with the limits for this motion.
 
         Raises:
             CollisionError: If the start or the target is in collision.
@@ -52,7 +52,7 @@ class FindWay(Protocol):
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RobotContext:
-    """One arm as seen by a program, with its surroundings."""
+    """One arm with its surroundings, as the context of a program."""
 
     program: Program
     model: RobotModel
@@ -60,14 +60,14 @@ class RobotContext:
     tip: str
     """Link at the end of the arm."""
     joints: tuple[Joint, ...]
-    """Joints of the arm from base to flange, with the limits that apply."""
+    """Joints of the arm from base to flange, with the effective limits."""
     positions: Mapping[str, float]
     """Present position of every joint of the robot [rad | m]."""
     find_pose: Callable[[str], Mapping[str, float]]
     """Function that returns the positions of a named pose, or raises ControlError."""
     find_way: FindWay
     gripper: str | None
-    """Name of the arm's gripper; None if it has no gripper."""
+    """Name of the arm's gripper; None if the arm has no gripper."""
     geometry: ParallelGripper | None
     """Geometry of the arm's gripper."""
     objects: Collection[str]
@@ -93,23 +93,23 @@ class RobotContext:
 
     @cached_property
     def T_root_base(self) -> Array:
-        """Pose in the root frame of the link that carries the arm, shape (4, 4)."""
+        """Pose of the link that carries the arm, in the root frame, shape (4, 4)."""
         found = link_poses(self.model, self.positions)
         return np.asarray(found[self.chain.base].matrix)
 
     @cached_property
     def planner(self) -> MovePlanner:
-        """Planner for moves whose poses are in the root frame.
+        """Planner for moves with poses in the root frame.
 
         Raises:
-            ControlError: If the arm is not built like a UR.
+            ControlError: If the arm does not have the kinematics of a UR.
         """
         T_base_root = np.linalg.inv(self.T_root_base)
         tcp = pose_numbers(self.T_tip_tool)
         return MovePlanner(InverseKinematics(self.chain), tcp, np.asarray(T_base_root))
 
     def tool(self, q: Array) -> Array:
-        """Return poses of the tool in the root frame at positions ``q`` [rad].
+        """Return the tool's poses in the root frame at joint positions ``q`` [rad].
 
         ``q`` has shape (n, 6), and the result has shape (n, 4, 4).
         """
@@ -119,7 +119,7 @@ class RobotContext:
     # ---- steps as moves -------------------------------------------------------------
 
     def move(self, step: MoveStep) -> Move:
-        """Return the move of a step; ControlError or ModelError if it has none."""
+        """Return the move of a step, or raise ControlError or ModelError."""
         given = [step.joints, step.pose, step.named_pose]
         if sum(item is not None for item in given) != 1:
             raise ControlError(
@@ -146,7 +146,7 @@ class RobotContext:
     def way(self, step: MoveJointStep, start: Sequence[float]) -> Path:
         """Return the path around obstacles of a planned step; see ``FindWay``."""
         move = self.move(step)
-        pose: Any = None  # rows
+        pose: Any = None  # matrices
         if move.pose is not None:
             pose = tuple(map(tuple, matrix_of(move.pose).tolist()))
         tool: Any = tuple(map(tuple, self.T_tip_tool.tolist()))
@@ -179,7 +179,7 @@ class RobotContext:
         return Move(kind="linear", pose=pose_numbers(T), a=a, v=v)
 
     def direction(self, step: UntilStep, T_root_tool: Array) -> Array:
-        """Return the direction of a search in the root's axes, as a unit vector."""
+        """Return the direction of a search as a unit vector in the root's axes."""
         given = np.array(step.direction)
         length = float(np.linalg.norm(given))
         if not length > 0.0:
@@ -227,7 +227,7 @@ class RobotContext:
     # ---- the gripper ----------------------------------------------------------------
 
     def opening(self, step: GripperStep) -> float:
-        """Return a step's gripper opening [m]; raise ControlError or ModelError."""
+        """Return a step's gripper opening [m], or raise ControlError or ModelError."""
         geometry = self.geometry
         if geometry is None:
             raise ControlError("the arm carries no gripper")

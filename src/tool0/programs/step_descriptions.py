@@ -1,4 +1,4 @@
-"""Descriptions of steps for users who follow a program."""
+"""Descriptions of steps for the display of a program."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _LONGEST = 80
 
 
 def step_text(step: Step) -> str:
-    """Return a description of a step in a few words."""
+    """Return a short description of a step."""
     match step:
         case MoveJointStep(plan=True):
             return f"go around to {_target(step)}"

@@ -1,4 +1,4 @@
-"""The programs that a user has saved for a robot, with one file for each."""
+"""The programs that a user has saved for a robot, with one file for each program."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from tool0.protocol.programs import SavedProgram
 from tool0.user_data import data_folder, replace_text
 
 LONGEST_NAME: Final = 60
-"""Largest number of characters in a program's name."""
+"""Maximum number of characters in a program's name."""
 _SUFFIX: Final = ".yaml"
 _RESERVED: Final = '%/\\<>:"|?*'
-"""Characters that some file systems reject, and the escape character itself."""
+"""Characters that some file systems reject, and the escape character of file names."""
 _LONGEST_FILE: Final = 240
-"""Largest number of bytes in a file's name: 255, minus the suffix used while
+"""Maximum number of bytes in a file's name: 255, minus the suffix used during
 writing."""
 
 
 @final
 class ProgramStore:
-    """The saved programs of one robot, identified by its name.
+    """The saved programs of one robot, identified by the robot's name.
 
-    A change is written to a new file that replaces the old one, so that no reader sees
-    half a file.
+    A change is written to a new file that replaces the old file, so that no process
+    reads an incomplete file.
     """
 
     def __init__(self, robot: str) -> None:
@@ -39,7 +39,7 @@ class ProgramStore:
 
     @property
     def folder(self) -> Path:
-        """Folder of the files; it may not exist yet."""
+        """Folder of the programs' files; the folder may not exist yet."""
         return data_folder() / "programs" / quote(self._robot, safe=" ")
 
     def all(self) -> tuple[SavedProgram, ...]:
@@ -66,8 +66,8 @@ class ProgramStore:
         """Save a program under its name.
 
         Raises:
-            ControlError: If the name is not printable, or is taken and must not be
-                overwritten.
+            ControlError: If the name is not printable, or if a program with this name
+                exists and ``overwrite`` is false.
             ConfigError: If the file cannot be written.
         """
         name = program.name
@@ -81,7 +81,7 @@ class ProgramStore:
         if not overwrite and file.exists():
             raise ControlError(f"a program '{name}' is saved already")
         text = program_text(program)
-        parse_program(text)  # what is written can be read
+        parse_program(text)  # check that the written text can be read
         with self._explained("write"):
             self.folder.mkdir(parents=True, exist_ok=True)
             replace_text(file, text)
@@ -90,8 +90,8 @@ class ProgramStore:
         """Rename a saved program.
 
         Raises:
-            ControlError: If there is no program with the old name, or there is one with
-                the new name.
+            ControlError: If there is no program with the old name, or if there is a
+                program with the new name.
             ConfigError: If a file cannot be read or written.
         """
         program = self.read(name)
@@ -147,7 +147,7 @@ def _info(file: Path) -> SavedProgram:
 
 
 def _quoted(character: str) -> str:
-    """Return a character of a program's name as it appears in the file's name."""
+    """Return a character of a program's name as it is written in the file's name."""
     if character.isprintable() and character not in _RESERVED:
         return character
     return quote(character, safe="", errors="replace")

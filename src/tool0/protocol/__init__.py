@@ -1,1 +1,1 @@
-"""The contract between clients and backends: requests, values, states, events."""
+"""The contract between clients and backends: requests, values, states and events."""

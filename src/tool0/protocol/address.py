@@ -1,4 +1,4 @@
-"""The address of a running bringup: one socket file per name."""
+"""The address of a running bring-up: one socket file per name."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from tool0.errors import TransportError
 DEFAULT_NAME = "tool0"
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 _MAX_PATH = 103
-"""Longest socket path [bytes]; sockaddr_un holds 107 on Linux, 103 on macOS
-(unix(7))."""
+"""Longest socket path [bytes].  The limit of sockaddr_un is 107 bytes on Linux and 103
+bytes on macOS (unix(7))."""
 
 
 def check_supported() -> None:
-    """Raise TransportError where the platform has no Unix sockets."""
+    """Raise TransportError if the platform has no Unix sockets."""
     if not hasattr(socket, "AF_UNIX"):
         raise TransportError(
             "remote access needs Unix sockets, which Python lacks on this platform; "
@@ -29,10 +29,11 @@ def check_supported() -> None:
 
 
 def folders() -> tuple[Path, ...]:
-    """Return the folders that may contain sockets, the preferred one first.
+    """Return the folders that may contain sockets, with the preferred folder first.
 
-    ``XDG_RUNTIME_DIR`` is private to the user and emptied at logout.  Where it is not
-    set (in a container, under cron or su), a folder with mode 0700 is used instead.
+    ``XDG_RUNTIME_DIR`` is private to the user and is emptied at logout.  If this
+    variable is not set (in a container, with cron or su), a folder with mode 0700 is
+    used instead.
     """
     import tempfile
 
@@ -44,7 +45,7 @@ def folders() -> tuple[Path, ...]:
 
 
 def socket_path(folder: Path, name: str) -> Path:
-    """Return the socket file of ``name``, or raise TransportError for a bad name."""
+    """Return the socket file of ``name``; raise TransportError for an invalid name."""
     if not _NAME.fullmatch(name):
         raise TransportError(
             f"a bringup cannot be named '{name}': use up to 64 letters, digits, "
@@ -60,7 +61,10 @@ def socket_path(folder: Path, name: str) -> Path:
 
 
 def running_names() -> tuple[str, ...]:
-    """Return the names whose socket file exists; its process may be dead."""
+    """Return the names for which a socket file exists.
+
+    The process of a name may have ended without removing the file.
+    """
     found = {
         path.stem
         for folder in folders()
@@ -71,10 +75,10 @@ def running_names() -> tuple[str, ...]:
 
 
 def insecurity(folder: Path) -> str | None:
-    """Return why other users could place a socket in ``folder``; None if they cannot.
+    """Return why other users could create a socket in ``folder``, or None.
 
     Raises:
-        OSError: If there is no such folder.
+        OSError: If the folder does not exist.
     """
     status = folder.lstat()
     if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.getuid():
@@ -85,7 +89,7 @@ def insecurity(folder: Path) -> str | None:
 
 
 def is_foreign(peer: socket.socket) -> bool:
-    """Return whether the process at the other end is known to be another user's."""
+    """Return whether the other process is known to belong to another user."""
     if not hasattr(socket, "SO_PEERCRED"):
         return False
     credentials = struct.Struct("3i")
@@ -96,17 +100,17 @@ def is_foreign(peer: socket.socket) -> bool:
 
 @final
 class Claim:
-    """Exclusive claim of this process to a bring-up's name, until it is closed.
+    """Exclusive claim of this process to the name of a bring-up, until it is closed.
 
-    The kernel releases the lock whenever the process ends, so the files of a dead
-    process never block the name, and a live process never loses it.
+    The kernel releases the lock when the process ends.  Therefore, the files of an
+    ended process never block the name, and a running process never loses the name.
     """
 
     def __init__(self, name: str) -> None:
         """Acquire the name.
 
         Raises:
-            TransportError: If another process holds the name, or there is no private
+            TransportError: If another process holds the name, or if there is no private
                 folder.
         """
         check_supported()
@@ -121,7 +125,7 @@ class Claim:
             raise _blocked(self.path, error) from None
 
     def close(self) -> None:
-        """Remove the files and release the name; closing twice is allowed."""
+        """Remove the files and release the name; further calls have no effect."""
         if not self._lock.closed:
             self.path.unlink(missing_ok=True)
             self._lock_path.unlink(missing_ok=True)
@@ -129,7 +133,7 @@ class Claim:
 
 
 def _usable_folder() -> Path:
-    """Return the first folder private to this user; create it if necessary."""
+    """Return the first folder that is private to this user; create it if necessary."""
     problem: str | None = ""
     for folder in folders():
         try:
@@ -145,8 +149,8 @@ def _usable_folder() -> Path:
 
 
 def _locked_file(path: Path, name: str) -> IO[str]:
-    """Return the lock file, locked and containing this process's id."""
-    import fcntl  # not on Windows, where check_supported has raised before
+    """Return the lock file, locked, with the id of this process as its content."""
+    import fcntl  # this module does not exist on Windows
 
     while True:
         try:
@@ -163,7 +167,7 @@ def _locked_file(path: Path, name: str) -> IO[str]:
                 f"another bringup named '{name}' is running (pid {pid}); "
                 "stop it or use --name"
             ) from None
-        # Its last owner may have unlinked the file between our open and our lock.
+        # The last owner may have unlinked the file between the open and the lock here.
         try:
             is_current = path.stat().st_ino == os.fstat(file.fileno()).st_ino
         except FileNotFoundError:

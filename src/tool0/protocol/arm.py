@@ -1,4 +1,4 @@
-"""Requests to an arm in terms of its tool's poses."""
+"""Requests that move an arm, or read its state, by poses of the arm's tool."""
 
 from __future__ import annotations
 
@@ -23,15 +23,16 @@ AnyPose = Pose | tuple[Row, Row, Row, Row]
 """Position and fixed-axis angles [m, rad], or a homogeneous matrix, shape (4, 4)."""
 
 Rate = Annotated[float, Meta(ge=1e-6, le=1e6)]
-"""A speed or an acceleration; the bounds exceed any arm's but avoid rounding errors."""
+"""A speed or an acceleration.  The bounds are wider than the limits of every arm, but
+avoid rounding errors."""
 
 
 class ArmInfo(Struct, frozen=True, kw_only=True):
     """An arm: six revolute joints that end at a link ``…tool0``."""
 
     name: str
-    """Prefix of the arm's links, or ``arm`` if they have none; in a cell, the robot's
-    name."""
+    """Name of the arm: the prefix of its links, or ``arm`` if the links have no prefix;
+    in a cell, the name of the robot."""
     base: str
     """Base link of the arm."""
     tip: str
@@ -39,8 +40,8 @@ class ArmInfo(Struct, frozen=True, kw_only=True):
     joint_names: tuple[str, ...]
     """Names of the six joints, from base to tip."""
     rated_payload: float | None = None
-    """Largest payload in the arm's data sheet, including the gripper [kg]; None if the
-    arm is not in the catalogue."""
+    """Maximum payload in the data sheet of the arm, including the gripper [kg]; None if
+    the arm is not in the catalog."""
 
 
 class ListArms(Request[tuple[ArmInfo, ...]], frozen=True):
@@ -48,19 +49,20 @@ class ListArms(Request[tuple[ArmInfo, ...]], frozen=True):
 
 
 class _OfTool(Request[Response], Generic[Response], frozen=True):
-    """Common fields of requests about an arm's tool."""
+    """Common fields of requests about the tool of an arm."""
 
     unchecked = ("pose", "tool")
 
     arm: str | None = None
-    """Name of the arm; may be left out if the robot has only one."""
+    """Name of the arm; required only if the robot has several arms."""
     tip: str | None = None
-    """Link fixed to the flange, in which ``tool`` is given; if left out, the flange."""
+    """Link fixed to the flange, in whose frame ``tool`` is given; the default is the
+    flange."""
     tool: AnyPose | None = None
-    """Pose of the tool in the frame of ``tip``; if left out, the tool is ``tip``
-    itself."""
+    """Pose of the tool in the frame of ``tip``; by default, the tool is at the frame of
+    ``tip``."""
     relative_to: str | None = None
-    """Link in whose frame poses are given; if left out, the robot's root."""
+    """Link in whose frame poses are given; the default is the robot's root."""
 
 
 class ReadToolPose(_OfTool[Transform], frozen=True):
@@ -68,24 +70,24 @@ class ReadToolPose(_OfTool[Transform], frozen=True):
 
 
 class ReadBranch(Request[Branch], frozen=True):
-    """Read which of the eight inverse-kinematics branches the arm is in."""
+    """Read the present inverse-kinematics branch of the arm, one of eight."""
 
     arm: str | None = None
 
 
 class SolveInverseKinematics(_OfTool[tuple[Solution, ...]], frozen=True, kw_only=True):
-    """Find the postures that put the tool at a pose: one per branch, nearest first."""
+    """Find the postures that reach a tool pose: one per branch, nearest first."""
 
     pose: AnyPose
     near: JointPositions = field(default_factory=dict)
-    """Joint → position [rad] to which the postures should be near; for joints left out,
-    the commanded position."""
+    """Joint → position [rad]; the solutions are sorted by their distance from these
+    positions.  For a joint that is left out, the commanded position is used."""
     branch: Branch | None = None
-    """Branch that the posture must belong to; if left out, any branch."""
+    """Branch of the posture; by default, all branches are allowed."""
 
 
 class MoveTo(_OfTool[GoalStarted], frozen=True, kw_only=True):
-    """Move the tool to a pose by a joint-space motion that is as fast as allowed."""
+    """Move the tool to a pose with the fastest allowed joint-space motion."""
 
     pose: AnyPose
     speed: SpeedScale = 0.5
@@ -95,14 +97,15 @@ class MoveTo(_OfTool[GoalStarted], frozen=True, kw_only=True):
 
 
 class MoveLinear(_OfTool[GoalStarted], frozen=True, kw_only=True):
-    """Move the tool to a pose along a straight line, which is checked beforehand."""
+    """Move the tool to a pose along a straight line; the line is checked first."""
 
     pose: AnyPose
     speed: Rate = 0.25
-    """Speed of the tool [m/s]; by default, this and the acceleration are the same as in
-    UR's movel."""
+    """Speed of the tool [m/s].  The defaults of the speed and the acceleration are the
+    same as in URScript's ``movel``."""
     acceleration: Rate = 1.2
-    """Acceleration of the tool [m/s²]; the rotation ramps over the same duration."""
+    """Acceleration of the tool [m/s²]; the rotation accelerates for the same
+    duration."""
     angular_speed: Rate = 1.0
     """Angular speed of the tool [rad/s]."""
     collision: CollisionRule = "ignore"

@@ -1,7 +1,7 @@
 """Requests to an arm that is moved by a program instead of ROS controllers.
 
-A program takes the arm, sends paths or streams, and releases it.  Joints are ordered
-from base to flange.
+A program takes the arm, sends paths or streams, and releases the arm.  Joints are
+ordered from base to flange.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 Row6 = tuple[float, float, float, float, float, float]
-"""A number for each joint, from base to flange."""
+"""One number for each joint, from base to flange."""
 
 Rows6 = tuple[Row6, ...]
 
@@ -48,43 +48,44 @@ PathTime = Annotated[float, Meta(ge=0.0)]
 
 MOST_KNOTS = 100_000
 SILENCE: Final = 0.5
-"""Default longest time between two commands of a stream [wall s]."""
+"""Default of the longest time between two commands of a stream [wall s]."""
 
 
 class TakeArm(ArmRequest[None], frozen=True):
-    """Take an arm for a program: its controllers are stopped and it holds its position.
+    """Take an arm for a program: stop its controllers, and hold its position.
 
-    If the arm is already taken, only the program's name changes, and the arm can move
-    again after a failed motion or an emergency stop.
+    If the arm is already taken, only the name of the program changes.  The arm can also
+    move again after a failed motion or an emergency stop.
     """
 
     by: Name
-    """Name of the program, shown to users."""
+    """Name of the program, which is shown to users."""
     protected: bool = False
-    """Whether a failed motion causes a protective stop, as on a UR; otherwise the arm
-    stays taken."""
+    """Whether a failed motion causes a protective stop, like on a UR; otherwise, the
+    arm remains taken."""
 
 
 class ReturnArm(ArmRequest[None], frozen=True):
-    """Stop an arm and restart its controllers once it is at rest."""
+    """Stop an arm, and restart its controllers when the arm is at rest."""
 
     by: Name | None = None
     """Name of the program that releases the arm.  If another program has taken the arm
-    since, nothing happens."""
+    in the meantime, the request has no effect."""
 
 
 class ExecutePath(ArmRequest[int], frozen=True):
-    """Follow a joint-space path; the response is the path's number, counted from 1.
+    """Follow a joint-space path; the response is the path number, counted from 1.
 
-    The path starts now, at the setpoint, or replaces another path.  Between two knots
-    the joints follow cubics, or quintics if accelerations are given.
+    The path starts immediately at the present setpoint, or it replaces another path.
+    Between two knots, the joints follow cubic polynomials, or quintic polynomials if
+    accelerations are given.
     """
 
     unchecked = ("times", "positions", "velocities", "accelerations")
 
     times: Annotated[tuple[float, ...], Meta(min_length=1, max_length=MOST_KNOTS)]
-    """Times of the knots after the start [s], increasing.  A knot at 0 must be the
-    setpoint, within 1e-6 rad and rad/s."""
+    """Times of the knots after the start [s], increasing.  A knot at 0 must be equal to
+    the setpoint, within 1e-6 rad and 1e-6 rad/s."""
     positions: Annotated[Rows6, Meta(max_length=MOST_KNOTS)]
     """Joint positions at the knots [rad], shape (n, 6)."""
     velocities: Annotated[Rows6, Meta(max_length=MOST_KNOTS)]
@@ -92,9 +93,9 @@ class ExecutePath(ArmRequest[int], frozen=True):
     accelerations: Annotated[Rows6, Meta(max_length=MOST_KNOTS)] = ()
     """Joint accelerations at the knots [rad/s²], shape (n, 6), or empty."""
     after: PathNumber | None = None
-    """Number of the path that this one replaces; if left out, it replaces none."""
+    """Number of the path that this path replaces; by default, no path is replaced."""
     at: PathTime | None = None
-    """Time on the replaced path at which this one takes over [s]."""
+    """Time on the replaced path at which this path begins [s]."""
 
 
 class SampledPath(Protocol):
@@ -114,7 +115,7 @@ class SampledPath(Protocol):
 
     @property
     def accelerations(self) -> Array | None:
-        """Joint accelerations [rad/s²], shape (n, 6); None for cubics."""
+        """Joint accelerations [rad/s²], shape (n, 6); None for cubic polynomials."""
 
 
 def path_request(
@@ -124,7 +125,7 @@ def path_request(
     after: int | None = None,
     at: float | None = None,
 ) -> ExecutePath:
-    """Return the request that makes a taken arm follow a path.
+    """Return the request to follow a path with a taken arm.
 
     ``after`` and ``at`` are passed to ``ExecutePath``.
     """
@@ -146,35 +147,38 @@ class StopArm(ArmRequest[None], frozen=True):
     """Decelerate to rest from any motion."""
 
     deceleration: Acceleration = 2.0
-    """Deceleration of the leading joint [rad/s²].  With ``along_path``, deceleration of
-    the path's speed [1/s²]; at 2, the arm stops within half a second."""
+    """Deceleration of the leading joint [rad/s²].  With ``along_path``, this is the
+    deceleration of the path's speed [1/s]; at 2, the arm stops within half a
+    second."""
     along_path: bool = False
-    """Whether an arm that follows a path stays on the path while it stops."""
+    """Whether an arm that follows a path stays on the path during the deceleration."""
 
 
 class ServoJoints(ArmRequest[None], frozen=True):
-    """Follow a target, usually one of a stream of targets, like URScript's ``servoj``.
+    """Follow a target or a stream of targets, like URScript's ``servoj``.
 
     Each request that is sent without an id is executed at the next tick.  The control
     law is qdd = gain (target - (q + lookahead_time qd)), where q and qd are the
-    setpoint's; joint limits apply.  The speed slider scales the largest velocity.
+    position and the velocity of the setpoint.  Joint limits apply.  The speed slider
+    scales the maximum velocity.
     """
 
     is_streamed = True
 
     positions: Row6
-    """Joint positions to move to [rad], shape (6,)."""
+    """Target positions of the joints [rad], shape (6,)."""
     duration: Annotated[float, Meta(ge=0.0, le=10.0)] = 0.002
-    """Simulated time until the next target is expected [s]; after it, the arm holds the
-    last target."""
+    """Simulated time until the next target is expected [s].  After this time, the arm
+    holds the last target."""
     lookahead_time: Annotated[float, Meta(ge=0.03, le=0.2)] = 0.1
-    """Lookahead time of the control law [s]; a longer one is smoother but lags more."""
+    """Lookahead time of the control law [s].  With a longer time, the motion is
+    smoother, but has more lag."""
     gain: Annotated[float, Meta(ge=100.0, le=2000.0)] = 300.0
     """Gain of the control law [1/s²]."""
     timeout: Timeout = SILENCE
-    """Longest wall time between two targets of a stream [s].  If the next target is
-    later, the stream has ended: the arm stops, and ignores further targets until it is
-    stopped (``stop_arm``), follows a path or is taken again."""
+    """Longest wall time between two targets of a stream [s].  If no target is received
+    within this time, the stream has ended: the arm stops, and ignores further targets
+    until it is stopped (``stop_arm``), follows a path or is taken again."""
 
 
 class SpeedJoints(ArmRequest[None], frozen=True):
@@ -190,35 +194,37 @@ class SpeedJoints(ArmRequest[None], frozen=True):
     acceleration: Acceleration = 1.4
     """Acceleration of the leading joint [rad/s²]."""
     duration: Duration | None = None
-    """Time after which the arm decelerates to rest [s]; if left out or 0, it keeps
-    moving."""
+    """Time after which the arm decelerates to rest [s]; by default or at 0, the arm
+    continues to move."""
     timeout: Timeout | None = None
-    """Longest wall time between two targets of a stream [s], see ``servo_joints``.  If
-    left out, 0.5 s without a ``duration``, and unlimited with one."""
+    """Longest wall time between two targets of a stream [s]; see ``servo_joints``.  The
+    default is 0.5 s without a ``duration``; with a ``duration``, the time is
+    unlimited."""
 
 
 class SpeedTool(ArmRequest[None], frozen=True):
     """Accelerate to a velocity of the tool, like URScript's ``speedl``.
 
-    Where a joint would be too fast or reach its limit, the tool slows down but keeps
-    its direction.
+    If a joint would be too fast or would reach its limit, the tool decelerates, but
+    keeps its direction of motion.
     """
 
     is_streamed = True
 
     twist: Row6
-    """Linear and angular velocity of the TCP, in the base's axes [m/s, rad/s]."""
+    """Linear and angular velocity of the TCP, in the axes of the base [m/s, rad/s]."""
     acceleration: Acceleration = 1.2
-    """Linear acceleration of the tool [m/s²]; the same number limits its angular
-    acceleration [rad/s²]."""
+    """Linear acceleration of the tool [m/s²].  The same number limits the angular
+    acceleration of the tool [rad/s²]."""
     duration: Duration | None = None
-    """Time after which the arm decelerates to rest [s]; if left out or 0, it keeps
-    moving."""
+    """Time after which the arm decelerates to rest [s]; by default or at 0, the arm
+    continues to move."""
     timeout: Timeout | None = None
-    """Longest wall time between two targets of a stream [s], see ``servo_joints``.  If
-    left out, 0.5 s without a ``duration``, and unlimited with one."""
+    """Longest wall time between two targets of a stream [s]; see ``servo_joints``.  The
+    default is 0.5 s without a ``duration``; with a ``duration``, the time is
+    unlimited."""
     tcp: Row6 = ZERO_POSE
-    """Pose of the TCP in the flange's frame: position and rotation vector [m, rad]."""
+    """Pose of the TCP in the flange frame: position and rotation vector [m, rad]."""
 
 
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
@@ -227,29 +233,31 @@ Shares6 = tuple[Share, Share, Share, Share, Share, Share]
 
 VISCOUS_SCALE: Final[Shares6] = (0.9, 0.9, 0.8, 0.9, 0.9, 0.9)
 COULOMB_SCALE: Final[Shares6] = (0.8, 0.8, 0.7, 0.8, 0.8, 0.8)
-"""Fractions of the viscous and dry friction that UR's ``direct_torque`` compensates by
-default."""
+"""Default fractions of the viscous and dry friction that URScript's ``direct_torque``
+compensates."""
 
 
 class DriveTorques(ArmRequest[None], frozen=True):
     """Drive the joints with torques, like URScript's ``direct_torque``.
 
-    The drives compensate gravity in addition.  A joint that is too fast, or that could
-    no longer stop within its limits, triggers a protective stop.  In this mode, unlike
-    in position control, the inertia and friction of rotors and gears affect the motion.
+    In addition, the drives compensate gravity.  A joint triggers a protective stop if
+    it is too fast, or if it could no longer stop within its limits.  In this mode,
+    unlike in position control, the inertia and the friction of rotors and gears affect
+    the motion.
     """
 
     is_streamed = True
 
     torques: Row6
-    """Torques of the joints [N·m], shape (6,); none may exceed the joint's limit."""
+    """Torques of the joints [N·m], shape (6,).  Each torque must be within the limit of
+    the joint."""
     viscous_scale: Shares6 = VISCOUS_SCALE
     """Fraction of each joint's viscous friction that the drives compensate."""
     coulomb_scale: Shares6 = COULOMB_SCALE
     """Fraction of each joint's dry friction that the drives compensate."""
     duration: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.02
-    """Simulated time within which the next torques must arrive [s]; otherwise, the arm
-    returns to position control and decelerates to rest."""
+    """Simulated time within which the next torques must be received [s].  Otherwise,
+    the arm returns to position control and decelerates to rest."""
 
 
 class EndTorques(ArmRequest[None], frozen=True):
@@ -257,78 +265,80 @@ class EndTorques(ArmRequest[None], frozen=True):
 
 
 class StartForceMode(ArmRequest[None], frozen=True):
-    """Push with a force along some axes of a frame, like URScript's ``force_mode``.
+    """Apply a force along some axes of a frame, like URScript's ``force_mode``.
 
-    Force mode is superimposed on the arm's motion; a second request replaces the first.
-    The wrench is the one that the tool exerts on its environment at rest.  Motions and
-    their setpoints do not include the compliant deviation.
+    Force mode is superimposed on the arm's motion; a second request replaces the first
+    request.  ``wrench`` is the wrench that the tool exerts on its environment at rest.
+    Motions and setpoints do not include the compliant deviation.
     """
 
     frame: Row6
     """Pose of the task frame in the base: position and rotation vector [m, rad]."""
     selection: Flags6
-    """Compliant axes of the frame: x, y, z, and the rotations about them."""
+    """Compliant axes of the frame: x, y, z, and the rotations about x, y, z."""
     wrench: Row6
-    """Force and torque along the compliant axes [N, N·m], shape (6,); the numbers for
-    other axes are ignored."""
+    """Force and torque along the compliant axes [N, N·m], shape (6,); the values for
+    the other axes are ignored."""
     limits: Limits6
-    """For compliant axes, the largest speed [m/s, rad/s]; for other axes, the largest
-    deviation from the motion [m, rad], up to which the restoring force grows."""
+    """For compliant axes, the maximum speed [m/s, rad/s].  For the other axes, the
+    deviation from the motion [m, rad] at which the restoring force stops increasing."""
     kind: Literal[1, 2, 3] = 2
     """1: the frame's y axis points from the TCP to the frame's origin. 2: the frame is
-    as given. 3: the frame's x axis is the TCP's velocity projected onto its xy
-    plane."""
+    used as given. 3: the frame's x axis is the velocity of the TCP, projected onto the
+    frame's xy plane."""
     tcp: Row6 = ZERO_POSE
-    """Pose of the TCP in the flange's frame: position and rotation vector [m, rad]."""
+    """Pose of the TCP in the flange frame: position and rotation vector [m, rad]."""
     damping: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.005
-    """Damping as in URScript's ``force_mode_set_damping``: how fast a motion decays
-    when no force drives it."""
+    """Damping, like in URScript's ``force_mode_set_damping``: the rate at which a
+    motion decays without a driving force."""
     gain_scaling: Annotated[float, Meta(ge=0.0, le=2.0)] = 1.0
-    """Gain scaling as in URScript's ``force_mode_set_gain_scaling``; the damping is
-    divided by it."""
+    """Gain scaling, like in URScript's ``force_mode_set_gain_scaling``.  The damping is
+    divided by this value."""
     controller: Name | None = None
-    """Active ForceModeController (of UR's driver for ROS 2) on whose behalf the arm
-    pushes; if left out, the arm must be taken."""
+    """Active ForceModeController (from UR's driver for ROS 2) that requests force mode.
+    Without a controller, the arm must be taken."""
 
 
 class EndForceMode(ArmRequest[None], frozen=True):
-    """End force mode: the arm stops where it is, and its path ends."""
+    """End force mode: the arm stops at its present position, and its path ends."""
 
     controller: Name | None = None
-    """Controller on whose behalf the arm pushes; see ``start_force_mode``."""
+    """Controller that requested force mode; see ``start_force_mode``."""
 
 
 class StartFreedrive(ArmRequest[None], frozen=True):
-    """Start freedrive: the arm can be moved by hand and stays where it is left."""
+    """Start freedrive: the arm can be guided by hand, and then holds its position."""
 
     axes: Flags6 = (True,) * 6
-    """Axes of the frame along and about which the tool can be moved."""
+    """Axes of the frame along which and about which the tool can be moved."""
     frame: Row6 = ZERO_POSE
     """Pose of the task frame in the base: position and rotation vector [m, rad]."""
     controller: Name | None = None
-    """Active FreedriveModeController (of UR's driver for ROS 2) on whose behalf the arm
-    enters freedrive, unless it already has; if left out, the arm must be taken."""
+    """Active FreedriveModeController (from UR's driver for ROS 2) that requests
+    freedrive.  If the controller has already started freedrive, the request has no
+    effect.  Without a controller, the arm must be taken."""
 
 
 class EndFreedrive(ArmRequest[None], frozen=True):
     """End freedrive: the arm holds its position."""
 
     controller: Name | None = None
-    """Controller on whose behalf the arm is in freedrive; see ``start_freedrive``."""
+    """Controller that requested freedrive; see ``start_freedrive``."""
 
 
 class ReadArmMotion(ArmRequest[ArmSample], frozen=True):
-    """Read an arm's setpoint, mode, path and wrench, as in ``state`` messages."""
+    """Read the arm's setpoint, mode, path and wrench, like in ``state`` messages."""
 
 
 class ZeroWrench(ArmRequest[None], frozen=True):
-    """Tare the arm's wrench, which states contain."""
+    """Tare the arm's wrench in ``state`` messages."""
 
 
 class EndStream(Request[None], frozen=True):
-    """Decelerate the arm to rest if it follows a stream; other motions continue.
+    """Decelerate the arm to rest if the arm follows a stream; other motions continue.
 
-    The simulation does this by itself when a stream stops sending.
+    The simulation ends a stream automatically when the stream contains no further
+    targets.
     """
 
     arm: Name

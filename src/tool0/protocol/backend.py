@@ -1,7 +1,7 @@
-"""A backend: a simulated or real robot behind the contract.
+"""A backend: a simulated or real robot that implements the contract.
 
-A backend answers requests, publishes states, and reports which requests it does not
-offer.  Servers, the Python API and everything built on them use no other interface.
+A backend answers requests, publishes states, and reports the requests that it does not
+offer.  Servers, the Python API and their clients use only this interface.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class Observed(Protocol):
-    """A robot whose state changes with time, in this process or another one."""
+    """A robot with a time-dependent state, in this process or in another process."""
 
     @property
     def description(self) -> RobotDescription: ...
@@ -36,20 +36,23 @@ class Observed(Protocol):
 
     @property
     def time(self) -> float:
-        """The robot's current time [s], which may be later than the newest state's."""
+        """The current time of the robot [s]; it can be later than the newest state."""
 
     def wait_until(self, is_over: Callable[[], bool], timeout: float | None) -> bool:
         """Advance time until ``is_over()``; return False on a timeout.
 
         Args:
-            is_over: Polled repeatedly.
-            timeout: Longest simulated time [s] if time passes only on request,
-                otherwise longest wall time [s]; None waits without limit.
+            is_over: Condition that is polled repeatedly.
+            timeout: Longest wait [s], or None for no limit.  If time passes only on
+                request, the limit is in simulated time; otherwise, the limit is in wall
+                time.
 
         Raises:
             EngineError: If the physics failed.
-            ControlError: If the robot was closed, or is paused without real time.
-            TransportError: If the robot's process, another one, has ended.
+            ControlError: If the robot was closed, or is paused and does not run in real
+                time.
+            TransportError: If the robot is in another process, and this process has
+                ended.
         """
 
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
@@ -77,13 +80,13 @@ class States(Observed, Protocol):
         """Return a reader of snapshots and events; see ``Bus.subscribe``.
 
         Args:
-            rate: Snapshots per second of the robot's time [Hz]; 125 Hz if left out.
+            rate: Snapshots per second of the robot's time [Hz]; the default is 125 Hz.
             keep_all: Whether ``pending`` returns every snapshot.
             with_commands: Whether snapshots contain the joints' commands.
-            with_arms: Whether they contain each arm's motion and the wrench on its
-                tool.
-            with_contacts: Whether they contain contacts and their forces.
-            latest_only: Whether events and the newest snapshot are enough.
+            with_arms: Whether snapshots contain each arm's motion and the wrench on the
+                arm's tool.
+            with_contacts: Whether snapshots contain contacts with their forces.
+            latest_only: Whether the reader needs only events and the newest snapshot.
             when_published: Callback for every snapshot.
 
         Raises:
@@ -92,28 +95,28 @@ class States(Observed, Protocol):
 
     @property
     def cameras(self) -> CameraRenderer | None:
-        """Renderer of camera images; None if there is none."""
+        """Renderer of camera images; None if the robot has no renderer."""
 
     def refresh(self) -> None:
-        """Publish a snapshot soon, even while time is paused."""
+        """Publish a snapshot as soon as possible, even while time is paused."""
 
     def snapshot_with_arms(self) -> Snapshot:
-        """Return the newest state that contains the arms' motions; may wait for one."""
+        """Return the newest state with the arms' motions, possibly after a wait."""
 
     @property
     def process(self) -> OwnProcess:
         """The process that owns the robot; only this process can use and close it."""
 
     def close(self) -> None:
-        """End the robot; closing twice is allowed."""
+        """Close the robot; further calls have no effect."""
 
 
 class Backend(Protocol):
-    """Answers the requests of all clients.
+    """Interface that answers the requests of all clients.
 
-    ``answer`` may take time and is called by worker threads; all other methods are
-    called by the server's thread.  ``answer`` receives only requests that the backend
-    offers and whose ``is_of_connection`` is false.
+    Worker threads call ``answer``, which may take time; the server's thread calls all
+    other methods.  ``answer`` receives only requests that the backend offers and that
+    do not have ``is_of_connection``.
     """
 
     @property
@@ -121,7 +124,7 @@ class Backend(Protocol):
 
     @property
     def states(self) -> States | None:
-        """The states that clients read; None without a live robot (a replay)."""
+        """The states that clients read; None without a live robot (in a replay)."""
 
     def why_missing(self, request: type[Request[Any]]) -> str:
         """Return why a class of requests is not offered; empty if it is offered."""
@@ -130,22 +133,22 @@ class Backend(Protocol):
         """Return the response to a checked request that the backend offers.
 
         Raises:
-            Tool0Error: If the request cannot be carried out.
+            Tool0Error: If the request cannot be executed.
         """
 
     def post(
         self, request: Request[Any], when_failed: Callable[[Exception], None]
     ) -> None:
-        """Queue a streamed request for the next tick, or raise Tool0Error.
+        """Queue a streamed request for execution at the next tick, or raise Tool0Error.
 
-        ``when_failed`` may be called in any thread.
+        ``when_failed`` can be called in any thread.
         """
 
     def check_setpoint(self, request: Request[Any]) -> None:
-        """Raise Tool0Error for a streamed setpoint that can never be carried out."""
+        """Raise Tool0Error for a streamed setpoint that can never be executed."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
-        """Return the controllers whose setpoint streams a request ends."""
+        """Return the controllers whose setpoint streams are ended by a request."""
 
 
 def missing(request: type[Request[Any]], reason: str) -> NotOfferedError:
@@ -154,7 +157,7 @@ def missing(request: type[Request[Any]], reason: str) -> NotOfferedError:
 
 
 def missing_methods(backend: Backend) -> dict[str, str]:
-    """Return the contract's methods that a backend does not offer → reason."""
+    """Return the methods that a backend does not offer: method name → reason."""
     reasons = {
         name: backend.why_missing(request)
         for name, request in methods().items()

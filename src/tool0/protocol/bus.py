@@ -1,4 +1,4 @@
-"""The only output of a robot: a stream of frozen snapshots, and events."""
+"""The only output of a robot: a stream of immutable snapshots, and events."""
 
 from __future__ import annotations
 
@@ -14,36 +14,36 @@ from tool0.protocol.goals import Goal
 from tool0.protocol.state import SNAPSHOT_PERIOD, Snapshot
 
 EVENTS_KEPT = 1000
-"""Number of unread events after which a subscriber loses the oldest."""
+"""Maximum number of unread events; older events are lost."""
 
 SNAPSHOTS_KEPT = 256
-"""Number of snapshots by which a subscriber may fall behind: half a second at 500
-Hz."""
+"""Maximum number of unread snapshots of a subscriber: half a second at 500 Hz."""
 
 HISTORY_LENGTH = 64
 """Number of snapshots in the history: half a second at the default rate.
 
 Commands, short runs and faster subscribers cause many snapshots at almost the same
-instant; the history skips these so that they do not displace older ones."""
+time.  The history skips these snapshots, so that they do not displace older
+snapshots."""
 
-_ROUNDING = 1e-6  # [s]
+_ROUNDING = 1e-6  # tolerance [s]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class GoalFinished:
-    """A controller's goal ended."""
+    """The goal of a controller has ended."""
 
     goal: Goal
     """The goal, with its ``controller``, ``status`` and ``result``."""
     time: float | None = None
-    """Simulated time [s]; None if the event came over a connection."""
+    """Simulated time [s]; None if the event was received from another process."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Overran:
-    """The simulation falls behind the wall clock, or keeps up again."""
+    """The simulation is behind the wall clock, or keeps up again."""
 
     count: int
     """Number of ticks that started late in the last second; 0 if the simulation keeps
@@ -55,7 +55,7 @@ class Overran:
 @final
 @dataclass(frozen=True, slots=True)
 class Faulted:
-    """The physics or a controller failed: time stands still until a reset."""
+    """The physics or a controller has failed: time is stopped until a reset."""
 
     message: str
     """Description of the failure, with its cause."""
@@ -71,13 +71,13 @@ class WasReset:
     time: float = 0.0
     """Simulated time after the reset [s]."""
     step: int = 0
-    """Ticks since the bring-up; 0 if the event came over a connection."""
+    """Ticks since the bring-up; 0 if the event was received from another process."""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Reported:
-    """Something other than the simulation, such as a recording, failed."""
+    """A part other than the simulation, such as a recording, has failed."""
 
     message: str
     """Description of the failure, with its cause."""
@@ -88,10 +88,10 @@ class Reported:
 @final
 @dataclass(frozen=True, slots=True)
 class WasFrozen:
-    """The process did not run for a while; every motion was stopped."""
+    """The process was suspended for some time; every motion was stopped."""
 
     duration: float
-    """Wall time for which the process did not run [wall s]."""
+    """Duration of the suspension [wall s]."""
     time: float
     """Simulated time [s]."""
 
@@ -101,10 +101,10 @@ Event = GoalFinished | Overran | Faulted | WasReset | Reported | WasFrozen
 
 @final
 class Subscription:
-    """Delivers snapshots and events to one reader at the reader's pace.
+    """Delivers snapshots and events to one reader at the rate of its reads.
 
-    Use ``next`` for the newest snapshot, ``following`` to read the snapshots one after
-    the other, and ``pending`` for all that have arrived.  Each reader needs its own
+    Use ``next`` for the newest snapshot, ``following`` to read snapshots one after the
+    other, and ``pending`` for all unread snapshots.  Each reader needs a separate
     subscription.
     """
 
@@ -127,17 +127,18 @@ class Subscription:
         self._with_commands = with_commands
         """Whether snapshots must contain the joints' commands."""
         self._with_arms = with_arms
-        """Whether snapshots must contain each arm's motion and the wrench on its
-        tool."""
+        """Whether snapshots must contain the arms' motions and the wrenches on the
+        tools."""
         self._with_contacts = with_contacts
         """Whether snapshots must contain the contacts."""
         self._forces_period = forces_period if with_arms or with_contacts else math.inf
         """Simulated time between two snapshots with arms or contacts [s]."""
         self._latest_only = latest_only
-        """Whether the reader takes only events and the newest snapshot, so that the bus
-        need not keep older ones."""
+        """Whether the reader takes only events and the newest snapshot.  In this case,
+        the bus does not keep older snapshots."""
         self._when_published = when_published
-        """Callback for every snapshot, in the tick's thread; it must not block."""
+        """Callback for every snapshot, called in the thread of the tick; it must not
+        block."""
         self._bus = bus
         self._when_closed = when_closed
         self._seen: Snapshot | None = None
@@ -153,21 +154,22 @@ class Subscription:
 
     @property
     def events(self) -> deque[Event]:
-        """Events, oldest first; take them with ``popleft``.
+        """Unread events, oldest first; ``popleft`` takes an event.
 
-        The last 1000 are kept: goals that ended, faults, resets and late ticks.
+        The last 1000 events are kept.
         """
         return self._events
 
     @property
     def backlog(self) -> deque[Snapshot] | None:
-        """Snapshots that ``pending`` has not yet taken; None without ``keep_all``."""
+        """Snapshots that ``pending`` has not returned; None without ``keep_all``."""
         return self._backlog
 
     def next(self, timeout: float | None = None) -> Snapshot | None:
-        """Wait for a snapshot newer than the last one and return the newest.
+        """Wait for a new snapshot, and return the newest snapshot.
 
-        Snapshots in between are skipped.  After ``timeout`` [wall s], None is returned.
+        Older unread snapshots are skipped.  After ``timeout`` [wall s], None is
+        returned.
         """
         newer = self._bus.newer_than(self._seen, timeout)
         self._seen = newer or self._seen
@@ -176,8 +178,8 @@ class Subscription:
     def following(self, timeout: float | None = None) -> Snapshot | None:
         """Wait for the next snapshot and return it; None after ``timeout`` [wall s].
 
-        No snapshot is skipped unless the reader falls more than ``SNAPSHOTS_KEPT``
-        behind.
+        No snapshot is skipped unless the reader is behind by more than
+        ``SNAPSHOTS_KEPT`` snapshots.
         """
         following = self._bus.newer_than(self._seen, timeout)
         if following is not None and self._seen is not None:
@@ -195,7 +197,7 @@ class Subscription:
         return found
 
     def close(self) -> None:
-        """Stop receiving."""
+        """End the subscription."""
         self._bus.forget(self)
         self._when_closed()
 
@@ -209,12 +211,13 @@ class Bus:
         self._lock = threading.RLock()
         self._changed = threading.Condition(self._lock)
         self._n_waiting = 0
-        """Number of readers that wait for a change: usually none, so waking is
+        """Number of readers that wait for a change.  If no reader waits, the wake-up is
         skipped."""
         self.latest: Snapshot | None = None
         self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
-        """Recent snapshots, kept only while subscribers want them, because freeing a
-        snapshot that has left the processor's cache takes longer than making one."""
+        """Recent snapshots, which are kept only if a subscriber needs them.  The reason
+        is that freeing a snapshot that is no longer in the processor's cache takes
+        longer than creating a snapshot."""
         self._keeps_recent = False
         self._history: deque[Snapshot] = deque(maxlen=HISTORY_LENGTH)
         self._history_time = -math.inf
@@ -254,9 +257,9 @@ class Bus:
     ) -> Subscription:
         """Return a new reader; with ``keep_all``, ``pending`` returns every snapshot.
 
-        If more than ``most_kept`` snapshots are unread, the oldest are lost.
+        If more than ``most_kept`` snapshots are unread, the oldest snapshots are lost.
 
-        The other arguments are explained in ``Subscription``.
+        For the other arguments, see ``Subscription``.
         """
         subscription = Subscription(
             self,
@@ -336,7 +339,7 @@ class Bus:
     def newer_than(
         self, seen: Snapshot | None, timeout: float | None
     ) -> Snapshot | None:
-        """Return a snapshot other than ``seen``, or None after ``timeout`` [s]."""
+        """Return a snapshot other than ``seen``, or None after ``timeout`` [wall s]."""
         self.process.check()
         with self._lock:
             if self.latest is seen:
@@ -348,9 +351,9 @@ class Bus:
             return None if self.latest is seen else self.latest
 
     def since(self, seen: Snapshot | None) -> list[Snapshot]:
-        """Return the snapshots after ``seen``, oldest first; only the newest for None.
+        """Return the snapshots after ``seen``, oldest first; for None, only the newest.
 
-        If ``seen`` is no longer kept, all kept snapshots are returned.
+        If ``seen`` is no longer stored, all stored snapshots are returned.
         """
         self.process.check()
         with self._lock:

@@ -35,11 +35,11 @@ class Channel(Observed, Protocol):
     ) -> Subscription:
         """Return a reader of snapshots and events at ``rate`` [Hz].
 
-        With ``keep_all``, the reader keeps every snapshot until it is taken.
+        With ``keep_all``, every snapshot is stored until the reader takes it.
         """
 
     def close(self) -> None:
-        """End the simulation, or the connection to it."""
+        """End the simulation, or the connection to the simulation."""
 
 
 @final
@@ -58,7 +58,7 @@ class LocalChannel:
 
     @property
     def backend(self) -> Backend:
-        """The backend; raises ControlError in a forked child, which does not own it."""
+        """The backend; access in a forked child process raises ControlError."""
         self._process.check()
         return self._backend
 
@@ -88,7 +88,7 @@ class LocalChannel:
 
     @property
     def cameras(self) -> CameraRenderer | None:
-        """Renderer of camera images in this process; None if there is none."""
+        """Renderer of camera images in this process; None if there is no renderer."""
         return self._robot.cameras
 
     def goal(self, started: GoalStarted) -> Goal:
@@ -106,7 +106,7 @@ class LocalChannel:
         return self._robot.subscribe(rate, keep_all=keep_all)
 
     def close(self) -> None:
-        if self._process.is_this:  # a forked child leaves it to its parent
+        if self._process.is_this:  # only the parent of a forked child closes the robot
             self._states.close()
 
 

@@ -1,8 +1,9 @@
-"""Requests, responses, errors and events as JSON, for every connection.
+"""Requests, responses, errors and events as JSON, for all connections.
 
-A request is ``{"id": 1, "method": "step", "params": {"ticks": 5}}``.  Its reply is
-``{"type": "reply", "id": 1, "result": 0.005}``, or has ``"error"`` instead of
-``"result"``.  Without an id, only errors are answered.  ``bytes`` are base64.
+A request is ``{"id": 1, "method": "step", "params": {"ticks": 5}}``.  The reply to this
+request is ``{"type": "reply", "id": 1, "result": 0.005}``, or has ``"error"`` instead
+of ``"result"``.  A request without an id is answered only if it fails.  Values of the
+type ``bytes`` are base64 texts.
 """
 
 from __future__ import annotations
@@ -43,24 +44,26 @@ from tool0.protocol.state_message import (
 )
 
 PROTOCOL: Final = 3
-"""Protocol version, incremented when programs for the old one could misread the new."""
+"""Version of the protocol.  The version is incremented if programs for the old version
+could misinterpret messages of the new version."""
 _LONGEST_STOP: Final = 4096
-"""Size of the longest stop request that overtakes waiting ones [bytes]; a longer one,
-due to a long reason, waits like any other request."""
+"""Maximum size of a stop request that overtakes waiting requests [bytes].  A longer
+stop request, such as one with a long reason, waits like any other request."""
 _SHOWN: Final = 40
-"""Number of characters of an unknown word that an error message repeats."""
+"""Maximum number of characters of an unknown word that an error message contains."""
 UNREADABLE: Final = (msgspec.DecodeError, RecursionError, UnicodeDecodeError)
-"""Exceptions for a text that is not JSON, is nested too deeply, or is not UTF-8."""
+"""Exceptions for a text that is not JSON, that is nested too deeply, or that is not
+UTF-8."""
 
 
 # ---- errors and outcomes -------------------------------------------------------------
 
 
 class ErrorInfo(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """The error with which a request failed."""
+    """The error of a failed request."""
 
     type: str
-    """Class in tool0's exception hierarchy, such as ``ClaimError``."""
+    """Name of a class in tool0's exception hierarchy, such as ``ClaimError``."""
     message: str
     code: int | None = None
     """Error code of a GoalRejectedError."""
@@ -71,7 +74,7 @@ class ErrorInfo(Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Outcome(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """Result of a goal: a GoalResult, or a GripperResult if it has a position."""
+    """Result of a goal: a GoalResult, or a GripperResult with a position."""
 
     status: str
     error_code: int = 0
@@ -88,11 +91,11 @@ ERRORS: Final[dict[str, type[Tool0Error]]] = {
     for name, kind in vars(errors).items()
     if isinstance(kind, type) and issubclass(kind, Tool0Error) and name[0] != "_"
 }
-"""Errors whose type is preserved on a connection."""
+"""Name → error type, for the types that are preserved on a connection."""
 
 
 def error_info(error: BaseException) -> ErrorInfo:
-    """Return ``error`` in its sent form; only tool0's own errors keep their type."""
+    """Return ``error`` in its sent form; only errors of tool0 keep their type."""
     if not isinstance(error, Tool0Error):
         return ErrorInfo(
             type="InternalError",
@@ -124,7 +127,7 @@ def error_of(info: ErrorInfo) -> Tool0Error:
 
 
 def outcome_of(result: Result) -> Outcome:
-    """Return a goal's result in the form that is sent."""
+    """Return the sent form of a goal's result."""
     return msgspec.convert(msgspec.to_builtins(result), Outcome)
 
 
@@ -136,7 +139,7 @@ def result_of(outcome: Outcome) -> Result:
     return msgspec.convert(plain_outcome, GripperResult)
 
 
-# ---- messages besides replies and states -------------------------------------------
+# ---- messages other than replies and states ----------------------------------------
 
 Mode = Literal["simulation", "hardware", "view", "replay"]
 
@@ -156,7 +159,7 @@ class Hello(Struct, frozen=True, kw_only=True, tag="hello"):
 
 
 class GoalEnded(Struct, frozen=True, kw_only=True, tag="goal_finished"):
-    """A goal ended; sent to the connection that started the goal and to subscribers."""
+    """A goal has ended; sent to the goal's connection and to subscribers."""
 
     goal: int | None
     """Number of the goal; null if no request started it."""
@@ -165,7 +168,7 @@ class GoalEnded(Struct, frozen=True, kw_only=True, tag="goal_finished"):
 
 
 class Fault(Struct, frozen=True, kw_only=True, tag="fault"):
-    """The physics or a controller failed: the simulation waits for a reset."""
+    """The physics or a controller has failed: the simulation waits for a reset."""
 
     message: str
     time: float
@@ -180,7 +183,7 @@ class ResetDone(Struct, frozen=True, kw_only=True, tag="reset"):
 
 
 class LateTicks(Struct, frozen=True, kw_only=True, tag="overrun"):
-    """The simulation falls behind the wall clock, or keeps up again."""
+    """The simulation is behind the wall clock, or keeps up again."""
 
     count: int
     """Number of ticks that started late in the last second; 0 if the simulation keeps
@@ -200,8 +203,8 @@ class Envelope(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     method: str
     id: int | str | None = None
-    """Number or text that the reply repeats; without an id, only errors are
-    answered."""
+    """Number or text that the reply repeats.  A request without an id is answered only
+    if it fails."""
     params: Raw = Raw(b"{}")
 
 
@@ -209,13 +212,13 @@ class Reply(Struct, frozen=True, kw_only=True, tag="reply"):
     """The answer to one request."""
 
     id: int | str | None
-    """Id of the request; null if none could be read."""
+    """Id of the request; null if no id could be read."""
     result: Raw | UnsetType = UNSET
     error: ErrorInfo | UnsetType = UNSET
 
 
 class _WireForm(NamedTuple):
-    """The form in which a response that is not plain data is sent."""
+    """The sent form of a response that is not plain data."""
 
     kind: Any
     write: Callable[[Any], Any]
@@ -233,13 +236,13 @@ _WIRE_FORMS: Final[Mapping[Any, _WireForm]] = {
 
 
 def wire_type(response: Any) -> Any:
-    """Return the type in whose form a response of this type is sent."""
+    """Return the type of the sent form of a response of this type."""
     form = _WIRE_FORMS.get(response)
     return response if form is None else form.kind
 
 
 def _encodable(value: Any) -> Any:
-    """Convert a value unknown to msgspec, such as a numpy number, to a Python value."""
+    """Convert a value that msgspec does not support, such as a NumPy number."""
     found = plain(value)
     if found is value:
         raise TypeError(f"a value of type {type(value).__name__} cannot be sent")
@@ -252,7 +255,7 @@ _envelopes = msgspec.json.Decoder(Envelope)
 
 @final
 class RequestReadError(Exception):
-    """A text is not a valid request; has the id and the error for the reply."""
+    """Raised for an invalid request; contains the id and the error for the reply."""
 
     def __init__(self, ident: int | str | None, error: Tool0Error) -> None:
         super().__init__(str(error))
@@ -266,10 +269,12 @@ def encode(message: Struct) -> bytes:
 
 
 def encode_request(ident: int | None, request: Request[Any]) -> bytes:
-    """Return a request as JSON, without a newline; with no ``ident``, it gets no reply.
+    """Return a request as JSON, without a newline.
+
+    A request without ``ident`` is answered only if it fails.
 
     Raises:
-        RequestError: If one of the request's values cannot be sent.
+        RequestError: If a value of the request cannot be sent.
     """
     method = method_name(type(request))
     try:
@@ -279,7 +284,7 @@ def encode_request(ident: int | None, request: Request[Any]) -> bytes:
 
 
 def may_be_urgent(text: bytes | str) -> bool:
-    """Return whether ``text``, still undecoded, may be a stop request."""
+    """Return whether the undecoded ``text`` may be a stop request."""
     if len(text) > _LONGEST_STOP:
         return False
     if isinstance(text, str):
@@ -294,8 +299,9 @@ def decode_request(
 
     Args:
         text: The message as received.
-        suggests: Whether an error suggests similar names, and repeats even an id that
-            is hard to find; both take longer than most requests.
+        suggests: Whether an error suggests similar names, and contains the id of a
+            malformed request.  The search for names and ids takes longer than most
+            requests.
 
     Raises:
         RequestReadError: If the text is not a valid request.
@@ -364,14 +370,14 @@ def _id_in(text: bytes | str) -> int | str | None:
 
 @cache
 def _urgent_methods(n_methods: int) -> tuple[str, ...]:
-    """Return the names of stop requests; cached until a method is registered."""
+    """Return the names of stop requests; the result is cached by ``n_methods``."""
     return tuple(name for name, kind in methods().items() if kind.is_urgent)
 
 
 def _explained(
     kind: type[Request[Any]], params: Raw, error: Exception, *, suggests: bool
 ) -> Tool0Error:
-    """Return an error that says what is wrong with a request's parameters."""
+    """Return an error that describes the invalid parameter of a request."""
     if isinstance(error, Tool0Error):
         return error
     method = method_name(kind)

@@ -41,67 +41,68 @@ class ReadIO(ArmRequest[ControlBoxState], frozen=True):
 
 
 class SetIO(ArmRequest[None], frozen=True):
-    """Set digital outputs and the tool's voltage; values left out do not change."""
+    """Set digital outputs and the tool's voltage; omitted values do not change."""
 
     digital_outputs: dict[DigitalPin, bool] = field(default_factory=dict)
     """Levels of the digital outputs by pin: standard 0 … 7, configurable 8 … 15, tool
     16 and 17."""
     digital_inputs: dict[DigitalPin, bool] = field(default_factory=dict)
-    """Simulated levels of the digital inputs by pin, for tests without wiring."""
+    """Simulated levels of the digital inputs by pin, for tests without electrical
+    wiring."""
     tool_voltage: Literal[0, 12, 24] | None = None
     """Voltage at the tool's connector [V]."""
 
 
 class SetAnalogOutput(ArmRequest[None], frozen=True):
-    """Set an analogue output of the control box."""
+    """Set an analog output of the control box."""
 
     pin: AnalogPinNumber
     level: Annotated[float, Meta(ge=0.0, le=1.0)]
-    """Fraction of the range: 0 … 10 V, or 4 … 20 mA."""
+    """Level of the output, as a fraction of its range: 0 … 10 V, or 4 … 20 mA."""
     domain: AnalogDomain = AnalogDomain.VOLTAGE
-    """0 for a current, 1 for a voltage."""
+    """Quantity of the pin: 0 is a current, 1 is a voltage."""
 
 
 class SetAnalogInput(ArmRequest[None], frozen=True):
-    """Set the value that an analogue input measures, for tests without wiring."""
+    """Set the value that an analog input measures, for tests without wiring."""
 
     pin: AnalogPinNumber
     value: float
     """Value that the input measures, [V] or [A] depending on ``domain``."""
     domain: AnalogDomain = AnalogDomain.VOLTAGE
-    """0 for a current, 1 for a voltage."""
+    """Quantity of the pin: 0 is a current, 1 is a voltage."""
     tool: bool = False
-    """Whether the pin is one of the tool's inputs instead of the box's."""
+    """Whether the pin is an input of the tool instead of the control box."""
 
 
 class SetSpeedSlider(ArmRequest[None], frozen=True):
-    """Scale the speed of scaled controllers' trajectories smoothly from now on."""
+    """Set the speed slider, which smoothly scales the speed of scaled trajectories."""
 
     fraction: Fraction
     """Fraction of the programmed speed."""
 
 
 class SetPayload(ArmRequest[None], frozen=True):
-    """Set the payload that the drives assume at the flange, including the gripper.
+    """Set the payload that the drives assume, including the gripper.
 
-    It replaces the mass of the tool in the description: drives that compensate gravity
-    use it, and force-torque sensors subtract its weight and inertia.  The physics does
-    not change.
+    The payload replaces the mass of the tool in the description: drives use the payload
+    to compensate gravity, and force-torque sensors subtract its weight and inertia.
+    The physics does not change.
     """
 
     mass: Mass | None = None
-    """Mass of the payload [kg]; if left out, that of the tool in the robot's
+    """Mass of the payload [kg]; the default is the mass of the tool in the robot's
     description."""
     center_of_gravity: Place = (0.0, 0.0, 0.0)
-    """Center of gravity in the flange's frame, ``tool0`` [m]."""
+    """Center of gravity in the flange frame, ``tool0`` [m]."""
 
 
 class PlayProgram(ArmRequest[None], frozen=True):
-    """Start or resume the program that lets clients control the arm."""
+    """Start or resume the program, so that clients can control the arm."""
 
 
 class PauseProgram(ArmRequest[None], frozen=True):
-    """Pause the program: scaled trajectories slow down to a standstill."""
+    """Pause the program: scaled trajectories decelerate to rest."""
 
 
 class StopProgram(ArmRequest[None], frozen=True):
@@ -112,7 +113,7 @@ class StopProgram(ArmRequest[None], frozen=True):
 
 
 class PowerOff(ArmRequest[None], frozen=True):
-    """Switch the arm off: program and controllers stop, and the brakes hold the arm."""
+    """Switch the arm off: stop program and controllers, and engage the brakes."""
 
     is_urgent = True
     revokes = ("power_on", "release_brakes")
@@ -125,18 +126,18 @@ class PowerOn(ArmRequest[None], frozen=True):
 class ReleaseBrakes(ArmRequest[None], frozen=True):
     """Release the brakes; if the arm is off, switch it on first.
 
-    Nothing moves until ``play_program`` restarts the controllers.
+    The arm does not move until ``play_program`` restarts the controllers.
     """
 
 
 class StopProtectively(ArmRequest[None], frozen=True):
-    """Trigger a protective stop: the arm brakes, and waits until it is unlocked."""
+    """Trigger a protective stop: the arm stops until the stop is unlocked."""
 
     is_urgent = True
     revokes = ("unlock_protective_stop", "restart_safety")
 
     reason: Annotated[str, Meta(min_length=1, max_length=MOST_REASON)]
-    """Reason for the stop, shown to users."""
+    """Reason for the stop, which is shown to users."""
 
 
 class UnlockProtectiveStop(ArmRequest[None], frozen=True):
@@ -146,42 +147,45 @@ class UnlockProtectiveStop(ArmRequest[None], frozen=True):
     """
 
     at_once: bool = False
-    """Whether to unlock even within these 5 s, which give people time to find the
-    cause.  UR's primary interface does so."""
+    """Whether to unlock the stop also within the first 5 s, like UR's primary
+    interface.  These 5 s give the user time to find the cause."""
 
 
 class RestartSafety(ArmRequest[None], frozen=True):
-    """Clear all stops and faults of the safety system; the arm is off afterwards."""
+    """Clear all stops and faults of the safety system; the arm is then off."""
 
 
 class SetTcp(ArmRequest[None], frozen=True):
-    """Set the tool centre point that clients read; the simulation does not use it."""
+    """Set the tool center point that clients read; the simulation does not use it."""
 
     pose: Pose6
-    """Pose in the flange's frame: position [m] and rotation vector [rad]."""
+    """Pose of the TCP in the flange frame: position [m] and rotation vector [rad]."""
 
 
 class SetSafetyLimits(ArmRequest[None], frozen=True):
-    """Configure the automatic protective stops; values left out do not change."""
+    """Configure the automatic protective stops; omitted values do not change."""
 
     enabled: bool | None = None
     """Whether path errors, contact forces and joint limits stop the arm."""
     force: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
-    """Largest contact force on the tool or any link except the base [N]."""
+    """Maximum contact force on the tool or any link except the base [N]."""
 
 
 class ReportUr(ArmRequest[None], frozen=True):
-    """Report the state of the UR protocol interface; sent only by its process."""
+    """Report the state of the UR protocol interface.
+
+    Only the process of the interface sends this request.
+    """
 
     program: Annotated[str, Meta(max_length=MOST_PROGRAM)] = ""
-    """Name of the program that the interface runs; empty if there is none."""
+    """Name of the program that the interface runs; empty if there is no program."""
     program_state: Annotated[str, Meta(max_length=50)] = "STOPPED"
-    """State of that program, named as in RTDE's ``runtime_state``."""
+    """State of the program, with the name from RTDE's ``runtime_state``."""
     popup: Annotated[str, Meta(max_length=MOST_POPUP)] | None = None
-    """Text of a popup that waits for an answer; None if there is none."""
+    """Text of a popup that waits for an answer; None if there is no popup."""
     clients: Annotated[int, Meta(ge=0)] = 0
     """Number of connections to the interface's ports."""
     registers: Annotated[
         Mapping[str, bool | int | float], Meta(max_length=MAX_REGISTERS)
     ] = field(default_factory=dict)
-    """Values of all registers that are not zero, by RTDE name."""
+    """Values of all nonzero registers, by RTDE name."""

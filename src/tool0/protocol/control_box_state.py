@@ -1,6 +1,7 @@
-"""State of an arm's control box: pins, speed, payload, modes, program.
+"""State of the control box of an arm: pins, speed, payload, modes and program.
 
-The enumerations' numbers are from Universal Robots' real-time interface (RTDE):
+The numbers of the enumerations are from Universal Robots' Real-Time Data Exchange
+(RTDE):
 https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/rtde-guide.html
 """
 
@@ -17,16 +18,17 @@ from tool0.description.payload import Payload
 N_DIGITAL: Final = 18
 """Number of digital pins: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
 N_ANALOG: Final = 2
-"""Number of analogue inputs (and outputs) of the box; the tool has two more inputs."""
+"""Number of analog inputs, and of analog outputs, of the control box; the tool has two
+more inputs."""
 
 
 class AnalogDomain(IntEnum):
-    """The quantity that an analogue pin measures or controls."""
+    """The quantity that an analog pin measures or controls."""
 
     CURRENT = 0
-    """Current, 4 … 20 mA, given in [A]."""
+    """Current, 4 … 20 mA; values are in [A]."""
     VOLTAGE = 1
-    """Voltage, 0 … 10 V."""
+    """Voltage, 0 … 10 V; values are in [V]."""
 
 
 class RobotMode(IntEnum):
@@ -39,7 +41,7 @@ class RobotMode(IntEnum):
     POWER_OFF = 3
     POWER_ON = 4
     IDLE = 5
-    """Powered, with engaged brakes."""
+    """The arm is powered, and the brakes are engaged."""
     BACKDRIVE = 6
     """Freedrive: the arm is guided by hand."""
     RUNNING = 7
@@ -47,7 +49,7 @@ class RobotMode(IntEnum):
 
 
 class SafetyMode(IntEnum):
-    """State of the arm's safety system, which may prevent motion."""
+    """State of the arm's safety system, which can prevent motion."""
 
     NORMAL = 1
     REDUCED = 2
@@ -61,16 +63,17 @@ class SafetyMode(IntEnum):
 
 
 POWERED: Final = (RobotMode.RUNNING, RobotMode.BACKDRIVE)
-"""Modes with released brakes."""
+"""Robot modes with released brakes."""
 UNSTOPPED: Final = (SafetyMode.NORMAL, SafetyMode.REDUCED)
-"""Modes in which the arm can move."""
+"""Safety modes in which the arm can move."""
 
 
 class ProgramState(Enum):
     """State of the program that controls the arm.
 
-    This is the program that lets clients use the controllers or, while the arm is
-    taken, the program that took it.
+    While the arm is taken, the state refers to the program that took the arm.
+    Otherwise, the state refers to the program that allows clients to use the
+    controllers.
     """
 
     STOPPED = "STOPPED"
@@ -87,16 +90,16 @@ direction."""
 
 @final
 class AnalogPin(Struct, frozen=True):
-    """An analogue input or output."""
+    """An analog input or output."""
 
     value: float = 0.0
-    """Value of the pin, [V] or [A] depending on ``domain``."""
+    """Value of the pin: [V] or [A], depending on ``domain``."""
     domain: AnalogDomain = AnalogDomain.VOLTAGE
-    """0 for a current, 1 for a voltage."""
+    """Quantity of the pin: 0 is a current, 1 is a voltage."""
 
 
 Pose6 = tuple[float, float, float, float, float, float]
-"""A pose in UR's format: position [m] and rotation vector [rad]."""
+"""A pose in the format of UR: position [m] and rotation vector [rad]."""
 
 
 @final
@@ -104,9 +107,11 @@ class SafetyLimits(Struct, frozen=True, kw_only=True):
     """Limits that stop an arm automatically."""
 
     is_enabled: bool = False
-    """Whether these limits are active; if not, only requests stop the arm."""
+    """Whether these limits are active; if they are not active, only requests stop the
+    arm."""
     force: float = 150.0
-    """Largest contact force except on the base [N]; by default, UR's default preset."""
+    """Maximum contact force on any link except the base [N]; the default is from UR's
+    default safety preset."""
 
 
 @final
@@ -114,16 +119,16 @@ class UrReport(Struct, frozen=True, kw_only=True):
     """State of the UR protocol interface."""
 
     program: str = ""
-    """Name of the program that the interface runs; empty if there is none."""
+    """Name of the program that the interface runs; empty if there is no program."""
     program_state: str = "STOPPED"
-    """State of that program, as in RTDE's ``runtime_state``: STOPPED, PLAYING, PAUSED,
-    …"""
+    """State of the program, with the name from RTDE's ``runtime_state``: STOPPED,
+    PLAYING, PAUSED, …"""
     popup: str | None = None
-    """Text of a popup that waits for an answer; None if there is none."""
+    """Text of a popup that waits for an answer; None if there is no popup."""
     clients: int = 0
     """Number of connections to the interface's ports."""
     registers: Mapping[str, bool | int | float] = field(default_factory=dict)
-    """Values of all registers that are not zero, by RTDE name:
+    """Values of all nonzero registers, by RTDE name, such as
     ``output_int_register_0``."""
 
 
@@ -134,24 +139,25 @@ class RobotLink(Struct, frozen=True, kw_only=True):
     address: str
     """Address of the robot's controller."""
     model: str = ""
-    """Type that the robot reports, such as ``UR5``; empty until it is known."""
+    """Type that the robot reports, such as ``UR5``; empty until the type is known."""
     serial_number: str = ""
-    """Serial number of the robot; empty until it is known."""
+    """Serial number of the robot; empty until the number is known."""
     software: str = ""
-    """Version of PolyScope."""
+    """Version of the robot's PolyScope software."""
     is_connected: bool = True
-    """Whether states arrive; if not, the last state is shown."""
+    """Whether states are received from the robot; otherwise, the last received state is
+    shown."""
     is_remote: bool | None = None
-    """Whether the robot is under remote control; None if it does not report this
+    """Whether the robot is under remote control; None if the robot does not report this
     (CB3)."""
     is_enabled: bool = False
-    """Whether tool0 may move the arm, after ``enable_motion``."""
+    """Whether tool0 is allowed to move the arm, after ``enable_motion``."""
     obstacles: tuple[str, ...] = ()
-    """Reasons why ``enable_motion`` would be refused now, and warnings; one sentence
-    each."""
+    """Reasons why ``enable_motion`` would be refused at present, and warnings; each
+    item is one sentence."""
     gripper_problem: str = ""
-    """Reason why the gripper does not move: no power, activation or connection.  Empty
-    if it does, or if there is no gripper."""
+    """Reason why the gripper cannot move: no power, activation or connection.  Empty if
+    the gripper can move, or if there is no gripper."""
 
 
 _UNUSED: Final = (AnalogPin(),) * N_ANALOG
@@ -160,7 +166,10 @@ _OFF: Final = (False,) * N_DIGITAL
 
 @final
 class ControlBoxState(Struct, frozen=True, kw_only=True):
-    """State of one arm's control box; the same object until something changes."""
+    """State of one arm's control box.
+
+    The state is the same object until a value changes.
+    """
 
     arm: str
     """Name of the arm in ``list_arms``."""
@@ -171,50 +180,52 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     digital_outputs: tuple[bool, ...] = _OFF
     """Digital outputs: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
     analog_inputs: tuple[AnalogPin, ...] = _UNUSED
-    """Analogue pins Analogue pins 0 and 1.."""
+    """Analog inputs 0 and 1 of the control box."""
     analog_outputs: tuple[AnalogPin, ...] = _UNUSED
-    """Analogue pins 0 and 1."""
+    """Analog outputs 0 and 1 of the control box."""
     tool_analog_inputs: tuple[AnalogPin, ...] = _UNUSED
-    """Analogue inputs of the tool, 2 and 3 in UR's numbering."""
+    """Analog inputs of the tool, with the numbers 2 and 3 in UR's protocols."""
     tool_voltage: int = 0
     """Voltage at the tool's connector [V]: 0, 12 or 24."""
     tool_current: float = 0.0
-    """Current that the tool draws [A]; nothing in the simulation draws any."""
+    """Current that the tool draws [A]; always 0 in simulation."""
     tool_temperature: float = 25.0
-    """Temperature of the tool [°C]; constant room temperature in simulation."""
+    """Temperature of the tool [°C]; in simulation, the value is a constant room
+    temperature."""
     speed_slider: float = 1.0
-    """Fraction of the programmed speed, 0.01 … 1."""
+    """Position of the speed slider: fraction of the programmed speed, 0.01 … 1."""
     speed_scaling: float = 1.0
-    """Factor by which trajectories are scaled now: the speed slider's, or 0 when
-    paused."""
+    """Present speed factor of trajectories: the fraction of the speed slider, or 0
+    during a pause."""
     payload: Payload
     """Payload that the drives assume at the flange."""
     tcp: Pose6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    """Tool centre point in the flange's frame; stored only for clients."""
+    """Tool center point in the flange frame: position [m] and rotation vector [rad].
+    The value is stored only for clients."""
     robot_mode: RobotMode = RobotMode.RUNNING
-    """Whether the arm is powered."""
+    """Mode of the arm: whether it is powered and its brakes are released."""
     safety_mode: SafetyMode = SafetyMode.NORMAL
     """State of the safety system."""
     protective_stop: str = ""
-    """Reason for the protective stop; empty if there is none."""
+    """Reason for the protective stop; empty if there is no protective stop."""
     safety_limits: SafetyLimits = SafetyLimits()
     """Limits that stop the arm automatically."""
     program: ProgramState = ProgramState.PLAYING
     """State of the program that controls the arm."""
     taken_by: str = ""
-    """Name of the program that moves the arm instead of controllers; empty if none
-    does."""
+    """Name of the program that moves the arm instead of controllers; empty if the arm
+    is not taken."""
     motion_failure: str = ""
-    """Reason why that program's motion failed, after which nothing moves the arm until
-    the program takes it again.  Empty if the motion did not fail."""
+    """Reason why a motion of the program ``taken_by`` failed.  The arm then does not
+    move until the program takes the arm again.  Empty if no motion failed."""
     ur: UrReport | None = None
-    """State of the UR protocol interface; None unless UR's protocols are served."""
+    """State of the UR protocol interface; None if UR's protocols are not served."""
     link: RobotLink | None = None
     """Connection to a real robot; None in a simulation."""
 
     @property
     def may_move(self) -> bool:
-        """Whether the arm is powered, its brakes are off, and no stop is active."""
+        """Whether the arm is powered with released brakes, and no stop is active."""
         return self.robot_mode in POWERED and self.safety_mode in UNSTOPPED
 
     @property

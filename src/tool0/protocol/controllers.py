@@ -24,12 +24,13 @@ class Role(enum.Enum):
     GRIPPER = "gripper"
     """Moves one joint and can squeeze an object: ``GripperDriver``."""
     COMMAND = "command"
-    """Accepts a number for each joint: ``CommandTaker``."""
+    """Accepts one command for each joint: ``CommandTaker``."""
     MOTION = "motion"
-    """Lets requests to an arm move it: tool0's own controller, and UR's driver's
-    controllers for freedrive and force mode (``simulation/handlers/arm_motion.py``)."""
+    """Moves an arm according to requests to the arm: tool0's own controller, and the
+    controllers of UR's driver for freedrive and force mode
+    (``simulation/handlers/arm_motion.py``)."""
     READER = "reader"
-    """Moves nothing."""
+    """Only reads states, without moving any joint."""
 
 
 KIND_OF: Final = {
@@ -37,18 +38,19 @@ KIND_OF: Final = {
     Role.GRIPPER: "GripperActionController",
     Role.COMMAND: "ForwardCommandController",
 }
-"""Role → usual controller class, for messages."""
+"""Role → name of the usual controller class, for messages."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControllerStatus:
-    """A loaded controller: controller_manager_msgs/ControllerState."""
+    """Status of a loaded controller, like controller_manager_msgs/ControllerState."""
 
     name: str
     """Name of the controller in the YAML."""
     type: str
-    """Type in the YAML, such as ``effort_controllers/JointTrajectoryController``."""
+    """Type of the controller in the YAML, such as
+    ``effort_controllers/JointTrajectoryController``."""
     role: Role
     """Role of the controller."""
     state: str
@@ -58,15 +60,16 @@ class ControllerStatus:
     is_running: bool
     """Whether the controller is running (ROS 1) or active (ROS 2)."""
     claimed: tuple[tuple[str, tuple[str, ...]], ...]
-    """Command interfaces with the joints that the controller claims while it is
+    """Command interfaces, each with the joints that the controller claims while it is
     running."""
     command_interfaces: tuple[str, ...] = ()
     """Required command interfaces, such as ``elbow_joint/position``."""
     state_interfaces: tuple[str, ...] = ()
-    """Required state interfaces, by their ROS 2 names."""
+    """Required state interfaces, with their ROS 2 names."""
     blocked: str = ""
     """Reason why the controller cannot be started: its arm is in a protective stop,
-    powered off, or taken by another program.  Empty if it can."""
+    powered off, or taken by another program.  Empty if the controller can be
+    started."""
 
     @property
     def joints(self) -> frozenset[str]:
@@ -81,7 +84,7 @@ def why_not_driven(
 ) -> str:
     """Return why no running controller of these roles drives ``joints``, with a remedy.
 
-    The message is for requests that need such a controller.
+    The text is part of the error of a request that needs such a controller.
     """
     able = [status for status in statuses if status.role in roles]
     known = frozenset[str]().union(*(status.joints for status in able))
@@ -109,7 +112,7 @@ def why_not_driven(
 
 
 def start_command(name: str, instead_of: Sequence[str] = ()) -> str:
-    """Return how to start a loaded controller and stop others, for a message."""
+    """Return the command that starts a loaded controller and stops others."""
     if instead_of:
         return (
             f"`tool0 controllers switch --stop {' '.join(instead_of)} --start {name}` "
@@ -119,18 +122,19 @@ def start_command(name: str, instead_of: Sequence[str] = ()) -> str:
 
 
 UNLIMITED: Final = sys.float_info.max
-"""Value of an unlimited limit in gains, which are sent as JSON without infinity."""
+"""Value of a limit that is not set.  It is finite because JSON does not support
+infinity."""
 
 
 class Unwinding(enum.Enum):
-    """Protection of a PID's integral from growing while its command is limited."""
+    """Method that prevents windup of a PID's integral at a command limit."""
 
     NONE = 0
     CONDITIONAL_INTEGRATION = 1
-    """Errors that would drive the command further beyond its limit are not
-    integrated."""
+    """Errors are not integrated if they would drive the command further beyond its
+    limit."""
     BACK_CALCULATION = 2
-    """The integral shrinks by the amount by which the limits clamp the command."""
+    """The integral decreases in proportion to the clamped part of the command."""
 
 
 @final
@@ -139,33 +143,35 @@ class Gains:
     """PID gains of one joint: ``p e + clamp(i ∫e dt) + d de/dt``.
 
     ``e`` is the position error [rad | m]; the command of an effort controller is an
-    effort [N·m | N].  As in control_toolbox, an integral without a clamp contributes
-    nothing.
+    effort [N·m | N].  Like in control_toolbox, an integral term without a clamp is
+    zero.
     """
 
     p: float
-    """Command per position error [N·m/rad | N/m]."""
+    """Proportional gain: command per position error [N·m/rad | N/m]."""
     i: float = 0.0
-    """Command per integral of the position error [N·m/(rad·s) | N/(m·s)]."""
+    """Integral gain: command per integral of the position error [N·m/(rad·s) |
+    N/(m·s)]."""
     d: float = 0.0
-    """Command per velocity error [N·m·s/rad | N·s/m]."""
+    """Derivative gain: command per velocity error [N·m·s/rad | N·s/m]."""
     i_min: float = 0.0
-    """Least contribution of the integral, at most 0 [N·m | N]."""
+    """Lower limit of the integral term, at most 0 [N·m | N]."""
     i_max: float = 0.0
-    """Greatest contribution of the integral, at least 0 [N·m | N]."""
+    """Upper limit of the integral term, at least 0 [N·m | N]."""
     antiwindup: bool = False
-    """Whether the integral itself is clamped, not only its contribution."""
+    """Whether the integral itself is clamped, in addition to the integral term."""
     u_min: float = -UNLIMITED
-    """Least command, at most 0; this field and the next four exist only in ROS 2."""
+    """Lower limit of the command, at most 0.  This field and the next four fields exist
+    only in ROS 2."""
     u_max: float = UNLIMITED
-    """Greatest command, at least 0."""
+    """Upper limit of the command, at least 0."""
     error_deadband: float = 0.0
-    """Errors up to this are not integrated [rad | m]."""
+    """Size of the deadband: errors up to this value are not integrated [rad | m]."""
     unwinding: Unwinding = Unwinding.NONE
-    """Behaviour of the integral while the command is at a limit."""
+    """Method that prevents windup of the integral at a command limit."""
     tracking_time: float = 1.0
-    """Time constant of BACK_CALCULATION [s]; a shorter one shrinks the integral
-    faster."""
+    """Time constant of BACK_CALCULATION [s]; with a shorter time, the integral
+    decreases faster."""
 
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, (self.p, self.i, self.d))):
@@ -184,35 +190,36 @@ Names = Annotated[tuple[Name, ...], Meta(max_length=100)]
 
 
 class ListControllers(Request[tuple[ControllerStatus, ...]], frozen=True):
-    """List the loaded controllers with their states and claims."""
+    """List the loaded controllers with their states and claimed joints."""
 
 
 class LoadController(Request[None], frozen=True):
-    """Load a controller from the bring-up's configuration or, for ROS 2, from files."""
+    """Load a controller from the bring-up's configuration or from files (ROS 2)."""
 
     name: Name
     type: Name | None = None
-    """Type of the controller, if the files do not contain it; like the controller
-    manager's parameter ``<name>.type``."""
+    """Type of the controller, if the files do not contain the type; like the parameter
+    ``<name>.type`` of the controller manager."""
     files: Annotated[tuple[str, ...], Meta(max_length=100)] = ()
     """YAML files on the simulation's machine, like the parameter
-    ``<name>.params_file``.  If this and the type are left out, the bring-up's
-    configuration is used."""
+    ``<name>.params_file``.  If the files and the type are left out, the configuration
+    of the bring-up is used."""
     configure: bool = True
-    """Whether to configure the controller at once; ROS 1 controllers always are."""
+    """Whether to configure the controller immediately; ROS 1 controllers are always
+    configured."""
 
     def read_paths(self) -> tuple[str, ...]:
         return self.files
 
 
 class ConfigureController(Request[None], frozen=True):
-    """Configure a loaded controller: check its parameters so that it can be started."""
+    """Configure a loaded controller: check its parameters, and prepare its start."""
 
     name: Name
 
 
 class CleanupController(Request[None], frozen=True):
-    """Return an inactive ROS 2 controller to ``unconfigured``."""
+    """Return an inactive ROS 2 controller to the state ``unconfigured``."""
 
     name: Name
 
@@ -221,10 +228,10 @@ class ControllerTypeInfo(Struct, frozen=True, kw_only=True):
     """A controller type that can be loaded."""
 
     name: str
-    """Name of the type, such as
+    """Name of the controller type, such as
     ``joint_trajectory_controller/JointTrajectoryController``."""
     base: str
-    """C++ base class that ROS reports for the type."""
+    """C++ base class that ROS reports for the controller type."""
 
 
 class ListControllerTypes(Request[tuple[ControllerTypeInfo, ...]], frozen=True):
@@ -243,76 +250,79 @@ class SwitchControllers(Request[None], frozen=True):
     start: Names = ()
     stop: Names = ()
     strict: bool = True
-    """Whether one impossible change rejects the whole request; otherwise that change is
-    skipped."""
+    """Whether an impossible change rejects the whole request; otherwise, the impossible
+    change is skipped."""
 
 
 class ReadController(Request[TrajectoryState], frozen=True):
-    """Read a trajectory controller's desired and measured motion, and the error."""
+    """Read the desired motion, the measured motion and the error of a controller.
+
+    The controller must be a trajectory controller.
+    """
 
     controller: Name
 
 
 class QueryState(Request[JointsMotion], frozen=True):
-    """Compute a trajectory controller's setpoint at a given time."""
+    """Compute the setpoint of a trajectory controller at a given time."""
 
     controller: Name
     time: float | None = None
-    """Simulated time [s]; if left out, the current time."""
+    """Simulated time of the setpoint [s]; the default is the current time."""
 
 
 class ReadGains(Request[dict[str, Gains]], frozen=True):
-    """Read the PID gains of a controller's joints, except for joints without a PID."""
+    """Read the PID gains of a controller's joints; omit joints without a PID."""
 
     controller: Name
 
 
 class SetGains(Request[Gains], frozen=True):
-    """Change PID gains of one joint; the response contains all of its gains.
+    """Change PID gains of one joint; the response contains all gains.
 
-    Gains left out keep their values.  A running controller continues with the new
-    gains, and the integral's contribution does not jump.  The gains apply until the
-    controller is unloaded; no file changes.
+    Omitted gains keep their values.  A running controller continues with the new gains,
+    without a jump of the integral term.  The gains apply until the controller is
+    unloaded; no file is changed.
     """
 
     controller: Name
     joint: Name
     p: float | None = None
-    """Command per position error: [N·m/rad | N/m] for an effort controller."""
+    """Proportional gain: command per position error; [N·m/rad | N/m] for an effort
+    controller."""
     i: float | None = None
-    """Command per integral of the position error."""
+    """Integral gain: command per integral of the position error."""
     d: float | None = None
     """Command per velocity error."""
     i_clamp: Annotated[float, Meta(ge=0.0)] | None = None
-    """Largest contribution of the integral in either direction: [N·m | N] for an effort
-    controller."""
+    """Maximum magnitude of the integral term; [N·m | N] for an effort controller."""
     antiwindup: bool | None = None
-    """Whether the integral itself is clamped, not only its contribution."""
+    """Whether the integral itself is clamped, in addition to the integral term."""
 
 
 class ControllerParameter(Struct, frozen=True, kw_only=True):
-    """A parameter of a controller."""
+    """Value of a controller's parameter."""
 
     value: Any
-    """A boolean, a number, a text, or a list of these."""
+    """Value of the parameter: a boolean, a number, a text, or a list of such values."""
     is_adjustable: bool
-    """Whether the parameter may change while the controller runs."""
+    """Whether the parameter can be changed while the controller is running."""
 
 
 class ReadControllerParameters(Request[dict[str, ControllerParameter]], frozen=True):
-    """Read a loaded controller's parameters by dotted name, including defaults."""
+    """Read the parameters of a loaded controller by name, including defaults."""
 
     controller: Name
 
 
 class SetControllerParameters(Request[None], frozen=True):
-    """Change parameters of a loaded controller that may change while it runs.
+    """Change adjustable parameters of a loaded controller.
 
-    The values apply until the controller is unloaded; no file changes.
+    The values apply until the controller is unloaded; no file is changed.
     """
 
     controller: Name
     parameters: dict[
         str, bool | int | float | str | tuple[bool | int | float | str, ...]
     ]
-    """Values by dotted parameter name, such as ``constraints.goal_time``."""
+    """New values by dotted parameter name, such as ``constraints.goal_time``."""

@@ -1,4 +1,4 @@
-"""Requests about demonstrations, a folder with one recording for each episode."""
+"""Requests about demonstrations: a folder with one recording for each episode."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FolderName = Annotated[str, Meta(min_length=1, max_length=4000)]
 
 
 class EpisodesStatus(Struct, frozen=True, kw_only=True):
-    """State of a folder of episodes, and of the episode being recorded."""
+    """State of a folder of episodes, and of the episode that is being recorded."""
 
     folder: str
     """Path of the folder on the simulation's machine."""
@@ -25,28 +25,30 @@ class EpisodesStatus(Struct, frozen=True, kw_only=True):
     is_recording: bool
     """Whether an episode is being recorded."""
     duration: float
-    """Simulated duration of the episode being recorded [s]; 0 if there is none."""
+    """Simulated duration of the episode that is being recorded [s]; 0 without a
+    recording."""
     episodes: int
     """Number of episodes in the folder."""
     succeeded: int
     """Number of episodes with the outcome ``success``."""
     error: str | None = None
-    """Error that ended an episode early, such as a full disk."""
+    """Error that ended an episode early, such as a full disk; null if there is no
+    error."""
 
 
 class OpenEpisodes(Request[EpisodesStatus], frozen=True):
-    """Choose the folder for episodes; it may already contain some.
+    """Select the folder for episodes; the folder can already contain episodes.
 
-    From then on, the panel has keys to start and end episodes.
+    While a folder is open, keys in the panel start and end episodes.
     """
 
     written_paths = ("folder",)
 
     folder: FolderName
     task: Annotated[str, Meta(max_length=500)] = ""
-    """Description of the task, written to each line of the index."""
+    """Description of the task, which is written to each line of the index."""
     reset: bool = True
-    """Whether each episode starts with a reset of robot and objects."""
+    """Whether each episode starts with a reset of the robot and the objects."""
 
 
 class CloseEpisodes(Request[None], frozen=True):
@@ -58,10 +60,10 @@ class StartEpisode(Request[EpisodesStatus], frozen=True):
 
 
 class EndEpisode(Request[EpisodesStatus], frozen=True):
-    """End the episode: keep it with its outcome, or discard it."""
+    """End the episode, and keep it with its outcome or discard it."""
 
     outcome: EpisodeEnd
 
 
 class ReadEpisodes(Request[EpisodesStatus | None], frozen=True):
-    """Read the state of the folder of episodes; null if none is open."""
+    """Read the state of the folder of episodes; null if no folder is open."""

@@ -1,4 +1,4 @@
-"""Ownership by one process: threads and connections survive neither fork nor pickle."""
+"""Ownership by one process: threads and connections cannot be forked or pickled."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from tool0.errors import ControlError
 
 @final
 class OwnProcess:
-    """The process in which a robot was made."""
+    """The process in which a robot was created."""
 
     def __init__(self) -> None:
         self._pid = os.getpid()
 
     @property
     def is_this(self) -> bool:
-        """Whether the current process is this process rather than a forked child."""
+        """Whether the current process created the robot, and is not a forked child."""
         return os.getpid() == self._pid
 
     def check(self) -> None:
@@ -31,7 +31,7 @@ class OwnProcess:
 
 
 def refuse_pickle() -> NoReturn:
-    """Raise TypeError: neither a simulation nor a connection can leave its process."""
+    """Raise TypeError, because simulations and connections cannot be pickled."""
     raise TypeError(
         "a robot cannot be pickled or copied; give other processes the name of its "
         "bring-up, and call tool0.connect(name) there"

@@ -1,4 +1,4 @@
-"""Detection of frozen processes: stopped ones, or on a machine that slept."""
+"""Detection of a frozen process: the process was stopped, or the machine slept."""
 
 from __future__ import annotations
 
@@ -7,23 +7,25 @@ from collections.abc import Callable
 from typing import final
 
 FROZEN = 1.0
-"""Wall time without a sign of life after which a process counts as frozen [s]."""
+"""Wall time without activity after which a process is regarded as frozen [s]."""
 _BUSY = 0.5
-"""Share of that time above which processor use means that the process was busy."""
+"""Ratio of processor time to wall time above which the process was busy instead of
+frozen."""
 _SAMPLING = 0.2
-"""Wall time between two reads of the processor time, which is slow to read [s]."""
+"""Wall time between two reads of the processor time [s], because these reads are
+slow."""
 
 
 def wall_time() -> float:
-    """Return a time that also passes while the process or the machine sleeps [s]."""
+    """Return a time that also advances while the process or the machine sleeps [s]."""
     return time.clock_gettime(time.CLOCK_BOOTTIME)
 
 
 @final
 class FreezeMeter:
-    """Notices that the whole process did not run: it was stopped, or the machine slept.
+    """Detects that the whole process was stopped, or that the machine slept.
 
-    A thread that is late because other threads of the process were busy does not count.
+    A thread that is late because other threads of the process were busy is ignored.
     """
 
     def __init__(
@@ -36,7 +38,7 @@ class FreezeMeter:
         self._used = processor_time()
 
     def look(self) -> float:
-        """Return how long the process was frozen since the last call [s], or 0."""
+        """Return the time for which the process was frozen since the last call [s]."""
         now = self._now()
         gap, self._last = now - self._last, now
         if gap < FROZEN and now - self._sampled < _SAMPLING:

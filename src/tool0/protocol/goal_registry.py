@@ -9,12 +9,12 @@ from tool0.errors import ControlError
 from tool0.protocol.goals import Goal
 
 GOALS_KEPT = 1000
-"""Number of goals kept; the oldest finished ones are dropped."""
+"""Maximum number of stored goals; the oldest finished goals are dropped."""
 
 
 @final
 class GoalRegistry:
-    """Numbers goals and finds them by number; thread-safe."""
+    """Assigns numbers to goals, and finds goals by number; thread-safe."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -22,7 +22,7 @@ class GoalRegistry:
         self._last = 0
 
     def add(self, goal: Goal, number: int | None = None) -> int:
-        """Store ``goal`` and return its number; if left out, the next free one."""
+        """Store ``goal`` and return its number; the default is the next free number."""
         with self._lock:
             if number is None:
                 self._last = number = self._last + 1
@@ -41,13 +41,13 @@ class GoalRegistry:
         return tuple(goal for goal in goals if not goal.status.is_terminal)
 
     def number(self, goal: Goal) -> int | None:
-        """Return a goal's number; None if no request started it or it was dropped."""
+        """Return a goal's number; None if it has no number or was dropped."""
         with self._lock:
             found = (number for number, item in self._goals.items() if item is goal)
             return next(found, None)
 
     def find(self, number: int) -> Goal:
-        """Return a goal, or raise ControlError if it does not exist or was dropped."""
+        """Return a goal, or raise ControlError if there is no goal with this number."""
         with self._lock:
             goal = self._goals.get(number)
         if goal is None:

@@ -1,6 +1,6 @@
-"""Goals: their status, outcome and tolerances, and the requests about them.
+"""Goals: their status, outcome and tolerances, and requests about goals.
 
-Faults are raised as exceptions; outcomes are values.
+A fault is raised as an exception; an outcome is a value.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from tool0.protocol.request import Request
 
 
 class GoalStatus(enum.Enum):
-    """Status of a goal, as in actionlib."""
+    """Status of a goal, with the names from actionlib."""
 
     ACTIVE = "ACTIVE"
     SUCCEEDED = "SUCCEEDED"
@@ -26,7 +26,7 @@ class GoalStatus(enum.Enum):
     PREEMPTED = "PREEMPTED"
 
     def __repr__(self) -> str:
-        """Return the bare name, as ROS prints it."""
+        """Return the name of the status, in the notation of ROS."""
         return self.value
 
     @property
@@ -38,7 +38,7 @@ class GoalStatus(enum.Enum):
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GoalResult:
-    """Result of a trajectory goal: control_msgs/FollowJointTrajectoryResult."""
+    """Result of a trajectory goal, like control_msgs/FollowJointTrajectoryResult."""
 
     INVALID_GOAL = -1
     PATH_TOLERANCE_VIOLATED = -4
@@ -47,9 +47,9 @@ class GoalResult:
     status: GoalStatus
     """SUCCEEDED, ABORTED or PREEMPTED."""
     error_code: int = 0
-    """0, or ROS's error code, such as ``PATH_TOLERANCE_VIOLATED``."""
+    """Error code of ROS, such as ``PATH_TOLERANCE_VIOLATED``; 0 without an error."""
     error_string: str = ""
-    """Cause of an abort: the joint and its error."""
+    """Cause of an abort: the joint and its error; empty if the goal succeeded."""
 
     @property
     def is_violation(self) -> bool:
@@ -61,7 +61,10 @@ class GoalResult:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GripperResult:
-    """Result of a gripper goal: control_msgs/GripperCommandResult in joint units."""
+    """Result of a gripper goal, like control_msgs/GripperCommandResult.
+
+    Values are in joint units.
+    """
 
     status: GoalStatus
     """SUCCEEDED, ABORTED or PREEMPTED."""
@@ -70,13 +73,14 @@ class GripperResult:
     effort: float
     """Effort of the drive [N·m | N]."""
     stalled: bool
-    """Whether the joint stalled before it reached its goal."""
+    """Whether the joint stalled before it reached the goal."""
     reached_goal: bool
-    """Whether the joint reached its goal within the tolerance."""
+    """Whether the joint reached the goal within the tolerance."""
     holds: bool = False
-    """Whether something presses on both fingers: an object is held."""
+    """Whether the gripper holds an object: both fingers are in contact with it."""
     error_string: str = ""
-    """Reason why the joint stopped before its goal; empty if it reached the goal."""
+    """Reason why the joint stopped before the goal; empty if the joint reached the
+    goal."""
 
 
 Result = GoalResult | GripperResult
@@ -84,9 +88,9 @@ Result = GoalResult | GripperResult
 
 @final
 class Goal:
-    """A goal that a controller accepted; only that controller can finish it.
+    """A goal that a controller has accepted; only this controller can finish the goal.
 
-    Reading is safe from any thread.
+    All threads can read the goal safely.
     """
 
     def __init__(self, controller: str) -> None:
@@ -96,11 +100,11 @@ class Goal:
         self._callbacks: list[Callable[[Goal], None]] = []
         self._lock = threading.Lock()
         self.explain: Callable[[Result], Result] = lambda result: result
-        """Function that adds facts unknown to the controller, such as contacts, to the
-        result."""
+        """Function that adds information to the result that the controller does not
+        have, such as contacts."""
 
     def __deepcopy__(self, memo: dict[int, object]) -> NoReturn:
-        """Refuse to copy: somebody waits for the outcome."""
+        """Refuse a copy, because a client may wait for the outcome of the original."""
         raise ControlError(
             "it has a goal, which can end only once; cancel it or wait for it"
         )
@@ -111,11 +115,11 @@ class Goal:
 
     @property
     def result(self) -> Result | None:
-        """The outcome; None while the goal is active."""
+        """The outcome of the goal; None while the goal is active."""
         return self._result
 
     def finish(self, result: Result) -> None:
-        """Set the outcome, once; later calls change nothing."""
+        """Set the outcome of the goal; only the first call has an effect."""
         with self._lock:
             if self._result is not None:
                 return
@@ -139,31 +143,36 @@ class Goal:
 
 
 class Tolerance(NamedTuple):
-    """Largest allowed errors of one joint; 0 disables a check."""
+    """Maximum allowed errors of one joint; 0 disables a check."""
 
     position: float = 0.0
     """Position error [rad | m]."""
     velocity: float = 0.0
     """Velocity error [rad/s | m/s]."""
     acceleration: float = 0.0
-    """Never checked: neither ROS nor tool0 measures accelerations."""
+    """Acceleration error [rad/s² | m/s²].  This tolerance is never checked, because
+    neither ROS nor tool0 measures accelerations."""
 
     def allows(self, position_error: float, velocity_error: float) -> bool:
-        """Return whether both errors are within the tolerance; NaN is not."""
+        """Return whether both errors are within the tolerance.
+
+        An error of NaN is outside the tolerance.
+        """
         return (self.position <= 0.0 or abs(position_error) <= self.position) and (
             self.velocity <= 0.0 or abs(velocity_error) <= self.velocity
         )
 
 
 ToleranceOverride = Tolerance | float
-"""Tolerance of a goal: > 0 replaces the default, < 0 disables the check, 0 keeps it.
+"""Tolerance of a goal: > 0 replaces the default, < 0 disables the check, and 0 keeps
+the default.
 
 A plain number is a position tolerance.
 """
 
 
 class GoalStarted(Struct, frozen=True, kw_only=True):
-    """A goal that a controller accepted."""
+    """A goal that a controller has accepted."""
 
     goal: int
     """Number of the goal."""
@@ -171,7 +180,7 @@ class GoalStarted(Struct, frozen=True, kw_only=True):
 
 
 class CancelGoal(Request[None], frozen=True):
-    """Cancel a goal as ROS does: the motion decelerates and the goal is PREEMPTED."""
+    """Cancel a goal, like in ROS: the motion decelerates, and the goal is PREEMPTED."""
 
     goal: int
 

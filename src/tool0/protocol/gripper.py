@@ -1,4 +1,4 @@
-"""Parallel grippers in terms of the opening between their pads: state and requests."""
+"""Parallel grippers: their state, and requests with the opening between the pads."""
 
 from __future__ import annotations
 
@@ -18,24 +18,26 @@ GripperMotion = Literal[
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GraspState:
-    """Motion of a gripper, and its opening."""
+    """Motion and opening of a gripper."""
 
     motion: GripperMotion
-    """``holding_inside``: squeezes an object between the pads.  ``holding_outside``:
-    presses the pads outwards against an object.  ``blocked``: cannot move on although
-    nothing presses on both fingers.  ``idle``: no position controller is running."""
+    """``holding_inside``: the gripper squeezes an object between the pads.
+    ``holding_outside``: the gripper presses the pads outward against an object.
+    ``blocked``: the gripper cannot move further, although it does not hold an object.
+    ``idle``: no position controller is running."""
     opening: float
     """Distance between the pads [m]."""
     width: float | None = None
-    """Width of the object between the pads [m]; None if fingers wrap around it."""
+    """Width of the object between the pads [m]; None if the fingers wrap around the
+    object."""
 
     @property
     def gobj(self) -> int:
         """Value of Robotiq's register gOBJ.
 
         0: moving, idle or blocked; 1: stopped by an object while opening; 2: stopped by
-        an object while closing; 3: arrived.  (A real gripper mistakes blocked fingers
-        for an object.)
+            an object while closing; 3: at the target.  (A real gripper reports blocked
+            fingers as an object.)
         """
         return _GOBJ[self.motion]
 
@@ -54,24 +56,26 @@ class Grip(Request[GoalStarted], frozen=True):
     """Move the pads of a gripper to an opening."""
 
     gripper: Name | None = None
-    """Name of the gripper; may be left out if the robot has only one."""
+    """Name of the gripper; required only if the robot has several grippers."""
     opening: float | None = None
-    """Distance between the pads [m], 0 … the gripper's maximum."""
+    """Distance between the pads [m], from 0 to the gripper's maximum."""
     position: float | None = None
     """Position of the driven joint [rad | m], instead of an opening."""
     speed: float | None = None
-    """Speed of the pads relative to each other [m/s]; the gripper's maximum if left
-    out."""
+    """Speed of the pads relative to each other [m/s]; the default is the gripper's
+    maximum."""
     force: float | None = None
-    """Largest force at each pad [N]; the gripper's maximum if left out."""
+    """Maximum force at each pad [N]; the default is the gripper's maximum."""
     effort: Annotated[float, Meta(gt=0.0)] | None = None
-    """Largest effort of the driven joint [N·m | N], instead of a force."""
+    """Maximum effort of the driven joint [N·m | N], instead of a force."""
 
 
 class ReactivateGripper(Request[GoalStarted], frozen=True):
-    """Reactivate a gripper like ROS 2's service: it opens, even if it holds an object.
+    """Reactivate a gripper, like the service of ROS 2.
 
-    A real gripper also closes and opens once more.
+    The gripper opens, even if it holds an object.
+
+    A real gripper also closes and opens again.
     """
 
     controller: Name
@@ -79,7 +83,7 @@ class ReactivateGripper(Request[GoalStarted], frozen=True):
 
 
 class ReadGripper(Request[GraspState], frozen=True):
-    """Read a gripper's state: whether it moves, has arrived, or holds an object."""
+    """Read a gripper's state: whether it moves, is at the target or holds an object."""
 
     gripper: Name | None = None
-    """Name of the gripper; may be left out if the robot has only one."""
+    """Name of the gripper; required only if the robot has several grippers."""

@@ -1,4 +1,4 @@
-"""The request for hardware components, as in ros2_control's controller_manager."""
+"""The request for hardware components, like in ros2_control's controller_manager."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ class HardwareInterfaceState(Struct, frozen=True, kw_only=True):
 
 
 class HardwareComponentState(Struct, frozen=True, kw_only=True):
-    """One device with a driver, from a ``<ros2_control>`` tag."""
+    """A hardware device with a driver, from a ``<ros2_control>`` tag."""
 
     name: str
     type: ComponentType
     """Type of the component: ``system``, ``actuator`` or ``sensor``."""
     plugin: str
-    """Driver plugin in the description, which tool0 replaces."""
+    """Driver plugin in the description; tool0 replaces this plugin."""
     state: str
-    """Lifecycle state; simulated hardware is always ``active``."""
+    """Lifecycle state of the component; simulated hardware is always ``active``."""
     command_interfaces: tuple[HardwareInterfaceState, ...]
     state_interfaces: tuple[HardwareInterfaceState, ...]
 
@@ -36,5 +36,5 @@ class HardwareComponentState(Struct, frozen=True, kw_only=True):
 class ListHardware(Request[tuple[HardwareComponentState, ...]], frozen=True):
     """List the hardware components with their interfaces.
 
-    A robot whose drives are described by ``<transmission>`` tags is one component.
+    A robot with ``<transmission>`` tags is one component.
     """

@@ -1,6 +1,6 @@
-"""A backend made of states that arrive unrequested and a function for each request.
+"""A backend that consists of published states and a function for each request.
 
-It is for robots that are not simulated: their time is wall time.
+The backend is for robots that are not simulated: the time of the robot is wall time.
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ if TYPE_CHECKING:
     from tool0.description.robot import RobotDescription
 
 _POLL_PERIOD: Final = 0.02
-"""Longest wait for a state between two checks of a condition [wall s]."""
+"""Longest time between two checks of a condition during a wait [wall s]."""
 
 
 @final
 class LiveStates:
-    """States of a robot in real time; see ``backend.States``."""
+    """States of a robot that runs in real time; see ``backend.States``."""
 
     def __init__(
         self, description: RobotDescription, first: Snapshot, close: Callable[[], None]
     ) -> None:
-        """Publish the first state.
+        """Create the bus, and publish the first state.
 
         Args:
             description: Description of the robot.
-            first: State of the robot now.
+            first: Present state of the robot.
             close: Function that stops publishing states; called once.
         """
         self.description = description
@@ -55,7 +55,7 @@ class LiveStates:
     @property
     def snapshot(self) -> Snapshot:
         snapshot = self.bus.latest
-        assert snapshot is not None  # there is a first one
+        assert snapshot is not None  # the first snapshot is published in __init__
         return snapshot
 
     @property
@@ -84,7 +84,7 @@ class LiveStates:
         )
 
     def refresh(self) -> None:
-        """States arrive without being requested."""
+        """Do nothing, because states are published without requests."""
 
     def snapshot_with_arms(self) -> Snapshot:
         return self.snapshot
@@ -148,7 +148,7 @@ class LiveBackend:
         self.answer(request)
 
     def check_setpoint(self, request: Request[Any]) -> None:
-        """Accept every setpoint, as handlers check setpoints themselves."""
+        """Accept every setpoint, because the handlers check setpoints."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
         return ()

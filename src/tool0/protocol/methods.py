@@ -1,4 +1,4 @@
-"""Methods of the contract: request classes by their names on a connection."""
+"""Methods of the contract: request classes by their method names on a connection."""
 
 from __future__ import annotations
 
@@ -76,5 +76,5 @@ def _declared(module: ModuleType) -> dict[str, type[Request[Any]]]:
         if isinstance(value, type)
         and issubclass(value, Request)
         and value.__module__ == module.__name__
-        and not getattr(value, "__parameters__", ())  # a base of others
+        and not getattr(value, "__parameters__", ())  # a base class
     }

@@ -17,10 +17,10 @@ from tool0.protocol.request import (
 
 
 class GripLimits(Struct, frozen=True, kw_only=True):
-    """Limits of a gripper's drive, until its next goal."""
+    """Limits of a gripper's drive, which apply until the gripper's next goal."""
 
     gripper: Name | None = None
-    """Name of the gripper; may be left out if the robot has only one."""
+    """Name of the gripper; required only if the robot has several grippers."""
     speed: float | None = None
     """Speed of the pads relative to each other [m/s]."""
     force: float | None = None
@@ -30,16 +30,16 @@ class GripLimits(Struct, frozen=True, kw_only=True):
 
 
 class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
-    """Move joints smoothly; each trajectory controller involved gets a goal."""
+    """Move joints smoothly; each trajectory controller of the joints gets a goal."""
 
     positions: JointPositions
     speed: SpeedScale = 0.5
     duration: Annotated[float, Meta(gt=0.0)] | None = None
-    """Duration of the motions [s], instead of a speed.  The motions are cubics, and the
-    controllers' other joints keep their setpoints."""
+    """Duration of the motions [s], instead of a speed.  The motions are cubic
+    polynomials.  The other joints of the controllers keep their setpoints."""
     controller: Name | None = None
-    """Controller that moves the joints; if left out, the controllers that claim
-    them."""
+    """Controller that moves the joints; by default, the controllers that claim the
+    joints move them."""
     collision: CollisionRule = "ignore"
 
     def as_done(self) -> Request[Any]:
@@ -47,7 +47,10 @@ class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
 
 
 class SteerJoints(Request[None], frozen=True):
-    """Move a trajectory controller's joints smoothly; for streams of setpoints."""
+    """Move the joints of a trajectory controller smoothly.
+
+    Use this request for streams of setpoints.
+    """
 
     controller: Name
     positions: JointPositions
@@ -55,7 +58,10 @@ class SteerJoints(Request[None], frozen=True):
 
 
 class PoseJoints(Request[None], frozen=True):
-    """Set joint positions directly; only in ``tool0 view``, which has no physics."""
+    """Set joint positions directly.
+
+    Only ``tool0 view``, which has no physics, offers this request.
+    """
 
     positions: JointPositions
 
@@ -67,15 +73,18 @@ class CommandGripper(Request[GoalStarted], frozen=True):
     position: float
     """Position of the gripper's joint [rad | m]."""
     max_effort: float | None = None
-    """Largest effort [N·m | N]; if left out, the controller's default.  ROS 2's
-    parallel gripper controller writes it to its ``max_effort_interface``; if that
-    interface is the gripper's, it is the force at the pads [N]."""
+    """Maximum effort [N·m | N].  Without a value, the default of the controller
+    applies.  ROS 2's parallel gripper controller writes this value to its
+    ``max_effort_interface``.  If this interface is an interface of the gripper, the
+    value is the force at the pads [N]."""
     max_velocity: float | None = None
-    """Largest velocity [rad/s | m/s], which ROS 2's parallel gripper controller writes
-    to its ``max_velocity_interface``; if that interface is the gripper's, it is the
-    pads' relative speed [m/s].  If left out, the controller's default."""
+    """Maximum velocity [rad/s | m/s].  Without a value, the default of the controller
+    applies.  ROS 2's parallel gripper controller writes this value to its
+    ``max_velocity_interface``.  If this interface is an interface of the gripper, the
+    value is the relative speed of the pads [m/s]."""
     grip: GripLimits | None = None
-    """Limits of the pads' speed and force, instead of the two above."""
+    """Limits of the pads' speed and force, instead of ``max_effort`` and
+    ``max_velocity``."""
 
 
 class CommandJoints(Request[None], frozen=True):
@@ -83,4 +92,5 @@ class CommandJoints(Request[None], frozen=True):
 
     controller: Name
     values: tuple[float, ...]
-    """Values in the order of the controller's joints, in the unit of its interface."""
+    """Values in the order of the controller's joints, in the unit of the controller's
+    command interface."""

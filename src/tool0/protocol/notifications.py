@@ -1,4 +1,4 @@
-"""A robot's events as text, for users and recordings."""
+"""Text about the events of a robot, for users and recordings."""
 
 from __future__ import annotations
 
@@ -59,7 +59,10 @@ class Notification:
 
 
 def described(event: Event, now: float) -> Notification:
-    """Return the description of an event; ``now`` [s] is for events without a time."""
+    """Return the description of an event.
+
+    The time ``now`` [s] is used for an event without a time.
+    """
     time = now if event.time is None else event.time
     match event:
         case GoalFinished(goal):
@@ -84,7 +87,7 @@ def described(event: Event, now: float) -> Notification:
 
 
 def frozen_text(duration: float) -> str:
-    """Return the message about a process that was frozen for ``duration`` [wall s]."""
+    """Return the message for a process that was frozen for ``duration`` [wall s]."""
     return (
         f"the simulator stood still for {duration:.1f} s, as when its process is "
         "stopped or the machine sleeps: every motion was stopped"
@@ -143,7 +146,7 @@ def changes(before: Snapshot, now: Snapshot) -> list[Notification]:
 def _mode_changes(
     before: ControlBoxState, now: ControlBoxState, snapshot: Snapshot
 ) -> list[Notification]:
-    """Return descriptions of an arm's mode changes, except for the emergency stop."""
+    """Return descriptions of an arm's mode changes, without the emergency stop."""
     arm, time = f"arm '{now.arm}'", snapshot.time
     found: list[tuple[Severity, NoticeCode, str]] = []
     if now.protective_stop and now.protective_stop != before.protective_stop:

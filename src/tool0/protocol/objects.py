@@ -1,4 +1,4 @@
-"""Objects around the robot: their shapes as data, contacts, and requests."""
+"""Objects around the robot: shapes in the sent form, collisions, and requests."""
 
 from __future__ import annotations
 
@@ -37,31 +37,32 @@ from tool0.protocol.request import (
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Collision:
-    """Two bodies that would overlap on a path or at its end."""
+    """Two bodies that would overlap on a path or at the end of the path."""
 
     first: str
-    """Link of the robot, or object that it holds."""
+    """First body: a link of the robot, or an object that the robot holds."""
     second: str
-    """Other body: a link, an object, or ``ground``."""
+    """Second body: a link, an object, or ``ground``."""
     depth: float
-    """Largest penetration depth on the path [m]."""
+    """Maximum penetration depth on the path [m]."""
     begins: float
-    """Place on the path where the collision begins: 0 at its start, 1 at its end."""
+    """Position on the path where the collision begins, from 0 (start) to 1 (end)."""
     depth_at_end: float
-    """Penetration depth at the end of the path [m]; 0 if they do not collide there."""
+    """Penetration depth at the end of the path [m]; 0 if the bodies do not overlap
+    there."""
 
 
 class BoxShape(Struct, frozen=True, kw_only=True, tag="box", tag_field="kind"):
-    """A box, centred at its origin."""
+    """A box, centered at its origin."""
 
     size: tuple[Length, Length, Length]
-    """Lengths of the edges [m]."""
+    """Edge lengths along x, y and z [m]."""
 
 
 class CylinderShape(
     Struct, frozen=True, kw_only=True, tag="cylinder", tag_field="kind"
 ):
-    """A cylinder along z, centred at its origin."""
+    """A cylinder along z, centered at its origin."""
 
     radius: Length
     """Radius of the cylinder [m]."""
@@ -70,7 +71,7 @@ class CylinderShape(
 
 
 class SphereShape(Struct, frozen=True, kw_only=True, tag="sphere", tag_field="kind"):
-    """A sphere around its origin."""
+    """A sphere, centered at its origin."""
 
     radius: Length
     """Radius of the sphere [m]."""
@@ -91,9 +92,9 @@ class ShapePart(Struct, frozen=True, kw_only=True):
 
     shape: SingleShape
     xyz: Place = (0.0, 0.0, 0.0)
-    """Position of the shape's origin, in the body's frame [m]."""
+    """Position of the shape's origin in the frame of the body [m]."""
     rpy: Vector3 = (0.0, 0.0, 0.0)
-    """Fixed-axis roll, pitch, yaw [rad]."""
+    """Orientation: fixed-axis roll, pitch and yaw [rad]."""
 
 
 class CompoundShape(
@@ -113,11 +114,11 @@ class ObjectInfo(Struct, frozen=True, kw_only=True):
     name: str
     shape: Shape
     mass: float | None
-    """Mass [kg]; None for a fixed object."""
+    """Mass of the object [kg]; None for a fixed object."""
     friction: float
     rgba: RGBA
     pose: Pose
-    """Start pose, in the robot's root."""
+    """Start pose of the object, in the robot's root frame."""
 
 
 class AddObject(Request[None], frozen=True):
@@ -126,16 +127,16 @@ class AddObject(Request[None], frozen=True):
     name: Name
     shape: Shape
     xyz: Place = (0.0, 0.0, 0.0)
-    """Position of the object's origin, in the robot's root [m]."""
+    """Position of the object's origin in the robot's root frame [m]."""
     rpy: Vector3 = (0.0, 0.0, 0.0)
-    """Fixed-axis roll, pitch, yaw [rad]."""
+    """Orientation: fixed-axis roll, pitch and yaw [rad]."""
     mass: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
-    """Mass [kg]; if left out, the object is fixed."""
+    """Mass of the object [kg]; without a mass, the object is fixed."""
     friction: Annotated[float, Meta(ge=0.0, le=100.0)] = DEFAULT_FRICTION
-    """Coulomb coefficient of sliding friction."""
+    """Coulomb coefficient of sliding friction of the object."""
     rgba: RGBA | None = None
-    """Red, green, blue and opacity, each within 0 … 1; if left out, a colour is
-    chosen."""
+    """Red, green, blue and opacity, each from 0 to 1; by default, a color is selected
+    automatically."""
     allow_penetration: bool = False
     """Whether the object may overlap with a link."""
 
@@ -144,34 +145,35 @@ class AddObject(Request[None], frozen=True):
 
 
 class SpawnedModel(Struct, frozen=True, kw_only=True):
-    """Object that was made from a model."""
+    """An object that was created from a model."""
 
     xyz: Vector3
-    """Position of the object's origin, in the frame that the model was placed at
+    """Position of the object's origin in the frame at which the model was placed
     [m]."""
     quat_wxyz: Quaternion
-    """Orientation of the object, in that frame."""
+    """Orientation of the object in the frame at which the model was placed."""
 
 
 class AddModel(Request[SpawnedModel], frozen=True):
     """Add the body of a URDF or SDF document to the scene, at rest.
 
-    The model must have one link of simple shapes.  If it is ``<static>``, or fixed to a
-    link ``world``, the object is fixed.
+    The model must have one link that consists of simple shapes.  If the model is
+    ``<static>``, or is fixed to a link ``world``, the object is fixed.
     """
 
     name: Name
     model: Annotated[str, Meta(max_length=LONGEST_MODEL)]
     """Text of the URDF or SDF document."""
     xyz: Place = (0.0, 0.0, 0.0)
-    """Position of the model's frame, in the robot's root [m]."""
+    """Position of the model's frame in the robot's root frame [m]."""
     quat_wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
-    """Orientation of the model's frame, in the robot's root; normalized on receipt."""
+    """Orientation of the model's frame in the robot's root frame; the quaternion is
+    normalized on receipt."""
     allow_penetration: bool = False
     """Whether the object may overlap with a link."""
 
     def read_paths(self) -> tuple[str, ...]:
-        from tool0.description.rigid_model import mesh_uris  # only with documents
+        from tool0.description.rigid_model import mesh_uris  # needed only for documents
 
         return mesh_uris(self.model)
 
@@ -187,15 +189,16 @@ class PlaceObject(Request[None], frozen=True):
 
     name: Name
     xyz: Place
-    """Position of the object's origin, in the robot's root [m]."""
+    """Position of the object's origin in the robot's root frame [m]."""
     rpy: Vector3 = (0.0, 0.0, 0.0)
-    """Fixed-axis roll, pitch, yaw [rad]."""
+    """Orientation: fixed-axis roll, pitch and yaw [rad]."""
     quat_wxyz: Quaternion | None = None
-    """Orientation instead of roll, pitch and yaw; any nonzero length."""
+    """Orientation, instead of roll, pitch and yaw; the quaternion can have any nonzero
+    norm."""
     linear: Vector3 = (0.0, 0.0, 0.0)
-    """Velocity of the object's origin, in the root's axes [m/s]."""
+    """Velocity of the object's origin, in the axes of the root frame [m/s]."""
     angular: Vector3 = (0.0, 0.0, 0.0)
-    """Angular velocity, in the root's axes [rad/s]."""
+    """Angular velocity of the object, in the axes of the root frame [rad/s]."""
     allow_penetration: bool = False
     """Whether the object may overlap with a link."""
 
@@ -203,31 +206,32 @@ class PlaceObject(Request[None], frozen=True):
 class ApplyWrench(Request[None], frozen=True):
     """Apply a wrench to a link or an object for some simulated time.
 
-    Force and torque keep their directions in the robot's root.
+    The force and the torque keep their directions in the robot's root frame.
     """
 
     name: Name
     """Name of a link or an object that can move."""
     force: Vector3 = (0.0, 0.0, 0.0)
-    """Force [N], in the axes of the robot's root."""
+    """Force [N], in the axes of the robot's root frame."""
     torque: Vector3 = (0.0, 0.0, 0.0)
-    """Torque [N·m], in the axes of the robot's root."""
+    """Torque [N·m], in the axes of the robot's root frame."""
     point: Place | None = None
-    """Point at which the force starts to act, in the robot's root [m]; if left out, the
-    body's centre of mass.  The point follows the body's translation, but not its
-    rotation."""
+    """Initial point of action of the force, in the robot's root frame [m]; the default
+    is the body's center of mass.  The point follows the translation of the body, but
+    not the rotation of the body."""
     start: Annotated[float, Meta(ge=0.0)] = 0.0
-    """Simulated time at which the wrench begins [s]; a past time means at once."""
+    """Simulated time at which the wrench begins [s]; for a past time, the wrench begins
+    immediately."""
     duration: Annotated[float, Meta(ge=0.0)] | None = None
-    """Simulated time for which the wrench acts [s]; if left out, it acts until it is
-    cleared or the robot is reset."""
+    """Simulated time for which the wrench acts [s].  Without a duration, the wrench
+    acts until it is cleared or the robot is reset."""
 
 
 class PullLink(Request[None], frozen=True):
-    """Pull a point of a link towards a place with a damped spring.
+    """Pull a point of a link toward a target with a damped spring.
 
-    The spring replaces an earlier one on the link.  Each request of a stream, sent
-    without an id, is executed at the next tick.
+    The spring replaces an earlier spring on the link.  In a stream of requests without
+    an id, each request is executed at the next tick.
     """
 
     is_streamed = True
@@ -235,46 +239,48 @@ class PullLink(Request[None], frozen=True):
     name: Name
     """Name of a link that can move."""
     point: Place
-    """Point that the spring pulls, in the link's frame [m]."""
+    """Point that the spring pulls, in the frame of the link [m]."""
     target: Place
-    """Place to which the spring pulls the point, in the robot's root [m]."""
+    """Position to which the spring pulls the point, in the robot's root frame [m]."""
     stiffness: Annotated[float, Meta(gt=0.0, le=2000.0)] = 250.0
     """Stiffness of the spring [N/m]."""
     damping: Annotated[float, Meta(ge=0.0, le=100.0)] = 15.0
     """Damping of the spring [N·s/m]."""
     max_force: Annotated[float, Meta(gt=0.0, le=500.0)] = 80.0
-    """Largest force of the spring [N]."""
+    """Maximum force of the spring [N]."""
     duration: Annotated[float, Meta(gt=0.0, le=10.0)] = 0.25
-    """Simulated time after which the spring ends unless another request follows [s]."""
+    """Simulated time after which the spring ends if no further request follows [s]."""
 
 
 class ClearWrenches(Request[None], frozen=True):
-    """End the wrenches and springs on a link or an object, or, without a name, all."""
+    """End all wrenches and springs on one body; without a name, on all bodies."""
 
     name: Name | None = None
 
 
 class ReadContacts(Request[tuple[Contact, ...]], frozen=True):
-    """Read the contact forces of the last physics step, one for each touching pair.
+    """Read the contact forces of the last physics step, one for each pair in contact.
 
-    The engine computes them only on request; Gazebo returns none the first time.
+    The engine computes contact forces only on request.  With Gazebo, the first response
+    is empty.
     """
 
 
 class FindCollisions(Request[tuple[Collision, ...]], frozen=True):
-    """Find the collisions that the robot would have on the way to a pose and there.
+    """Find the collisions of the robot on the path to a pose and at the pose.
 
-    On the way, all joints move in proportion from their current positions, and objects
-    in grippers are carried along.  Pairs that already overlap as deeply now are left
-    out.  The pair whose collision begins first comes first.
+    On the path, all joints move synchronously from their current positions, and objects
+    in grippers move with the grippers.  A pair is left out if it already overlaps by at
+    least the same depth at present.  The pairs are sorted by the beginning of their
+    collisions.
     """
 
     positions: JointPositions
-    """Joint → target [rad | m]; other joints do not move."""
+    """Joint → target position [rad | m]; the other joints do not move."""
 
 
 def shape_of(solid: Solid) -> Shape:
-    """Return a shape in the form that is sent."""
+    """Return the sent form of a shape."""
     if not isinstance(solid, Compound):
         return _single_shape(solid)
     return CompoundShape(
@@ -298,7 +304,7 @@ def _single_shape(geometry: Geometry) -> SingleShape:
 
 
 def info_of(item: SceneObject) -> ObjectInfo:
-    """Return an object in the form that is sent."""
+    """Return the sent form of an object."""
     return ObjectInfo(
         name=item.name,
         shape=shape_of(item.geometry),
@@ -322,7 +328,7 @@ def object_of(info: ObjectInfo) -> SceneObject:
 
 
 def solid_of(shape: Shape) -> Solid:
-    """Return a received shape; raise DescriptionError if a mesh file is missing."""
+    """Return a shape from its sent form; raise DescriptionError without the mesh."""
     if not isinstance(shape, CompoundShape):
         return _geometry_of(shape)
     return Compound(
@@ -334,7 +340,7 @@ def solid_of(shape: Shape) -> Solid:
 
 
 def with_meshes(shape: Shape, files: Mapping[str, Path]) -> Shape:
-    """Return a shape with its mesh files replaced: former name → file."""
+    """Return a shape with replaced mesh files; ``files`` maps old names to files."""
     match shape:
         case MeshShape(file=file) if file in files:
             return structs.replace(shape, file=str(files[file]))

@@ -1,4 +1,4 @@
-"""Requests for collision-free motions: check, plan, execute."""
+"""Requests for collision-free motions: check, plan and execute."""
 
 from __future__ import annotations
 
@@ -24,81 +24,85 @@ Range = tuple[float, float]
 
 
 class PlanTarget(Struct, frozen=True, kw_only=True):
-    """Target of one arm: joint positions, or a pose of its tool."""
+    """Target of one arm: joint positions, or a pose of the arm's tool."""
 
     arm: str | None = None
-    """Name of the arm; may be left out if the robot has only one."""
+    """Name of the arm; required only if the robot has several arms."""
     positions: JointPositions = field(default_factory=dict)
-    """Joint → position [rad]; the arm's other joints stay where they are."""
+    """Joint → target position [rad]; the other joints of the arm keep their
+    positions."""
     pose: AnyPose | None = None
-    """Pose of the tool, instead of positions.  All postures that reach it, including
-    those that differ by full joint turns, are candidates; the fastest to reach is
-    chosen."""
+    """Target pose of the tool, instead of positions.  All postures that reach this pose
+    are candidates, including postures that differ by full turns of joints.  The posture
+    with the fastest motion is selected."""
     tip: str | None = None
-    """Link fixed to the flange, in which ``tool`` is given; if left out, the flange."""
+    """Link fixed to the flange, in whose frame ``tool`` is given; the default is the
+    flange."""
     tool: AnyPose | None = None
-    """Pose of the tool in the frame of ``tip``; if left out, the tool is ``tip``
-    itself."""
+    """Pose of the tool in the frame of ``tip``; by default, the tool is at the frame of
+    ``tip``."""
     relative_to: str | None = None
-    """Link in whose frame the pose is given; if left out, the robot's root.  With the
-    tip itself, the motion is relative to the tool's current pose."""
+    """Link in whose frame the pose is given; the default is the robot's root.  If this
+    link is ``tip``, the motion is relative to the current pose of the tool."""
     free_axis: Literal["x", "y", "z"] | None = None
-    """Axis of the tool about which the tool may be rotated freely at the target."""
+    """Axis of the tool about which the rotation at the target is free."""
 
 
 class KeepOut(Struct, frozen=True, kw_only=True):
-    """A box, or the half-space below a plane, that the robot must not enter."""
+    """A forbidden region for the robot: a box, or the half-space below a plane."""
 
     name: Name = "keep_out"
-    """Name of the region, for messages."""
+    """Name of the region in messages."""
     xyz: Place = (0.0, 0.0, 0.0)
-    """Centre of the box, or a point on the plane, in the robot's root [m]."""
+    """Center of the box, or a point on the plane, in the robot's root frame [m]."""
     rpy: Vector3 = (0.0, 0.0, 0.0)
-    """Fixed-axis roll, pitch, yaw of the box [rad]."""
+    """Orientation of the box: fixed-axis roll, pitch and yaw [rad]."""
     size: tuple[Length, Length, Length] | None = None
-    """Lengths of the box's edges [m]."""
+    """Edge lengths of the box along x, y and z [m]."""
     normal: Vector3 | None = None
-    """Normal of the plane, instead of a size; it points to the side where the robot may
-    be."""
+    """Normal of the plane, instead of a size; the normal points to the side that the
+    robot may enter."""
 
 
 class Upright(Struct, frozen=True, kw_only=True):
     """Constraint that keeps a tool axis within an angle of its initial direction."""
 
     tilt: Annotated[float, Meta(ge=0.01, le=3.2)]
-    """Largest angle [rad]."""
+    """Maximum angle between the axis and its initial direction [rad]."""
     axis: Vector3 = (0.0, 0.0, 1.0)
     """Axis of the tool that must stay upright, in the frame of ``tip``."""
     tip: str | None = None
-    """Link whose axis is meant; if left out, the arm's flange."""
+    """Link that has the axis; the default is the arm's flange."""
 
 
 class Checked(Struct, frozen=True, kw_only=True):
-    """Result of checking whether a motion is free of collisions."""
+    """Result of the check whether a motion is free of collisions."""
 
     is_free: bool
-    """Whether there are no collisions and no bodies come nearer than the clearance."""
+    """Whether all bodies keep the clearance during the motion, without collisions."""
     reason: str = ""
-    """The two bodies that are too close, and their distance; empty if the motion is
-    free."""
+    """The two bodies that are too close, and the distance between them; empty if the
+    motion is free."""
     part: float = 1.0
-    """Position of the violation on the path, from 0 to 1; 1 if there is none."""
+    """Position of the violation on the path, from 0 to 1; 1 without a violation."""
     time: float = 0.0
-    """Time of the violation after the start [s]; 0 if there is none."""
+    """Time of the violation after the start [s]; 0 without a violation."""
 
 
 class Plan(Struct, frozen=True, kw_only=True):
     """A collision-free motion from rest to rest.
 
-    Between two knots, the joints follow quintics.  Each row has one number per joint.
+    Between two knots, the joints follow quintic polynomials.  Each row has one number
+    per joint.
     """
 
     number: int
-    """Number of the plan, for ``execute_plan``."""
+    """Number of the plan, which ``execute_plan`` requires."""
     joint_names: tuple[str, ...]
-    """Names of the arms' joints, for each arm from base to tip."""
+    """Names of the arms' joints; the joints of each arm are ordered from base to
+    tip."""
     times: tuple[float, ...]
-    """Times of the knots [s]; the first is 0."""
+    """Times of the knots [s]; the first time is 0."""
     positions: Rows
     """Joint positions at the knots [rad], shape (n_knots, n_joints)."""
     velocities: Rows
@@ -108,18 +112,19 @@ class Plan(Struct, frozen=True, kw_only=True):
     waypoints: Rows
     """Corner points of the path in joint space, from start to target [rad]."""
     clearance: float
-    """Smallest distance on the way between bodies that must not touch [m]; at most
+    """Minimum distance on the path between bodies that must not touch [m]; at most
     1."""
     nearest: str
-    """The two bodies with that distance; empty beyond 1 m."""
+    """The two bodies with the minimum distance; empty if this distance is 1 m or
+    more."""
     is_direct: bool
-    """Whether the motion is straight in joint space."""
+    """Whether the path is a straight line in joint space."""
     samples: int
-    """Number of random poses that the search used."""
+    """Number of random postures that the search used."""
     poses: int
     """Number of poses at which distances were measured."""
     planning_time: float
-    """Wall time that planning took [s]."""
+    """Wall time of the planning [s]."""
 
     @property
     def duration(self) -> float:
@@ -128,16 +133,17 @@ class Plan(Struct, frozen=True, kw_only=True):
 
 
 class PlanMotion(Request[Plan], frozen=True):
-    """Plan a collision-free motion from the commanded posture; nothing moves."""
+    """Plan a collision-free motion from the commanded posture, without moving."""
 
     targets: Annotated[tuple[PlanTarget, ...], Meta(min_length=1, max_length=4)]
-    """One target for each arm that moves; the arms move at the same time."""
+    """One target for each moving arm; the arms move at the same time."""
     speed: SpeedScale = 0.5
     clearance: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.005
-    """Smallest allowed distance between bodies [m]; bodies that are closer at the start
-    may stay so."""
+    """Minimum allowed distance between bodies [m].  Bodies that are closer at the start
+    are allowed to remain closer."""
     may_touch: tuple[Name, ...] = ()
-    """Links and objects that the motion may touch, such as an object to be gripped."""
+    """Links and objects that the robot is allowed to touch, such as an object to
+    grip."""
     keep_out: Annotated[tuple[KeepOut, ...], Meta(max_length=100)] = ()
     upright: Upright | None = None
     joint_ranges: Annotated[dict[str, Range], Meta(max_length=100)] = field(
@@ -147,33 +153,34 @@ class PlanMotion(Request[Plan], frozen=True):
     timeout: Annotated[float, Meta(gt=0.0, le=600.0)] = 5.0
     """Wall time after which the search ends [s]."""
     seed: Annotated[int, Meta(ge=0, le=2**31)] = 0
-    """Seed of the search; equal seeds give equal plans unless the time runs out."""
+    """Seed of the search; the same seed results in the same plan unless the search
+    reaches the timeout."""
 
 
 class CancelPlanning(Request[None], frozen=True):
-    """Cancel every search in progress; ``plan_motion`` then fails with this reason."""
+    """Cancel every search in progress; the ``plan_motion`` requests then fail."""
 
     is_urgent = True
 
 
 class ExecutePlan(Request[tuple[GoalStarted, ...]], frozen=True):
-    """Execute a plan; each trajectory controller involved gets a goal.
+    """Execute a plan; each trajectory controller of the arms gets a goal.
 
-    The plan is refused if the arm or the scene has moved since planning.  Contacts that
-    did not exist at the start and that the plan does not allow stop the motion.
+    The plan is refused if the arm or an object has moved since the planning.  A new
+    contact that the plan does not allow stops the motion.
     """
 
     number: int
 
 
 class CheckMotion(Request[Checked], frozen=True):
-    """Check whether a motion of an arm would be free of collisions; nothing moves."""
+    """Check whether a motion of an arm would be free of collisions, without moving."""
 
     target: PlanTarget
     linear: bool = False
-    """Whether the tool moves on a straight line; otherwise, the motion is straight in
-    joint space."""
+    """Whether the tool moves on a straight line; otherwise, the path is a straight line
+    in joint space."""
     clearance: Annotated[float, Meta(ge=-0.01, le=0.5)] = 0.0
-    """Smallest allowed distance between bodies [m]."""
+    """Minimum allowed distance between bodies [m]."""
     may_touch: tuple[Name, ...] = ()
     keep_out: Annotated[tuple[KeepOut, ...], Meta(max_length=100)] = ()

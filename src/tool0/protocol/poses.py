@@ -8,7 +8,7 @@ from tool0.protocol.request import CollisionRule, Name, Request, SpeedScale
 
 
 class ListPoses(Request[dict[str, NamedPose]], frozen=True):
-    """List the robot's own poses and the saved ones, by name."""
+    """List the built-in poses and the saved poses of the robot, by name."""
 
 
 class SavePose(Request[None], frozen=True):
@@ -16,12 +16,12 @@ class SavePose(Request[None], frozen=True):
 
     name: Name
     robot: Name | None = None
-    """Robot of the cell whose joints are saved; a saved pose of that name keeps the
-    other robots' joints.  If left out, all joints are saved."""
+    """Robot of the cell whose joints are saved.  If a saved pose has the same name, the
+    joints of the other robots are kept.  By default, all joints are saved."""
 
 
 class DeletePose(Request[None], frozen=True):
-    """Delete a saved pose; the robot's own poses cannot be deleted."""
+    """Delete a saved pose; the built-in poses cannot be deleted."""
 
     name: Name
 
@@ -29,12 +29,12 @@ class DeletePose(Request[None], frozen=True):
 class GoToPose(Request[tuple[GoalStarted, ...]], frozen=True):
     """Move joints to a named pose; see ``MoveJoints``.
 
-    A pose with arm joints does not move grippers, which may hold something; a pose with
-    gripper joints only, such as ``open``, moves these.
+    A pose with arm joints does not move grippers, because a gripper may hold an
+    object.  A pose with only gripper joints, such as ``open``, moves the grippers.
     """
 
     name: Name
     robot: Name | None = None
-    """Robot of the cell whose joints move; if left out, all robots."""
+    """Robot of the cell whose joints move; by default, all robots move."""
     speed: SpeedScale = 0.5
     collision: CollisionRule = "ignore"

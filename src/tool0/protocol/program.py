@@ -1,8 +1,8 @@
-"""Programs: steps for one arm and its gripper, as data.
+"""Programs, as data: sequences of steps for one arm and its gripper.
 
-Files, requests and the panel use the same structure.  Steps are numbered from 1, and
-within loops the loop's number comes first: the second step of the loop that is step 3
-has the number 3.2.
+Files, requests and the panel use the same structure.  Steps are numbered from 1.  The
+number of a step in a loop starts with the number of the loop: if step 3 is a loop, the
+second step of this loop has the number 3.2.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Coordinate = Annotated[Metres, Meta(ge=-1000.0, le=1000.0)]
 """Coordinate of a position [m]."""
 Place = tuple[Coordinate, Coordinate, Coordinate]
 Angles = tuple[Radians, Radians, Radians]
-"""Fixed-axis roll, pitch, yaw [rad]."""
+"""Orientation: fixed-axis roll, pitch and yaw [rad]."""
 Blend = Annotated[Metres, Meta(ge=0.0, le=10.0)]
 """Blend radius [m]."""
 Speed = Annotated[float, Meta(gt=0.0, le=100.0)]
@@ -33,26 +33,28 @@ Duration = Annotated[float, Meta(ge=0.0, le=1e6)]
 Pin = Annotated[int, Meta(ge=0, le=17)]
 """Pin of the control box: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
 StepPath = tuple[int, ...]
-"""Numbers of the loops around a step, the outermost first, and of the step itself."""
+"""Numbers of the loops around a step, starting with the outermost loop, and the number
+of the step."""
 
 MOST_STEPS: Final = 2000
-"""Largest number of steps in a program, including those within loops."""
+"""Maximum number of steps in a program, including the steps in loops."""
 MOST_NESTED: Final = 10
-"""Largest nesting depth of loops."""
+"""Maximum nesting depth of loops in a valid program."""
 _DEEPEST: Final = 50
-"""Nesting depth of loops up to which recursion is safe."""
+"""Maximum nesting depth of loops for which recursion is safe."""
 
 
 class ToolPose(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Pose of the program's tool, or of the tool in the flange."""
+    """Target pose of the program's tool, or pose of the tool in the flange frame."""
 
     xyz: Place
-    """Position in the frame ``relative_to`` [m]."""
+    """Position in the frame of ``relative_to`` [m]."""
     rpy: Angles = (0.0, 0.0, 0.0)
-    """Fixed-axis roll, pitch, yaw [rad]."""
+    """Orientation: fixed-axis roll, pitch and yaw [rad]."""
     relative_to: Name | None = None
-    """Link in whose frame the pose is given; if left out, the robot's root.  For the
-    program's ``tool``, a link fixed to the flange; if left out, the flange."""
+    """Link in whose frame the pose is given; the default is the robot's root.  For the
+    program's ``tool``, the link must be fixed to the flange; the default is the
+    flange."""
 
 
 class _Step(
@@ -62,36 +64,36 @@ class _Step(
 
 
 class _Move(_Step, frozen=True, kw_only=True):
-    """A move to one target: joint positions, a pose of the tool, or a named pose."""
+    """A move to a target: joint positions, a pose of the tool, or a named pose."""
 
     label: Annotated[str, Meta(max_length=200)] = ""
-    """Name of the target for users, such as ``above cube``."""
+    """Label of the target for users, such as ``above cube``."""
     joints: dict[str, Radians] | None = None
-    """Joint → position [rad], for all joints of the arm.  In a cell, the robot's prefix
-    may be left out."""
+    """Joint → target position [rad], for all joints of the arm.  In a cell, the prefix
+    of the robot can be left out."""
     pose: ToolPose | None = None
     named_pose: Name | None = None
-    """Name of one of the robot's own poses, such as ``home``, or of a saved pose; only
-    the arm moves."""
+    """Name of a built-in pose, such as ``home``, or of a saved pose; only the arm
+    moves."""
     blend: Blend = 0.0
-    """Radius around the target within which the next move may begin [m]."""
+    """Radius around the target within which the next move can begin [m]."""
 
 
 class MoveJointStep(_Move, frozen=True, kw_only=True, tag="move_joint"):
     """Move all joints synchronously, like URScript's ``movej``."""
 
     speed: Speed = 1.05
-    """Speed of the joint that moves farthest [rad/s]."""
+    """Maximum speed of the joint that moves farthest [rad/s]."""
     acceleration: Acceleration = 1.4
     """Acceleration of the joint that moves farthest [rad/s²]."""
     plan: bool = False
-    """Whether to go around obstacles, from rest to rest and without a blend, to any
-    posture that reaches the target.  The path is planned when the step begins; speed
-    and acceleration then limit each joint."""
+    """Whether to plan a path around obstacles to any posture that reaches the target.
+    The path starts and ends at rest, without a blend.  The path is planned when the
+    step begins; ``speed`` and ``acceleration`` then limit each joint."""
 
 
 class MoveLinearStep(_Move, frozen=True, kw_only=True, tag="move_linear"):
-    """Move the tool on a straight line, like URScript's ``movel``."""
+    """Move the tool along a straight line, like URScript's ``movel``."""
 
     speed: ToolSpeed = 0.25
     """Speed of the tool [m/s]."""
@@ -100,26 +102,26 @@ class MoveLinearStep(_Move, frozen=True, kw_only=True, tag="move_linear"):
 
 
 class GripperStep(_Step, frozen=True, kw_only=True, tag="gripper"):
-    """Move the gripper's pads and wait until they stop."""
+    """Move the gripper's pads, and wait until the pads stop."""
 
     opening: Metres | Literal["open", "closed"]
-    """Distance between the pads [m]."""
+    """Target distance between the pads [m]."""
     speed: ToolSpeed | None = None
-    """Speed of the pads relative to each other [m/s]; the gripper's maximum if left
-    out."""
+    """Speed of the pads relative to each other [m/s]; the default is the gripper's
+    maximum."""
     force: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
-    """Largest force at each pad [N]; the gripper's maximum if left out."""
+    """Maximum force at each pad [N]; the default is the gripper's maximum."""
     must_hold: bool = False
-    """Whether the program ends with an error if the gripper holds nothing
-    afterwards."""
+    """Whether the program ends with an error if the gripper does not hold an object
+    after the step."""
 
 
 class WaitStep(_Step, frozen=True, kw_only=True, tag="wait"):
-    """Wait for a time, or until a digital input has a level."""
+    """Wait for a duration, or until a digital input has a level."""
 
     duration: Duration | None = None
-    """Time to wait [s]; with an input, the timeout after which the program ends with an
-    error."""
+    """Duration of the wait [s].  With an input, the value is a timeout, after which the
+    program ends with an error."""
     input: Pin | None = None
     """Pin number of a digital input of the arm's control box."""
     level: bool = True
@@ -127,34 +129,34 @@ class WaitStep(_Step, frozen=True, kw_only=True, tag="wait"):
 
 
 class UntilStep(_Step, frozen=True, kw_only=True, tag="until"):
-    """Move the tool on a line until it touches something."""
+    """Move the tool along a straight line until contact."""
 
     direction: tuple[float, float, float]
-    """Direction of the move; its length must not be zero."""
+    """Direction of the move; the vector can have any nonzero length."""
     frame: Literal["root", "tool"] = "root"
     """Frame in which the direction is given."""
     distance: Annotated[Metres, Meta(gt=0.0, le=10.0)]
-    """Longest distance to move [m]."""
+    """Maximum distance of the move [m]."""
     speed: ToolSpeed = 0.02
     """Speed of the tool [m/s]."""
     acceleration: Acceleration = 1.2
     """Acceleration and deceleration of the tool [m/s²]."""
     force: Annotated[float, Meta(gt=0.0, le=10_000.0)] | None = None
-    """Increase of the force on the tool against the direction at which to stop [N]; if
-    left out, any contact of the tool stops the move."""
+    """Increase of the force on the tool, opposite to the direction of the move, that
+    stops the move [N].  By default, any contact of the tool stops the move."""
     must_touch: bool = True
-    """Whether the program ends with an error if nothing was touched on the way."""
+    """Whether the program ends with an error if the move ends without contact."""
 
 
 class PlaceObjectStep(_Step, frozen=True, kw_only=True, tag="place_object"):
-    """Place an object of the scene immediately, at rest, to restore the scene."""
+    """Place an object at rest at a pose immediately, to restore the scene."""
 
     name: Name
     """Name of the object."""
     xyz: Place
-    """Position of the object's origin, in the robot's root [m]."""
+    """Position of the object's origin in the robot's root frame [m]."""
     rpy: Angles = (0.0, 0.0, 0.0)
-    """Fixed-axis roll, pitch, yaw [rad]."""
+    """Orientation: fixed-axis roll, pitch and yaw [rad]."""
 
 
 class SetOutputStep(_Step, frozen=True, kw_only=True, tag="set_output"):
@@ -167,22 +169,23 @@ class SetOutputStep(_Step, frozen=True, kw_only=True, tag="set_output"):
 
 
 class CommentStep(_Step, frozen=True, kw_only=True, tag="comment"):
-    """A note for users; it does nothing."""
+    """A note for users; the step has no effect."""
 
     text: Text
     """Text of the note."""
 
 
 class LoopStep(_Step, frozen=True, kw_only=True, tag="loop"):
-    """Repeat steps a number of times, while an input has a level, or forever."""
+    """Repeat steps a number of times, while an input has a level, or endlessly."""
 
     steps: tuple[Step, ...] = ()
-    """The repeated steps."""
+    """Steps that the loop repeats."""
     times: Annotated[int, Meta(ge=1, le=1_000_000)] | None = None
-    """Number of iterations; if this and the input are left out, the loop is endless."""
+    """Number of iterations.  Without a number of iterations and without an input, the
+    loop is endless."""
     while_input: Pin | None = None
-    """Pin of a digital input, instead of a number of iterations; the loop ends when the
-    input does not have the level before an iteration."""
+    """Pin number of a digital input, instead of a number of iterations.  The loop ends
+    if the input does not have the level before an iteration."""
     level: bool = True
     """Level of the input at which the loop continues; true is high."""
 
@@ -202,19 +205,19 @@ MoveStep = MoveJointStep | MoveLinearStep
 
 
 class Program(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Steps for one arm and its gripper."""
+    """A program: steps for one arm and its gripper."""
 
     format: Literal[1] = 1
     """Version of the file format."""
     name: Name
-    """Name of the program, under which it is also saved."""
+    """Name of the program; the program is saved under this name."""
     arm: Name | None = None
-    """Name of the arm, as in ``list_arms``; the only arm of the robot if left out."""
+    """Name of the arm in ``list_arms``; required only if the robot has several arms."""
     gripper: Name | None = None
-    """Name of the gripper; if left out, the one that the arm carries."""
+    """Name of the gripper; the default is the gripper on the arm."""
     tool: ToolPose = field(default_factory=lambda: ToolPose(xyz=(0.0, 0.0, 0.0)))
-    """Pose of the tool in the flange; targets, speeds and blends apply to its
-    origin."""
+    """Pose of the tool in the flange frame; targets, speeds and blends apply to the
+    origin of the tool."""
     collision: CollisionRule = "ignore"
     """Reaction to collisions.  With ``refuse``, the program fails before a move that
     would collide; ``until`` steps are not checked."""
@@ -225,7 +228,7 @@ class Program(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 def walk(
     steps: Sequence[Step], parents: StepPath = ()
 ) -> Iterator[tuple[StepPath, Step]]:
-    """Yield every step with its path; loops come before their steps."""
+    """Yield every step with its path; a loop comes before its steps."""
     for number, step in enumerate(steps, 1):
         path = (*parents, number)
         yield path, step
@@ -234,9 +237,10 @@ def walk(
 
 
 def require_shallow(program: Program) -> None:
-    """Raise ControlError if loops are nested too deeply to walk through the program.
+    """Raise ControlError if loops are nested too deeply for recursion.
 
-    If loops are nested less deeply but still too deeply, a check reports where.
+    A smaller nesting depth that is still invalid is reported, with its location, by the
+    check of the program.
     """
     steps: Sequence[Step] = program.steps
     for _ in range(_DEEPEST + 1):
@@ -250,5 +254,5 @@ def require_shallow(program: Program) -> None:
 
 
 def path_text(path: Sequence[int]) -> str:
-    """Return a path in readable form, such as ``3.2``."""
+    """Return the path of a step as text, such as ``3.2``."""
     return ".".join(map(str, path))

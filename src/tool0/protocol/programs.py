@@ -1,4 +1,4 @@
-"""Programs of steps: their checks and runs, and the related requests."""
+"""Programs of steps: checks and runs of programs, and the related requests."""
 
 from __future__ import annotations
 
@@ -19,43 +19,45 @@ class ProgramProblem(Struct, frozen=True, kw_only=True):
     """A problem in a program, with its location."""
 
     step: StepPath
-    """Numbers of the loops around the step and of the step itself, from 1 on; empty if
-    the problem concerns the whole program."""
+    """Numbers of the loops around the step, and the number of the step, counted from 1;
+    empty if the problem concerns the whole program."""
     text: str
     """Description of the problem and its remedy."""
     line: int | None = None
-    """Line in the file, counted from 1."""
+    """Line number of the step in the file, counted from 1; null if there is no file."""
 
 
 class PlannedMotion(Struct, frozen=True, kw_only=True):
-    """Motion of a program's arm, for a preview."""
+    """Motion of the arm in a program, for a preview."""
 
     joint_names: tuple[str, ...]
     """Names of the arm's joints, from base to flange."""
     times: tuple[float, ...]
-    """Times since the start of the first motion [s], excluding waits and grips."""
+    """Times since the start of the first motion [s], without waits and gripper
+    motions."""
     positions: tuple[tuple[float, ...], ...]
     """Positions of the joints at these times [rad]."""
     points: tuple[tuple[float, float, float], ...]
-    """Positions of the program's tool at these times, in the robot's root [m]."""
+    """Positions of the program's tool at these times, in the robot's root frame [m]."""
     steps: tuple[StepPath, ...]
-    """Step that moves the arm up to each of these times."""
+    """For each of these times, the step that moves the arm before this time."""
 
 
 class ProgramCheck(Struct, frozen=True, kw_only=True):
-    """Result of checking a program."""
+    """Result of the check of a program."""
 
     problems: tuple[ProgramProblem, ...]
-    """Problems; empty if the program can be executed from the current posture."""
+    """Problems that prevent execution; empty if the program can be executed from the
+    current posture."""
     warnings: tuple[ProgramProblem, ...]
     """Deviations from the program, such as a smaller blend or a slower move."""
     motion: PlannedMotion
-    """Motion up to the first problem.  Each loop is planned for one iteration; a move
-    until contact covers its whole distance."""
+    """Planned motion up to the first problem.  The motion contains one iteration of
+    each loop, and the whole distance of a move until contact."""
 
 
 class ProgramRun(Struct, frozen=True, kw_only=True):
-    """The last program of an arm: its progress, or how it ended."""
+    """State of the last program of an arm: its progress, or its end."""
 
     run: int
     """Number of the run, counted from 1."""
@@ -64,17 +66,17 @@ class ProgramRun(Struct, frozen=True, kw_only=True):
     arm: str
     """Name of the arm that the program moves."""
     state: RunState
-    """State of the run; ``stopped``: ended from outside, ``failed``: ended by a
-    step."""
+    """State of the run.  ``stopped``: a request ended the program.  ``failed``: an
+    error in a step ended the program."""
     step: StepPath = ()
-    """Numbers of the step that is being executed, or was last; empty before the
-    first."""
+    """Numbers of the current or last executed step; empty before the first step."""
     text: str = ""
-    """Description of that step."""
+    """Description of the current or last executed step."""
     error: str = ""
-    """Reason why the program failed or was stopped."""
+    """Reason why the program failed or was stopped; empty if there is no such
+    reason."""
     time: float = 0.0
-    """Simulated time since the program's start [s]."""
+    """Simulated time since the start of the program [s]."""
 
 
 class SavedProgram(Struct, frozen=True, kw_only=True):
@@ -83,9 +85,10 @@ class SavedProgram(Struct, frozen=True, kw_only=True):
     name: str
     """Name under which the program is saved."""
     n_steps: int
-    """Number of steps, including those in loops; 0 if it cannot be read."""
+    """Number of steps, including the steps in loops; 0 if the program cannot be
+    read."""
     error: str = ""
-    """Reason why the program cannot be read."""
+    """Reason why the program cannot be read; empty if it can be read."""
 
 
 LONGEST_TEXT = 1_000_000
@@ -95,51 +98,52 @@ ProgramFormat = Literal["yaml", "python", "urscript"]
 
 
 class CheckProgram(Request[ProgramCheck], frozen=True):
-    """Check and plan a program from the current posture; nothing moves."""
+    """Check and plan a program from the current posture, without moving the robot."""
 
     program: Program
 
 
 class ParseProgram(Request[Program], frozen=True):
-    """Parse a program's YAML file; errors include the line."""
+    """Parse the YAML of a program; an error contains the line number."""
 
     text: Annotated[str, Meta(max_length=LONGEST_TEXT)]
 
 
 class ExportProgram(Request[str], frozen=True):
-    """Export a program as its YAML file, or as a Python or URScript program."""
+    """Export a program as YAML, or as a Python or URScript program."""
 
     program: Program
     format: ProgramFormat
-    """``yaml`` is the program's file, ``python`` a script for tool0's API, and
-    ``urscript`` a program for a UR's control box."""
+    """Format of the output: ``yaml`` is the program's file, ``python`` is a script for
+    tool0's API, and ``urscript`` is a program for a UR's control box."""
 
 
 class RunProgram(Request[GoalStarted], frozen=True):
     """Check a program and run it.
 
-    The program takes the arm from its controllers and releases it at the end.  The goal
-    ends with the program; the goal's number is minus the run's number.
+    The program takes the arm from the arm's controllers, and releases the arm at the
+    end.  The goal ends when the program ends; the goal number is the negated run
+    number.
     """
 
     program: Program | None = None
     name: Name | None = None
-    """Name of a saved program, instead of a program."""
+    """Name of a saved program, instead of ``program``."""
     paused: bool = False
-    """Whether the program waits for ``step_run`` or ``resume_run`` before its first
-    step."""
+    """Whether the program is paused before its first step, until ``step_run`` or
+    ``resume_run``."""
 
 
 class _OfRun(Request[Response], Generic[Response], frozen=True):
     """Common field of requests to a running program."""
 
     arm: Name | None = None
-    """Name of the arm whose program is meant; may be left out if only one is
+    """Name of the arm that the program moves; required only if several programs are
     running."""
 
 
 class PauseRun(_OfRun[None], frozen=True):
-    """Pause a program: the arm decelerates to a standstill on its path."""
+    """Pause a program: the arm decelerates to rest on its path."""
 
 
 class ResumeRun(_OfRun[None], frozen=True):
@@ -147,7 +151,7 @@ class ResumeRun(_OfRun[None], frozen=True):
 
 
 class StepRun(_OfRun[None], frozen=True):
-    """Continue a paused program until its next step is done."""
+    """Continue a paused program until the next step is finished."""
 
 
 class StopRun(_OfRun[None], frozen=True):
@@ -176,7 +180,8 @@ class SaveProgram(Request[None], frozen=True):
 
     program: Program
     overwrite: bool = True
-    """Whether to replace a saved program of that name; otherwise, this is an error."""
+    """Whether to replace a saved program with the same name; otherwise, the request
+    fails."""
 
 
 class RenameProgram(Request[None], frozen=True):

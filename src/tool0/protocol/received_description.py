@@ -1,4 +1,4 @@
-"""A robot's description as a client receives it."""
+"""A robot's description in the form that clients receive."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 
 def described_by(info: DescriptionInfo, document: Document) -> RobotDescription:
-    """Return a robot from another process or from a recording.
+    """Return the description of a robot in another process or in a recording.
 
     Args:
         info: Description as received from the bring-up.
-        document: The robot's URDF; its mesh paths may be changed.
+        document: The URDF of the robot, possibly with changed mesh paths.
 
     Raises:
         ModelError: If the document does not describe a robot.

@@ -11,22 +11,23 @@ from tool0.protocol.request import Name, Request
 
 @final
 class RecordingStatus(Struct, frozen=True, kw_only=True):
-    """State of the recording in progress or, if there is none, of the last one."""
+    """State of the recording in progress, or of the last recording."""
 
     file: str
-    """Path of the current file; if the recording rotates, of the newest file."""
+    """Path of the newest file of the recording."""
     is_recording: bool
     """Whether the recording is still in progress."""
     duration: float
-    """Simulated time recorded in all files [s]."""
+    """Simulated time that was recorded in all files [s]."""
     size: int
     """Total size of the recording's files [bytes]."""
     files: int = 1
-    """Number of files; more than 1 if the recording rotates."""
+    """Number of files that the recording has started, including deleted files."""
     dropped: int = 0
-    """Number of snapshots that are missing because the disk was too slow."""
+    """Number of snapshots that were dropped because the disk was too slow."""
     error: str | None = None
-    """Error that ended the recording early, such as a full disk."""
+    """Error that ended the recording early, such as a full disk; null without an
+    error."""
 
 
 class StartRecording(Request[RecordingStatus], frozen=True):
@@ -35,26 +36,26 @@ class StartRecording(Request[RecordingStatus], frozen=True):
     written_paths = ("file",)
 
     file: Annotated[str, Meta(min_length=1, max_length=4000)] | None = None
-    """Path on the simulation's machine that ends in ``.mcap``, or a folder, in which
-    the file is named by date and time.  If left out, the user's folder of
-    recordings."""
+    """Path on the simulation's machine: a file with the suffix ``.mcap``, or a folder.
+    In a folder, the file name consists of the date and the time.  The default is the
+    user's folder of recordings."""
     overwrite: bool = False
     """Whether to replace an existing file."""
     max_size: Annotated[int, Meta(ge=1_000_000, le=1 << 40)] | None = None
-    """File size at which a new file is started [bytes]."""
+    """Size of a file at which a new file is started [bytes]."""
     max_duration: Annotated[float, Meta(ge=1.0, le=1e6)] | None = None
     """Simulated time after which a new file is started [s]."""
     max_files: Annotated[int, Meta(ge=1, le=100_000)] | None = None
-    """Number of files to keep; older ones are deleted."""
+    """Number of files to keep; older files are deleted."""
     cameras: Annotated[tuple[Name, ...], Meta(max_length=16)] = ()
     """Cameras whose images are recorded."""
     camera_rate: Annotated[float, Meta(ge=0.1, le=60.0)] = 5.0
-    """Images of each camera per simulated second [Hz]."""
+    """Image rate of each camera in simulated time [Hz]."""
 
 
 class StopRecording(Request[RecordingStatus], frozen=True):
-    """End the recording and complete its file."""
+    """End the recording, and complete the file."""
 
 
 class ReadRecording(Request[RecordingStatus | None], frozen=True):
-    """State of the recording in progress or, if there is none, of the last one."""
+    """Read the state of the recording in progress, or of the last recording."""

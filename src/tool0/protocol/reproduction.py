@@ -1,4 +1,4 @@
-"""The start of a session as plain data; with the journal, it can be repeated."""
+"""The start of a session as plain data, to repeat the session with its journal."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from tool0.protocol.request import Request
 
 
 class MeshFile(Struct, frozen=True, kw_only=True):
-    """A mesh of the robot, or of an object at the start."""
+    """A mesh of the robot, or of an object at the start of the session."""
 
     uri: str
-    """URI of the mesh in the URDF, or in the object."""
+    """URI of the mesh in the URDF or in the description of the object."""
     path: str
-    """Path of the file when the session started."""
+    """Path of the file at the start of the session."""
     sha256: str
     """SHA-256 of the file's content."""
 
@@ -28,7 +28,8 @@ class Reproduction(Struct, frozen=True, kw_only=True):
     platform: str
     """Operating system and processor."""
     kernel: bool
-    """Whether compiled code executed the ticks; the results do not depend on it."""
+    """Whether compiled code executed the ticks.  The results do not depend on this
+    value."""
     name: str
     """Name of the robot's model."""
     source: str
@@ -43,24 +44,24 @@ class Reproduction(Struct, frozen=True, kw_only=True):
     loaded: tuple[str, ...]
     """Names of the controllers that were loaded but not started."""
     initial_position: dict[str, float]
-    """Joint → initial position [rad | m]; mimic joints follow."""
+    """Joint → initial position [rad | m], without mimic joints."""
     poses: dict[str, dict[str, float]]
-    """Named poses: name → joint → position [rad | m]."""
+    """Named poses of the robot: name → joint → position [rad | m]."""
     scene: tuple[ObjectInfo, ...]
-    """Objects at the start."""
+    """Objects in the scene at the start."""
     cameras: tuple[Camera, ...]
     engine: str
     engine_options: dict[str, str | bool | int | float | None]
     dt: float
-    """Step of the physics [s]."""
+    """Length of a physics step [s]."""
     control_period: float
     """Control period [s]."""
     gravity: tuple[float, float, float]
-    """Gravity in the world [m/s²]."""
+    """Gravitational acceleration in the world frame [m/s²]."""
     spawn_z: float
     """Height of the robot's root above the ground [m]."""
     grasp_assist: bool
 
 
 class ReadReproduction(Request[Reproduction], frozen=True):
-    """Read everything needed to bring the same robot up again as it started."""
+    """Read all data that are needed to bring up the same robot again."""

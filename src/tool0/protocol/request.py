@@ -1,4 +1,4 @@
-"""Requests: operations on a robot as frozen structs, and the types of their fields."""
+"""Requests: operations on a robot as immutable structs, and types of the fields."""
 
 from __future__ import annotations
 
@@ -30,31 +30,32 @@ class Request(
     """One operation on a running robot, answered by a ``Response``."""
 
     unchecked: ClassVar[tuple[str, ...]] = ()
-    """Fields that the handler checks itself because they are large, such as a
-    trajectory's points."""
+    """Fields that the handler checks because they are large, such as the points of a
+    trajectory."""
     is_urgent: ClassVar[bool] = False
-    """Whether the request is a stop: it overtakes all requests that wait on its
-    connection, for a worker, or for the tick."""
+    """Whether the request is a stop, which overtakes all requests that wait on its
+    connection, for a worker thread, or for the tick."""
     revokes: ClassVar[tuple[str, ...]] = ()
-    """Methods that would undo this stop.  If the same connection sent such a request
-    for the same arm before the stop, it is refused while it waits; if it is in
-    progress, the stop follows it."""
+    """Methods that would undo this stop.  These methods apply to requests of the same
+    connection, for the same arm, that were sent before the stop.  If such a request
+    waits, it is refused; if it is in progress, the stop is executed after the
+    request."""
     is_streamed: ClassVar[bool] = False
-    """Whether the requests form streams without replies: each is executed at the next
-    tick, without passing through other threads."""
+    """Whether the requests form streams without replies.  Each request of a stream is
+    executed at the next tick, and is not passed through other threads."""
     written_paths: ClassVar[tuple[str, ...]] = ()
-    """Fields that name files or folders on the robot's machine that the request
+    """Fields with the paths of files or folders on the robot's machine that the request
     writes."""
     is_of_connection: ClassVar[bool] = False
-    """Whether the request concerns the streams of one connection; the server answers it
-    for every backend."""
+    """Whether the request concerns the streams of one connection.  The server answers
+    such a request for every backend."""
 
     def read_paths(self) -> tuple[str, ...]:
         """Return the paths of files on the robot's machine that the request reads."""
         return ()
 
     def as_done(self) -> Request[Any]:
-        """Return the request that repeats the effect of this one without its checks."""
+        """Return a request with the effect of this request, but without its checks."""
         return self
 
 
@@ -62,8 +63,7 @@ class ArmRequest(Request[Response], Generic[Response], frozen=True, kw_only=True
     """Common field of requests to an arm or its control box."""
 
     arm: str | None = None
-    """Name of the arm, as in ``list_arms``; may be left out if the robot has only
-    one."""
+    """Name of the arm in ``list_arms``; required only if the robot has several arms."""
 
 
 RequestType = TypeVar("RequestType", bound=Request[Any])
@@ -75,11 +75,11 @@ def method_name(request: type[Request[Any]]) -> str:
 
 
 Name = Annotated[str, Meta(min_length=1, max_length=200)]
-"""Name of a controller, a joint, a link, a pose …"""
+"""Name of a controller, a joint, a link, a pose or another part."""
 
 SLOWEST = 0.01
 SpeedScale = Annotated[float, Meta(ge=SLOWEST, le=1.0)]
-"""Fraction of each joint's largest velocity."""
+"""Fraction of each joint's maximum velocity."""
 
 Vector3 = tuple[float, float, float]
 
@@ -97,8 +97,8 @@ Coordinate = Annotated[float, Meta(ge=-1000.0, le=1000.0)]
 Place = tuple[Coordinate, Coordinate, Coordinate]
 
 CollisionRule = Literal["refuse", "ignore"]
-"""``refuse``: check a motion and refuse it if an arm would collide; ``ignore``: do not
-check."""
+"""``refuse``: check the motion, and refuse the motion if an arm would collide.
+``ignore``: do not check the motion."""
 
 JointPositions = Annotated[dict[str, float], Meta(max_length=1000)]
 """Joint → position [rad | m]."""
@@ -107,8 +107,8 @@ JointPositions = Annotated[dict[str, float], Meta(max_length=1000)]
 def checked(request: RequestType) -> RequestType:
     """Return ``request`` with plain values, or raise RequestError for an invalid value.
 
-    Numpy numbers and arrays are converted to Python's, and every value is checked
-    against its field's type and bounds, as for requests on a connection.
+    NumPy numbers and arrays are converted to Python values.  Every value is checked
+    against the type and the bounds of its field, like in requests on a connection.
 
     Raises:
         RequestError: If a value has the wrong type, is not finite, or is out of bounds.
@@ -124,13 +124,13 @@ def checked(request: RequestType) -> RequestType:
 
 
 def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
-    """Return ``value`` converted to type ``kind``, or raise RequestError.
+    """Return ``value`` converted to the type ``kind``, or raise RequestError.
 
     Args:
-        method: Name of the method with this parameter, for the message.
+        method: Name of the method with this parameter, for the error message.
         name: Name of the parameter.
-        value: The value.
-        kind: A type, with bounds.
+        value: The value to check.
+        kind: The type of the parameter, with bounds.
     """
     try:
         return msgspec.convert(plain(value), kind)
@@ -139,28 +139,29 @@ def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
 
 
 def checked_path(method: str, name: str, value: object) -> Path:
-    """Return a text or a path as an absolute path, or raise RequestError.
+    """Return ``value``, a text or a path, as an absolute path, or raise RequestError.
 
-    ``~`` is the user's home folder.
+    ``~`` is replaced by the user's home folder.
     """
     if not isinstance(value, str | Path):
         raise RequestError(method, f"'{name}': expected a path, got {value!r:.80}")
     try:
         return Path(plain(str(value))).expanduser().absolute()
-    except (ValueError, RuntimeError) as error:  # no such user
+    except (ValueError, RuntimeError) as error:  # the user does not exist
         raise RequestError(method, f"'{name}': {error}") from None
 
 
 def problem_text(error: Exception) -> str:
-    """Return the text of an error in Python's and YAML's terms instead of JSON's."""
+    """Return the text of an error with the type names of Python instead of JSON."""
     return str(error).replace("`object", "`mapping").replace("`array", "`list")
 
 
 def plain(value: Any, key: object = None) -> Any:
-    """Return ``value`` with plain Python numbers and sequences; all must be finite.
+    """Return ``value`` with plain Python numbers and sequences.
 
     Raises:
-        ValueError: If a number is NaN or infinite; names the ``key`` in a mapping.
+        ValueError: If a number is NaN or infinite; in a mapping, the message contains
+            the ``key``.
     """
     match value:
         case str():
@@ -194,7 +195,7 @@ def _encodable(text: str) -> str:
 
 
 def _plain_struct(value: msgspec.Struct) -> Any:
-    """Return a structure as a mapping, in the form that connections receive."""
+    """Return a struct as a mapping, in the form that connections receive."""
     kind = value.__struct_config__
     found: dict[str, Any] = {}
     if kind.tag_field is not None:

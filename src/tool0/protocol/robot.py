@@ -1,4 +1,4 @@
-"""The robot as a whole: description, constant properties, and newest state."""
+"""The whole robot: description, constant properties, and newest state."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ if TYPE_CHECKING:
 
 
 class LimitsInfo(Struct, frozen=True, kw_only=True):
-    """Limits of a joint; None where there is no limit."""
+    """Limits of a joint; None if there is no limit."""
 
     lower: float | None
     upper: float | None
     velocity: float | None
     effort: float | None
     acceleration: float | None
-    """Largest acceleration of planned motions [rad/s² | m/s²]."""
+    """Maximum acceleration of planned motions [rad/s² | m/s²]."""
     jerk: float | None
-    """Largest jerk of planned motions [rad/s³ | m/s³]."""
+    """Maximum jerk of planned motions [rad/s³ | m/s³]."""
 
     @staticmethod
     def of(limits: JointLimits) -> LimitsInfo:
-        """Return limits in the form that is sent."""
+        """Return the sent form of limits."""
         given = asdict(limits).items()
         return LimitsInfo(**{k: v if math.isfinite(v) else None for k, v in given})
 
     @property
     def limits(self) -> JointLimits:
-        """The limits in the form of the model; infinite where there is no limit."""
+        """The limits in the form of the model; infinite if there is no limit."""
         given = {k: v for k, v in structs.asdict(self).items() if v is not None}
         return JointLimits(**given)
 
@@ -47,66 +47,69 @@ class SimulationInfo(Struct, frozen=True, kw_only=True):
     """Properties of a simulation that are constant while a bring-up runs."""
 
     engine: str = ""
-    """Name of the physics engine, ``mujoco`` or ``gazebo``; empty if there is none."""
+    """Name of the physics engine, ``mujoco`` or ``gazebo``; empty if there is no
+    engine."""
     control_period: float
     """Simulated time of a tick [s]."""
     is_realtime: bool = True
-    """Whether simulated time passes by itself, in real time."""
+    """Whether simulated time passes automatically, in real time."""
     spawn_z: float = 0.0
-    """Height of the robot's root above the world's origin [m]."""
+    """Height of the robot's root above the origin of the world [m]."""
     ground: float | None = None
-    """Height of the ground in the robot's root [m]; None without ground."""
+    """Height of the ground in the robot's root frame [m]; None without a ground."""
     grasp_assist: bool = False
-    """Whether grasp assist attaches gripped objects."""
+    """Whether grasp assist attaches gripped objects to the gripper."""
     joint_limits: dict[str, LimitsInfo]
     """Limits of each driven joint: position [rad | m], velocity [rad/s | m/s], effort
     [N·m | N], acceleration and jerk."""
     defined_controllers: dict[str, str] = {}
-    """Controllers in the YAML, loaded or not: name → type."""
+    """All controllers in the YAML, including controllers that are not loaded: name →
+    type."""
     controller_roles: dict[str, Role] = {}
-    """Roles of these controllers: name → role."""
+    """Roles of the controllers in ``defined_controllers``: name → role."""
     parameters: dict[str, Any] = {}
-    """Complete content of the YAML, as plain values."""
+    """Complete content of the controllers' YAML, as plain values."""
     warnings: tuple[str, ...] = ()
-    """Warnings about the YAML."""
+    """Warnings about the controllers' YAML."""
 
 
 class CatalogueRobotInfo(Struct, frozen=True, kw_only=True):
-    """An arm with its gripper."""
+    """An arm with its gripper, both from the catalog."""
 
     name: str
     """Name of the robot in its cell; empty for a single robot."""
     arm: str
-    """Name of the arm's folder in the catalogue."""
+    """Name of the arm's folder in the catalog."""
     gripper: str | None
-    """Name of the gripper's folder in the catalogue; None if there is no gripper."""
+    """Name of the gripper's folder in the catalog; None if there is no gripper."""
     prefix: str
     """Prefix of the arm's link and joint names."""
 
 
 class NamespaceInfo(Struct, frozen=True, kw_only=True):
-    """A robot of a cell that has its own namespace in ROS."""
+    """A robot of a cell with a separate namespace in ROS."""
 
     name: str
-    """Name of the robot and of its namespace."""
+    """Name of the robot and of its ROS namespace."""
     urdf: str
-    """URDF of the robot alone, with unprefixed names."""
+    """URDF of only this robot, in which the names have no prefix."""
 
 
 class DescriptionInfo(Struct, frozen=True, kw_only=True):
     """The robot's description."""
 
     urdf: str
-    """The robot as one URDF document."""
+    """The whole robot as one URDF document."""
     source: str
     """Path of the xacro or URDF file from which the robot was read."""
     robots: tuple[CatalogueRobotInfo, ...]
-    """The robot's arms and grippers from the catalogue; empty for a user's own file."""
+    """The robot's arms and grippers from the catalog; empty if the robot is from a
+    user's file."""
     namespaces: tuple[NamespaceInfo, ...]
-    """The robots of a cell with namespaces; otherwise empty."""
+    """The robots of a cell with namespaces; empty without namespaces."""
     packages: dict[str, str]
-    """ROS packages inside tool0 that the URDF refers to, with their ``file://``
-    URIs."""
+    """ROS packages in tool0 that the URDF refers to: name → ``file://`` URI of the
+    package."""
 
 
 class ReadDescription(Request[DescriptionInfo], frozen=True):
@@ -114,7 +117,7 @@ class ReadDescription(Request[DescriptionInfo], frozen=True):
 
 
 class ReadInfo(Request[SimulationInfo], frozen=True):
-    """Properties of a simulation that are constant while a bring-up runs."""
+    """Read the properties of a simulation that are constant during a bring-up."""
 
 
 class ReadSnapshot(Request[Snapshot], frozen=True):
@@ -126,7 +129,7 @@ class ReadLinkPose(Request[Transform], frozen=True):
 
     link: Name
     relative_to: str | None = None
-    """Link in whose frame the result is given; if left out, the robot's root."""
+    """Link in whose frame the result is given; the default is the robot's root."""
 
 
 class ReadSummary(Request[dict[str, Any]], frozen=True):

@@ -18,16 +18,19 @@ class Resume(Request[None], frozen=True):
 
 
 class Step(Request[float], frozen=True):
-    """Run control periods while paused; the response is the time afterwards [s]."""
+    """Run control periods during a pause; the response is the new time [s]."""
 
     ticks: Annotated[int, Meta(ge=1, le=1_000_000)] = 1
 
 
 class Run(Request[None], frozen=True):
-    """Advance simulated time; without real-time pacing, time passes only on request."""
+    """Advance simulated time.
+
+    Without real time, simulated time passes only on request.
+    """
 
     duration: Annotated[float, Meta(ge=0.0)]
-    """Simulated time to advance by [s]."""
+    """Duration of the advance [simulated s]."""
 
 
 class SetSpeed(Request[None], frozen=True):
@@ -38,18 +41,18 @@ class SetSpeed(Request[None], frozen=True):
 
 
 class Reset(Request[None], frozen=True):
-    """Return robot and objects to their initial poses; goals are PREEMPTED."""
+    """Return the robot and the objects to their initial poses; preempt all goals."""
 
     position: JointPositions = field(default_factory=dict)
-    """Joint → position that replaces the initial one [rad | m]."""
+    """Joint → position that replaces the initial position [rad | m]."""
     keep_time: bool = False
-    """Whether simulated time continues."""
+    """Whether simulated time continues instead of restarting at 0."""
     allow_penetration: bool = False
-    """Whether links may overlap with other bodies at ``position``."""
+    """Whether links are allowed to overlap with other bodies at ``position``."""
 
 
 class EmergencyStop(Request[None], frozen=True):
-    """Engage all brakes at once and preempt all goals, or release the brakes."""
+    """Engage all brakes immediately and preempt all goals, or release the brakes."""
 
     is_urgent = True
 
@@ -57,8 +60,8 @@ class EmergencyStop(Request[None], frozen=True):
 
 
 class StopMotions(Request[None], frozen=True):
-    """Stop every motion without engaging brakes; no motion resumes on its own.
+    """Stop every motion without engaging the brakes; no motion resumes automatically.
 
-    Goals are PREEMPTED, programs end, and taken arms are released.  The simulation does
-    this by itself after its process was frozen for a second or more.
+    Goals are PREEMPTED, programs end, and taken arms are released.  The simulation
+    stops all motions automatically after its process was frozen for 1 s or more.
     """

@@ -1,4 +1,4 @@
-"""Cameras and force-torque sensors: their values, and the related requests."""
+"""Cameras and force-torque sensors: values and requests."""
 
 from __future__ import annotations
 
@@ -23,23 +23,24 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraImage:
-    """An image with depth."""
+    """A color image with a depth image."""
 
     time: float
     """Simulated time [s]."""
     rgb: NDArray[np.uint8]
-    """Colours, shape (height, width, 3); the first row is the image's top."""
+    """RGB colors, shape (height, width, 3); the first row is the top row of the
+    image."""
     depth: NDArray[np.float32]
-    """Distance along the camera's z axis [m], shape (height, width), as in REP 118;
-    infinite where there is nothing within ``camera.far``."""
+    """Distance along the camera's z axis [m], shape (height, width), according to REP
+    118; infinite if no surface is within ``camera.far``."""
     K: NDArray[np.float64]
     """Intrinsic matrix, shape (3, 3); see ``Camera.intrinsics``."""
     T_root_camera: Transform
-    """Pose of the optical frame in the robot's root."""
+    """Pose of the optical frame in the robot's root frame."""
 
 
 class CameraRenderer(Protocol):
-    """Cameras by name, which render snapshots; thread-safe."""
+    """Renderer of snapshots, with cameras by name; thread-safe."""
 
     def __iter__(self) -> Iterator[str]: ...
 
@@ -50,16 +51,18 @@ class CameraRenderer(Protocol):
         """Return the newest snapshot, for rendering."""
 
     def render(self, camera: Camera, snapshot: Snapshot | None = None) -> CameraImage:
-        """Return an image of ``snapshot`` (by default, the newest) from any camera.
+        """Return an image of ``snapshot``; the default is the newest snapshot.
 
         Raises:
-            RenderError: If images cannot be rendered here, or the robot is closed.
+            RenderError: If this machine cannot render images, or if the robot is
+                closed.
         """
 
 
 DEFAULT_CUTOFF = 15.0
-"""Cutoff frequency of the filter [Hz], a compromise between a fast response to loads
-and the suppression of arm vibrations; not from a data sheet."""
+"""Default cutoff frequency of the filter [Hz].  The value is a compromise between a
+fast response to loads and the suppression of arm vibrations; it is not from a data
+sheet."""
 
 
 @final
@@ -67,17 +70,17 @@ and the suppression of arm vibrations; not from a data sheet."""
 class WrenchReading:
     """Wrench of the tool on the flange, averaged over one step of the physics.
 
-    The wrench is in the axes of ``frame``, at its origin.  The payload, if one was set,
-    and the reading at the last tare are subtracted.
+    The wrench is in the axes of ``frame``, at the origin of ``frame``.  The weight and
+    the inertia of a set payload, and the reading at the last tare, are subtracted.
     """
 
     time: float
-    """Simulated time at the end of the step [s]."""
+    """Simulated time at the end of the physics step [s]."""
     number: int
-    """Number of the sample since the sensor was started; a reset does not restart
-    it."""
+    """Number of the sample since the start of the sensor; a reset does not restart the
+    count."""
     frame: str
-    """Name of the link in whose axes the wrench is given."""
+    """Name of the link in whose frame the wrench is given."""
     force: Vector3
     """Filtered force [N]."""
     torque: Vector3
@@ -87,7 +90,7 @@ class WrenchReading:
     raw_torque: Vector3
     """Unfiltered torque [N·m]."""
     dropped: int = 0
-    """Number of samples before this one that were lost; only in ``samples()``."""
+    """Number of lost samples before this sample; only in ``samples()``."""
 
 
 class ListCameras(Request[tuple[Camera, ...]], frozen=True):
@@ -95,7 +98,7 @@ class ListCameras(Request[tuple[Camera, ...]], frozen=True):
 
 
 class TakePicture(Request[CameraImage], frozen=True):
-    """Render the current image of a camera: colour and depth."""
+    """Render the current color and depth images of a camera."""
 
     camera: Name
 
@@ -104,15 +107,15 @@ class WrenchSensorRequest(Request[Response], Generic[Response], frozen=True):
     """Common field of requests about a force-torque sensor."""
 
     link: Name | None = None
-    """Link that carries the tool; if left out, the robot's only ``tool0``."""
+    """Link that carries the tool; the default is the only ``tool0`` of the robot."""
 
 
 class StartForceTorque(WrenchSensorRequest[float], frozen=True):
     """Start sampling the wrench at a link; the response is the rate [Hz]."""
 
     rate: float | None = None
-    """Samples per simulated second [Hz], 50 … 1000 and a divisor of the control rate;
-    if left out, 125 or the next lower divisor."""
+    """Sampling rate in simulated time [Hz]: 50 … 1000, and a divisor of the control
+    rate.  The default is 125 or the next lower divisor."""
     cutoff: float = DEFAULT_CUTOFF
     """Cutoff frequency of the low-pass filter [Hz]."""
 
@@ -122,7 +125,7 @@ class StopForceTorque(WrenchSensorRequest[None], frozen=True):
 
 
 class ReadForceTorqueRate(WrenchSensorRequest[float], frozen=True):
-    """Read the rate per simulated second [Hz]; 0 while the sensor is not started."""
+    """Read the sampling rate in simulated time [Hz]; 0 if the sensor is not started."""
 
 
 class TareForceTorque(WrenchSensorRequest[None], frozen=True):
@@ -130,26 +133,26 @@ class TareForceTorque(WrenchSensorRequest[None], frozen=True):
 
 
 class ReadForceTorque(WrenchSensorRequest[WrenchReading], frozen=True):
-    """Read the newest sample; the first such request starts the sensor."""
+    """Read the newest sample; the first request starts the sensor."""
 
 
 class ReadForceTorqueSamples(
     WrenchSensorRequest[tuple[WrenchReading, ...]], frozen=True
 ):
-    """Read all samples after a given one, oldest first.
+    """Read all samples after a given sample, oldest first.
 
-    The last 4096 samples are kept; the first one's ``dropped`` says how many are
-    missing.
+    The last 4096 samples are kept; ``dropped`` of the first sample is the number of
+    lost samples.
     """
 
     since: Annotated[int, Meta(ge=-1)] = -1
     """Number of the last sample that the caller already has."""
     timeout: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.0
-    """Longest wait for a first sample [wall s]."""
+    """Longest wait for the first sample [wall s]."""
 
 
 class Picture(Struct, frozen=True, kw_only=True):
-    """A camera image in its sent form: zlib-compressed arrays, little endian."""
+    """A camera image in the sent form: zlib-compressed, little-endian arrays."""
 
     time: float
     """Simulated time [s]."""
@@ -161,13 +164,13 @@ class Picture(Struct, frozen=True, kw_only=True):
     """Intrinsic matrix, shape (3, 3)."""
     T_root_camera: Transform
     rgb: bytes
-    """Colours as uint8, shape (height, width, 3), row by row."""
+    """RGB colors as uint8, shape (height, width, 3), row by row."""
     depth: bytes
     """Depth as float32 [m], shape (height, width), row by row."""
 
 
 def picture_of(image: CameraImage) -> Picture:
-    """Return an image in the form that is sent."""
+    """Return the sent form of an image."""
     height, width = image.depth.shape
     return Picture(
         time=image.time,

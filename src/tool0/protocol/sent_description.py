@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def description_info(description: RobotDescription, spawn_z: float) -> DescriptionInfo:
-    """Return a description in the form that is sent.
+    """Return the sent form of a description.
 
     Args:
         description: Description of the robot.

@@ -54,12 +54,12 @@ R = TypeVar("R")
 V = TypeVar("V")
 
 ANSWER_TIMEOUT: Final = 30.0
-"""Longest wait for a reply that should come at once [wall s]."""
+"""Longest wait for a reply to a request that is answered immediately [wall s]."""
 POLL_PERIOD: Final = 0.02
 """Wall time between polls of the state [s]."""
 MAX_REQUEST: Final = 1 << 23
-"""Longest request [bytes]; enough for 10 000 trajectory points of 6 joints with
-velocities and accelerations."""
+"""Maximum size of a request [bytes], which is sufficient for 10 000 trajectory points
+of 6 joints with velocities and accelerations."""
 
 
 @final
@@ -70,13 +70,14 @@ class SocketChannel:
     """
 
     def __init__(self, name: str = DEFAULT_NAME) -> None:
-        """Connect, or raise TransportError."""
+        """Connect to a bring-up, or raise TransportError."""
         self.name = name
         self.when_refused: Callable[[Tool0Error], None] = self._give_up
-        """Callback in the reader's thread when a request without a reply has failed."""
+        """Callback for a failed request without a reply, called in the reader's
+        thread."""
         self.when_ended: Callable[[TransportError], None] = lambda failure: None
-        """Callback in the reader's thread when the connection has ended; called
-        once."""
+        """Callback for the end of the connection, called once in the reader's
+        thread."""
         self._peer = _connect(name)
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
@@ -101,7 +102,7 @@ class SocketChannel:
 
     @cached_property
     def description(self) -> RobotDescription:
-        """The robot, read from the URDF that the bring-up sends."""
+        """Description of the robot, from the URDF that the bring-up sends."""
         info = self.call(ReadDescription())
         from tool0.description.xml_source import parse_text
         from tool0.protocol.received_description import described_by
@@ -120,10 +121,10 @@ class SocketChannel:
         """Return the response, or raise the handler's error.
 
         Raises:
-            TransportError: If the bring-up does not answer, or has ended.
+            TransportError: If the bring-up does not answer, or if it has ended.
         """
         future = self._submit(request)
-        # Requests that advance time are answered only once the time has passed.
+        # A request that advances time is answered only after this time has passed.
         timeout = None if isinstance(request, Run | Step) else ANSWER_TIMEOUT
         reply = self._awaited(future, timeout, method_name(type(request)))
         return _response(request, reply)
@@ -131,7 +132,7 @@ class SocketChannel:
     def submit(
         self, request: Request[R], when_done: Callable[[Callable[[], R]], None]
     ) -> None:
-        """Send a request without waiting; call ``when_done`` once it is answered.
+        """Send a request without waiting; call ``when_done`` when it is answered.
 
         ``when_done`` is called in the reader's thread with a function that returns the
         response or raises the handler's error.
@@ -147,7 +148,7 @@ class SocketChannel:
         self._submit(request).add_done_callback(finish)
 
     def post(self, request: Request[Any]) -> None:
-        """Send a request that gets no reply; errors are passed to ``when_refused``."""
+        """Send a request without a reply; ``when_refused`` receives errors."""
         self._send(codec.encode_request(None, checked(request)) + b"\n")
 
     def _submit(self, request: Request[Any]) -> Future[codec.Reply]:
@@ -193,7 +194,10 @@ class SocketChannel:
     def subscribe(
         self, rate: float | None = None, *, keep_all: bool = False
     ) -> Subscription:
-        """Return a reader; the connection has a single rate, the last one requested."""
+        """Return a reader.
+
+        The connection has a single rate: the last requested rate.
+        """
         request = Subscribe() if rate is None else Subscribe(rate=rate)
         return self.follow(request, keep_all=keep_all)
 
@@ -204,9 +208,10 @@ class SocketChannel:
         keep_all: bool = False,
         when_published: Callable[[], None] | None = None,
     ) -> Subscription:
-        """Return a reader of the requested states, the connection's only stream.
+        """Return a reader of the requested states.
 
-        The reader's thread calls ``when_published`` for every snapshot.
+        This is the only stream of the connection.  The reader's thread calls
+        ``when_published`` for every snapshot.
         """
         subscription = self._bus.subscribe(
             when_closed=self._unsubscribe,
@@ -219,9 +224,9 @@ class SocketChannel:
     def close(self) -> None:
         """End the connection; the robot keeps running."""
         if not self._bus.process.is_this:
-            return  # a forked child leaves it to its parent
+            return  # only the parent of a forked child closes the connection
         self._fail(TransportError("the connection is closed"))
-        with contextlib.suppress(OSError):  # the peer closed first
+        with contextlib.suppress(OSError):  # the peer has closed the connection
             self._peer.shutdown(socket.SHUT_RDWR)
         if threading.current_thread() is not self._reader:
             self._reader.join()
@@ -298,7 +303,7 @@ class SocketChannel:
                 self._hello.set_result(message)
 
     def _goal(self, number: int, controller: str) -> Goal:
-        """Return the goal with this number, which the reply and the event share."""
+        """Return the goal with this number; create the goal if it does not exist."""
         with self._lock:
             if number not in self._goals:
                 self._goals[number] = Goal(controller)
@@ -341,7 +346,7 @@ def _connect(name: str) -> socket.socket:
         try:
             return _trusted(path)
         except (FileNotFoundError, ConnectionRefusedError):
-            pass  # never started, or died without cleaning up
+            pass  # not started, or ended without removing the file
         except OSError as error:
             raise TransportError(f"cannot reach {path}: {error}") from None
     others = [other for other in running_names() if other != name]

@@ -1,4 +1,4 @@
-"""The whole robot at one instant, as a frozen value."""
+"""The whole robot at one instant, as an immutable value."""
 
 from __future__ import annotations
 
@@ -17,16 +17,18 @@ from tool0.protocol.trajectories import TrajectoryState
 MotionMode = Literal[
     "free", "hold", "path", "servo", "speed", "stop", "freedrive", "torque"
 ]
-"""Source of an arm's motion; ``free``: a ROS controller, or nothing."""
+"""Source of an arm's motion; ``free``: a ROS controller, or no source."""
 
 SNAPSHOT_PERIOD = 0.008
-"""Default simulated time between snapshots [s]: 125 Hz, like a real UR's reports."""
+"""Default simulated time between snapshots [s].  The resulting rate of 125 Hz is also
+the rate of the state reports of a real UR."""
 
 
 def ticks_between_snapshots(period: float, control_period: float) -> int:
     """Return the number of control periods between snapshots for a ``period`` [s].
 
-    It is the largest number that fits into ``period`` and divides the default period's.
+    The result is the largest number that fits into ``period`` and that is a divisor of
+    the number for the default period.
     """
     default = max(1, round(SNAPSHOT_PERIOD / control_period))
     wanted = max(1, math.floor(period / control_period + 1e-9))
@@ -49,7 +51,7 @@ class ControllerSetpoint(Protocol):
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of the joints, in the order of all sequences here."""
+        """Names of the joints, in the order of all sequences of this class."""
 
     def joint_setpoints(self) -> Mapping[str, JointSetpoint]:
         """Return the setpoint of each joint."""
@@ -57,66 +59,70 @@ class ControllerSetpoint(Protocol):
     def desired_and_target(self, joint: str) -> tuple[float, float] | None:
         """Return the desired and the final position of one joint [rad | m].
 
-        None if the joint is not one of ``joint_names``.  Much cheaper than
-        ``joint_setpoints``.
+        The result is None if the joint is not in ``joint_names``.  This method is much
+        faster than ``joint_setpoints``.
         """
 
     def desired_motion(self, joints: Sequence[str], time: float) -> ArmSetpoint | None:
         """Return the desired motion of these joints at a simulated time [s].
 
-        None if one of them is not in ``joint_names``.
+        The result is None if one of the joints is not in ``joint_names``.
         """
 
     def state(self) -> TrajectoryState:
-        """Return the desired and measured motion and the error at that instant."""
+        """Return the desired and measured motion and the error at this instant."""
 
 
 @final
 class ArmSample(Struct, frozen=True):
-    """Motion of an arm, its source, and the wrench on its tool."""
+    """Motion of an arm, the source of the motion, and the wrench on the tool."""
 
     mode: MotionMode
-    """Source of the motion; ``free``: a ROS controller, or nothing."""
+    """Source of the motion; ``free``: a ROS controller, or no source."""
     setpoint: ArmSetpoint | None
-    """Setpoint of the arm, or its measured motion if nothing drives it.  Sent as
-    [positions, velocities, accelerations], from base to flange [rad, rad/s, rad/s²].
-    None only in snapshots of this process, if a controller has the setpoint."""
+    """Setpoint of the arm, or the measured motion if the arm is not driven.  The
+    setpoint is sent as [positions, velocities, accelerations], from base to flange
+    [rad, rad/s, rad/s²].  The value is None only in snapshots in the simulation's
+    process, if a controller has the setpoint."""
     path: int
-    """Number of the last path; 0 before the first."""
+    """Number of the last path; 0 before the first path."""
     path_time: float
-    """Time on that path [s]; passes more slowly if the speed is scaled."""
+    """Time on the last path [s]; this time advances more slowly if the speed is
+    scaled."""
     is_done: bool
-    """Whether the path or the stop has ended, so that the setpoint is at rest.  False
-    after a failure."""
+    """Whether the path or the stop has ended with the setpoint at rest; false after a
+    failure."""
     force_mode: bool
     """Whether force mode is active; the setpoint does not include the resulting
     deviation."""
     wrench: Wrench
-    """External force [N] and torque [N·m] on the tool at the flange, in the flange's
-    axes, minus payload and tare."""
+    """External force [N] and torque [N·m] on the tool at the flange, in the axes of the
+    flange, without the payload and the tare."""
     failure: str = ""
-    """Reason why the motion failed, after which the arm holds its position and accepts
-    no motion until it is taken again.  Empty if the motion did not fail."""
+    """Reason why the motion failed.  After a failure, the arm holds its position, and
+    accepts no motion until it is taken again.  Empty if the motion did not fail."""
     joint_names: tuple[str, ...] | UnsetType = UNSET
-    """Names of the joints from base to flange; only in the simulation's process."""
+    """Names of the joints from base to flange; set only in the simulation's process."""
     currents: tuple[float, ...] = ()
-    """Motor currents of a real arm [A], base to flange; empty for a simulated one."""
+    """Motor currents of a real arm [A], from base to flange; empty for a simulated
+    arm."""
 
 
 @final
 class Snapshot(Struct, frozen=True):
     """The whole robot at one instant.
 
-    It is a msgspec struct because the loop creates one every eight steps, and a
-    dataclass would take ten times as long.
+    The class is a msgspec struct because the loop creates a snapshot every eight steps;
+    a dataclass would take ten times as long.
     """
 
     time: float
     """Simulated time [s]."""
     tick: int
-    """Control periods since the start or the last reset."""
+    """Number of control periods since the start or the last reset."""
     joint_names: tuple[str, ...]
-    """Names of all movable joints, in the order of the next three sequences."""
+    """Names of all movable joints, in the order of ``position``, ``velocity`` and
+    ``effort``."""
     position: tuple[float, ...]
     """Measured positions [rad | m], shape (n_joints,)."""
     velocity: tuple[float, ...]
@@ -130,40 +136,45 @@ class Snapshot(Struct, frozen=True):
     is_stopped: bool = False
     """Whether the emergency stop is engaged."""
     real_time_factor: float = 1.0
-    """Simulated time per wall time, over about the last second."""
+    """Simulated time per wall time, measured over about the last second."""
     overruns: int = 0
     """Number of ticks since the start that began more than one control period late."""
     late_ticks: int = 0
-    """Number of such ticks in about the last second of wall time."""
+    """Number of ticks in about the last second of wall time that began more than one
+    control period late."""
     fault: str | None = None
-    """Reason why the simulation has stopped until a reset."""
+    """Reason why the simulation has stopped until a reset; None if it has not
+    stopped."""
     speed: float | None = None
-    """Requested simulated time per wall time; None if time passes only on request and
-    as fast as possible."""
+    """Requested simulated time per wall time; None if time passes only on request, as
+    fast as possible."""
     controller_setpoints: Mapping[str, ControllerSetpoint] = field(default_factory=dict)
     """Setpoint of each running controller, by name; empty in other processes."""
     received_setpoints: Mapping[str, JointSetpoint] = field(default_factory=dict)
     """Joint → setpoint, for snapshots received from another process."""
     scene: tuple[SceneObject, ...] = ()
-    """Objects around the robot; the same tuple until an object is added or removed."""
+    """Objects around the robot.  The tuple is the same object until an object is added
+    or removed."""
     objects: Sequence[ObjectState] = ()
     """Poses and velocities of the objects, in the order of ``scene``."""
     stalls: tuple[Stall, ...] = ()
-    """Joints that push at their effort limit without moving, and what they touch."""
+    """Joints that push at their effort limit without moving, and the bodies in
+    contact."""
     gripping: tuple[str, ...] = ()
-    """Names of the grippers whose fingers press on something from two sides."""
+    """Names of the grippers that press on an object from two sides."""
     control_boxes: tuple[ControlBoxState, ...] = ()
-    """Control box of each arm; the same tuple until a control box changes."""
+    """Control box of each arm.  The tuple is the same object until a control box
+    changes."""
     command: tuple[float, ...] = ()
-    """Last command of each joint, in its interface's unit; empty unless a subscriber
-    needs it."""
+    """Last command of each joint, in the unit of the command interface; empty unless a
+    subscriber needs commands."""
     arms: Mapping[str, ArmSample] = field(default_factory=dict)
-    """Arm → its motion; empty unless a subscriber needs it."""
+    """Arm → motion of the arm; empty unless a subscriber needs the motions."""
     contacts: tuple[Contact, ...] = ()
-    """Contacts with their forces; empty unless a subscriber needs them."""
+    """Contacts with their forces; empty unless a subscriber needs contacts."""
     step: int = 0
-    """Control periods since the bring-up, unaffected by resets; only in the
-    simulation's process."""
+    """Number of control periods since the bring-up, not changed by resets; set only in
+    the simulation's process."""
 
     @property
     def positions(self) -> dict[str, float]:
@@ -173,7 +184,7 @@ class Snapshot(Struct, frozen=True):
     def setpoints(self) -> Mapping[str, JointSetpoint]:
         """Return the setpoint of each joint that a controller moves by position.
 
-        Setpoints are computed in the calling thread.
+        The setpoints are computed in the calling thread.
         """
         if not self.controller_setpoints:
             return self.received_setpoints
@@ -185,7 +196,8 @@ class Snapshot(Struct, frozen=True):
     def desired_and_target(self, joint: str) -> tuple[float, float] | None:
         """Return the desired and the final position of one joint [rad | m].
 
-        None if no controller moves it by position.  Much cheaper than ``setpoints``.
+        The result is None if no controller moves the joint by position.  This method is
+        much faster than ``setpoints``.
         """
         for setpoint in self.controller_setpoints.values():
             wanted = setpoint.desired_and_target(joint)
@@ -196,7 +208,7 @@ class Snapshot(Struct, frozen=True):
 
 
 class ArmSetpoint(NamedTuple):
-    """Commanded motion of an arm's joints at an instant, from base to flange."""
+    """Commanded motion of an arm at one instant; joints are from base to flange."""
 
     positions: Sequence[float]
     """Positions [rad]."""
@@ -212,27 +224,27 @@ class ArmSetpoint(NamedTuple):
 
     @staticmethod
     def resting(positions: Sequence[float]) -> ArmSetpoint:
-        """Return the setpoint of an arm that rests at ``positions`` [rad]."""
+        """Return the setpoint of an arm that is at rest at ``positions`` [rad]."""
         zeros = (0.0,) * len(positions)
         return ArmSetpoint(tuple(positions), zeros, zeros)
 
 
 Six = tuple[float, float, float, float, float, float]
-"""One number per arm joint from base to flange, or a wrench (force, then torque)."""
+"""One number per arm joint from base to flange, or a wrench (force and torque)."""
 
 
 class Stall(NamedTuple):
-    """A driven joint that has not moved for ``STALL_TIME``."""
+    """A driven joint that pushes, but has not moved for ``STALL_TIME``."""
 
     joint: str
     effort: float
     """Effort with which the joint pushes [N·m | N]."""
     contacts: tuple[tuple[str, str], ...] = ()
-    """Pairs of a link beyond the joint and the body that it touches, the strongest
-    contact first.  Empty if the joint is at its stop or overloaded."""
+    """Contacts, strongest first: pairs of a link beyond the joint and the body that the
+    link touches.  Empty if the joint is at its mechanical stop or is overloaded."""
     lag: float | None = None
-    """Distance from the setpoint [rad | m]; None if the joint is at its effort
-    limit."""
+    """Distance of the joint from its setpoint [rad | m]; None if the joint is at its
+    effort limit."""
 
     def __str__(self) -> str:
         touching = contacts_text(self.contacts)
@@ -244,4 +256,4 @@ class Stall(NamedTuple):
 
 
 MIN_SNAPSHOT_RATE, MAX_SNAPSHOT_RATE = 0.001, 500.0
-"""Range of snapshot rates for subscribers, per simulated second [Hz]."""
+"""Range of snapshot rates for subscribers, in simulated time [Hz]."""

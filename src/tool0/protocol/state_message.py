@@ -1,4 +1,4 @@
-"""A robot's state in the form that connections send; readers choose its fields."""
+"""A robot's state in the form that connections send, with the selected fields."""
 
 from __future__ import annotations
 
@@ -43,50 +43,56 @@ StateField = Literal[
     "control_boxes",
     "scene",
 ]
-"""Names of the fields that a reader of states can choose."""
+"""Names of the fields that a reader of states can select."""
 
 Rows = tuple[tuple[float, ...], ...]
 
 
 class RareChanges(Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """Fields that rarely change; absent if unchanged since the previous message."""
+    """Fields that rarely change; a field is absent if it has not changed."""
 
     is_paused: bool | UnsetType = UNSET
     """Whether simulated time is paused."""
     is_stopped: bool | UnsetType = UNSET
     """Whether the emergency stop is engaged."""
     fault: str | UnsetType | None = UNSET
-    """Reason why the simulation has stopped until a reset."""
+    """Reason why the simulation has stopped until a reset; null if it has not
+    stopped."""
     speed: float | UnsetType | None = UNSET
-    """Requested simulated time per wall time; null for as fast as possible."""
+    """Requested simulated time per wall time; null if time passes as fast as
+    possible."""
     stalls: tuple[Stall, ...] | UnsetType = UNSET
     """Joints that push at their effort limit without moving, each as [joint, effort,
     [[link, touched body], …], lag]."""
     gripping: tuple[str, ...] | UnsetType = UNSET
-    """Names of the grippers whose fingers press on something from two sides."""
+    """Names of the grippers that press on an object from two sides."""
     real_time_factor: float | UnsetType = UNSET
-    """Simulated time per wall time, over about the last second."""
+    """Simulated time per wall time, measured over about the last second."""
     overruns: int | UnsetType = UNSET
     """Number of ticks since the start that began more than one control period late."""
     late_ticks: int | UnsetType = UNSET
-    """Number of such ticks in about the last second of wall time."""
+    """Number of ticks in about the last second of wall time that began more than one
+    control period late."""
     controllers: tuple[ControllerStatus, ...] | UnsetType = UNSET
     """Status of every loaded controller."""
     control_boxes: tuple[ControlBoxState, ...] | UnsetType = UNSET
     """Control box of each arm."""
     scene: tuple[ObjectInfo, ...] | UnsetType = UNSET
-    """Objects around the robot; changes when an object is added or removed."""
+    """Objects around the robot; the field changes when an object is added or
+    removed."""
 
 
 class ControllerMotion(Struct, frozen=True, kw_only=True):
-    """Motion of a trajectory controller's joints, in the controller's order."""
+    """Motion of the joints of a trajectory controller, in the controller's order."""
 
     reference: Rows
-    """Desired positions, velocities and accelerations [rad | m, per s, per s²]."""
+    """Desired positions [rad | m], velocities [rad/s | m/s] and accelerations [rad/s² |
+    m/s²]."""
     feedback: Rows
-    """Measured positions and velocities [rad | m, per s]."""
+    """Measured positions [rad | m] and velocities [rad/s | m/s]."""
     error: Rows
-    """Errors of positions and velocities: ``reference`` minus ``feedback``."""
+    """Errors of positions [rad | m] and velocities [rad/s | m/s]: ``reference`` minus
+    ``feedback``."""
     time_from_start: float
     """Time on the trajectory [s]."""
     speed_scaling: float
@@ -95,19 +101,19 @@ class ControllerMotion(Struct, frozen=True, kw_only=True):
 
 @final
 class StateMessage(RareChanges, frozen=True, kw_only=True, tag="state"):
-    """The robot at one instant: the fields that the reader subscribed to.
+    """The state of the robot at one instant: the fields that the reader requested.
 
-    Sequences with one number per joint are in the order of ``joint_names``.
+    A sequence with one number per joint is in the order of ``joint_names``.
     """
 
     time: float
     """Simulated time [s]."""
     tick: int
-    """Control periods since the start or the last reset."""
+    """Number of control periods since the start or the last reset."""
     missed: int = 0
-    """Number of states before this one that a slow reader has lost."""
+    """Number of states before this state that were lost because the reader was slow."""
     joint_names: tuple[str, ...] | UnsetType = UNSET
-    """Names of all movable joints; absent if unchanged."""
+    """Names of all movable joints; absent if the names have not changed."""
     position: tuple[float, ...] | UnsetType = UNSET
     """Measured positions [rad | m]."""
     velocity: tuple[float, ...] | UnsetType = UNSET
@@ -115,30 +121,32 @@ class StateMessage(RareChanges, frozen=True, kw_only=True, tag="state"):
     effort: tuple[float, ...] | UnsetType = UNSET
     """Efforts applied during the last step [N·m | N]."""
     desired: tuple[float | None, ...] | UnsetType = UNSET
-    """Setpoints at this instant [rad | m]; null for joints that no controller moves by
-    position."""
+    """Position setpoints at this instant [rad | m]; null for joints that no controller
+    moves by position."""
     desired_velocity: tuple[float | None, ...] | UnsetType = UNSET
-    """Velocities of the setpoints [rad/s | m/s]; null for the same joints."""
+    """Velocities of the setpoints [rad/s | m/s]; null for joints that no controller
+    moves by position."""
     target: tuple[float | None, ...] | UnsetType = UNSET
-    """End positions of the motions [rad | m]; null for the same joints."""
+    """End positions of the motions [rad | m]; null for joints that no controller moves
+    by position."""
     command: tuple[float, ...] | UnsetType = UNSET
     """The last command of each joint, in the unit of its interface."""
     motions: Mapping[str, ControllerMotion] | UnsetType = UNSET
     """Motions of the subscribed trajectory controllers that are running, by name."""
     arms: Mapping[str, ArmSample] | UnsetType = UNSET
-    """Motion of each arm and its source, by name."""
+    """Motion of each arm and the source of the motion, by arm name."""
     wrenches: Mapping[str, Wrench] | UnsetType = UNSET
-    """Wrench of each arm by name: the ``wrench`` of ``arms`` alone."""
+    """Wrench of each arm by arm name: only the field ``wrench`` of ``arms``."""
     objects: tuple[tuple[Vector3, Quaternion], ...] | UnsetType = UNSET
-    """Position [m] and orientation of each object of ``scene``, in its order, in the
-    robot's root."""
+    """Position [m] and orientation of each object in the robot's root frame, in the
+    order of ``scene``."""
     object_velocities: tuple[tuple[Vector3, Vector3], ...] | UnsetType = UNSET
-    """Linear [m/s] and angular velocity [rad/s] of each object of ``scene``, in its
-    order, in the axes of the root."""
+    """Linear [m/s] and angular velocity [rad/s] of each object in the axes of the
+    robot's root frame, in the order of ``scene``."""
     contacts: tuple[Contact, ...] | UnsetType = UNSET
-    """Contacts with their forces, in the axes of the root."""
+    """Contacts with their forces, in the axes of the robot's root frame."""
     scene_number: int | UnsetType = UNSET
-    """Number of the ``scene`` to which ``objects`` belong; only in the panel's view."""
+    """Number of the ``scene`` that ``objects`` refers to; only in the panel's view."""
 
 
 _SETPOINTS: Final = ("desired", "desired_velocity", "target")
@@ -152,12 +160,12 @@ SNAPSHOT_FIELDS: Final[tuple[StateField, ...]] = (
     *("real_time_factor", "overruns", "late_ticks"),
     *("controllers", "control_boxes", "scene"),
 )
-"""Fields that every snapshot has; the others are computed on demand."""
+"""Fields that every snapshot has; the other fields are computed on demand."""
 
 
 @final
 class StateMask:
-    """The fields that a reader of states wants."""
+    """The fields that a reader of states has selected."""
 
     def __init__(
         self,
@@ -165,12 +173,12 @@ class StateMask:
         controllers: Collection[str] = (),
         arms: Collection[str] = (),
     ) -> None:
-        """Choose the fields.
+        """Select the fields.
 
         Args:
             fields: Names of the fields.
-            controllers: Controllers in ``motions``; if left out, all.
-            arms: Arms in ``arms`` and ``wrenches``; if left out, all.
+            controllers: Controllers in ``motions``; the default is all controllers.
+            arms: Arms in ``arms`` and ``wrenches``; the default is all arms.
         """
         self.controllers = controllers
         self.arms = arms
@@ -194,7 +202,8 @@ def state_message(
 ) -> StateMessage:
     """Return the subscribed fields of a snapshot that follows ``before`` in a stream.
 
-    ``missed`` is the number of snapshots in between that the reader has lost.
+    ``missed`` is the number of snapshots between ``before`` and ``snapshot`` that the
+    reader has lost.
     """
     found = changes(snapshot, before, mask.rare)
     for name in mask.copied:
@@ -212,7 +221,7 @@ def state_message(
 def changes(
     snapshot: Snapshot, before: Snapshot | None, names: Collection[str]
 ) -> dict[str, Any]:
-    """Return the named fields that changed since ``before``, in their sent form."""
+    """Return the named fields that have changed since ``before``, in the sent form."""
     found = {}
     for name in names:
         value = getattr(snapshot, name)
@@ -227,7 +236,7 @@ def changes(
 def snapshot_of(message: StateMessage, before: Snapshot | None = None) -> Snapshot:
     """Return the snapshot in a message that follows ``before`` in a stream.
 
-    The snapshot contains only the requested fields, and never ``motions``.
+    The snapshot contains only the requested fields; it never contains ``motions``.
     """
     found = {
         name: value for name in _READ if (value := getattr(message, name)) is not UNSET
@@ -250,7 +259,7 @@ def snapshot_of(message: StateMessage, before: Snapshot | None = None) -> Snapsh
 
 
 def filled(snapshot: Snapshot, sample: ArmSample) -> ArmSample:
-    """Return an arm's motion in its sent form, with its controller's setpoint."""
+    """Return an arm's motion in the sent form, with the controller's setpoint."""
     return structs.replace(
         sample,
         joint_names=UNSET,
@@ -258,7 +267,7 @@ def filled(snapshot: Snapshot, sample: ArmSample) -> ArmSample:
     )
 
 
-# ---- what is computed of a snapshot --------------------------------------------------
+# ---- fields that are computed from a snapshot ----------------------------------------
 
 
 def _motions(snapshot: Snapshot, mask: StateMask) -> dict[str, ControllerMotion]:
@@ -280,7 +289,7 @@ def _motion(snapshot: Snapshot, controller: str) -> ControllerMotion:
 
 
 def _sampled(snapshot: Snapshot, mask: StateMask) -> dict[str, ArmSample]:
-    """Return the samples of the wanted arms that the snapshot contains."""
+    """Return the samples of the selected arms that the snapshot contains."""
     samples = snapshot.arms
     return {name: samples[name] for name in mask.arms or samples if name in samples}
 
@@ -296,9 +305,9 @@ def _wrenches(snapshot: Snapshot, mask: StateMask) -> dict[str, Wrench]:
 
 
 def _arm_setpoint(snapshot: Snapshot, sample: ArmSample) -> ArmSetpoint:
-    """Return an arm's motion: a controller's desired motion, or the measured one."""
+    """Return the desired motion of the arm's controller, or the measured motion."""
     joints = sample.joint_names
-    assert not isinstance(joints, UnsetType)  # a sample of this process
+    assert not isinstance(joints, UnsetType)  # the sample is from this process
     for setpoint in snapshot.controller_setpoints.values():
         motion = setpoint.desired_motion(joints, snapshot.time)
         if motion is not None:
@@ -324,7 +333,7 @@ _COMPUTED: Final[Mapping[str, Callable[[Snapshot, StateMask], Any]]] = {
 }
 
 
-# ---- what is read from a message -----------------------------------------------------
+# ---- fields that are read from a message ---------------------------------------------
 
 _KEPT: Final = tuple(name for name in _RARE if name != "scene")
 _READ: Final = (*_KEPT, *_COPIED, "time", "tick", "arms")

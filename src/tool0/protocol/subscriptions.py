@@ -1,4 +1,4 @@
-"""Messages that a connection receives apart from replies: states, events, the view."""
+"""Subscriptions of a connection to states, events and the panel's view."""
 
 from __future__ import annotations
 
@@ -12,30 +12,33 @@ from tool0.protocol.state_message import SNAPSHOT_FIELDS, StateField
 
 
 class Subscribe(Request[None], frozen=True):
-    """Receive ``state`` messages, events as they happen, and the log.
+    """Receive ``state`` messages, events when they occur, and log messages.
 
-    A second request replaces the first.  Fields that rarely change, such as
-    ``joint_names``, ``controllers`` and ``scene``, are in the first message and in
-    messages in which they have changed.  A slow reader loses the oldest states; the
-    next state says how many were lost, and is complete.
+    A second request replaces the first request.  A field that rarely changes, such as
+    ``joint_names``, ``controllers`` or ``scene``, is in the first message, and in a
+    later message only if it has changed.  A slow reader loses the oldest states.  The
+    next state contains the number of lost states, and all fields.
     """
 
     is_of_connection = True
 
     rate: Annotated[float, Meta(ge=MIN_SNAPSHOT_RATE, le=MAX_SNAPSHOT_RATE)] = 125.0
-    """States per simulated second [Hz]; adjusted to a divisor of the control rate."""
+    """Rate of the states in simulated time [Hz]; the rate is adjusted to a divisor of
+    the control rate."""
     fields: tuple[StateField, ...] = SNAPSHOT_FIELDS
     """Fields of the messages in addition to ``time`` and ``tick``."""
     controllers: Annotated[tuple[Name, ...], Meta(max_length=100)] = ()
-    """Trajectory controllers in ``motions``; if left out, all."""
+    """Trajectory controllers in ``motions``; the default is all trajectory
+    controllers."""
     arms: Annotated[tuple[Name, ...], Meta(max_length=100)] = ()
-    """Arms in ``arms`` and ``wrenches``; if left out, all."""
+    """Arms in ``arms`` and ``wrenches``; the default is all arms."""
     newest_only: bool = False
-    """Whether to receive only the newest state, at once and whenever it changes.
+    """Whether to receive only the newest state: once immediately, and after each
+    change.
 
-    Up to four times real time, there are at most ``rate`` states per second of wall
-    time.  If time runs faster, or as fast as possible, there are 50 per second, so that
-    the simulation is not slowed down."""
+    At up to four times real time, at most ``rate`` states are sent per second of wall
+    time.  At higher speeds, or as fast as possible, 50 states are sent per second of
+    wall time, so that the simulation is not slowed down."""
 
 
 class Unsubscribe(Request[None], frozen=True):
@@ -47,8 +50,8 @@ class Unsubscribe(Request[None], frozen=True):
 class SubscribeView(Request[None], frozen=True):
     """Receive the panel's ``view``, ``scene``, ``status``, ``state`` and ``notice``.
 
-    At most 60 states are sent per second of wall time, only the newest.  A second
-    request changes their contents.
+    At most 60 states are sent per second of wall time; older states are skipped.  A
+    second request changes the contents of the states.
     """
 
     is_of_connection = True
@@ -60,14 +63,14 @@ class SubscribeView(Request[None], frozen=True):
 
 
 class ViewShown(Request[None], frozen=True):
-    """Report that a page has drawn the robot, for which ``tool0 demo`` waits."""
+    """Report that a page has drawn the robot; ``tool0 demo`` waits for this request."""
 
     is_of_connection = True
 
 
 @final
 class LogMessage(Struct, frozen=True, kw_only=True, tag="log"):
-    """A warning or an error of the simulation, for users."""
+    """A warning or an error of the simulation for users."""
 
     level: Literal["warning", "error"]
     message: str

@@ -1,4 +1,4 @@
-"""Trajectories: their points, their state, and the requests that send them."""
+"""Trajectories: points, state, and the requests that send trajectories."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tool0.protocol.request import Name, Request, Response
 @final
 @dataclass(frozen=True, slots=True)
 class TrajectoryPoint:
-    """Desired motion of the joints at a given time after the trajectory's start.
+    """Desired motion of the joints at a given time after the start of a trajectory.
 
     Each sequence has shape (n_joints,), in the order of the goal's joints.
     """
@@ -25,11 +25,11 @@ class TrajectoryPoint:
     positions: Sequence[float]
     """Positions [rad | m]."""
     velocities: Sequence[float] | None = None
-    """Velocities [rad/s | m/s]; if None, the motion to and from this point is
-    linear."""
+    """Velocities [rad/s | m/s]; without velocities, the motion to and from this point
+    is linear."""
     accelerations: Sequence[float] | None = None
-    """Accelerations [rad/s² | m/s²]; if None, the motion to and from this point is at
-    most cubic."""
+    """Accelerations [rad/s² | m/s²]; without accelerations, the motion to and from this
+    point is cubic or linear."""
     time_from_start: float = 0.0
     """Simulated time after the start of the trajectory [s]."""
 
@@ -46,14 +46,14 @@ class TrajectoryPoint:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointsMotion:
-    """Motion of several joints: trajectory_msgs/JointTrajectoryPoint."""
+    """Motion of several joints, like trajectory_msgs/JointTrajectoryPoint."""
 
     positions: tuple[float, ...]
     """Positions [rad | m], shape (n_joints,)."""
     velocities: tuple[float, ...]
     """Velocities [rad/s | m/s], shape (n_joints,)."""
     accelerations: tuple[float, ...] = ()
-    """Accelerations [rad/s² | m/s²], shape (n_joints,); empty if unknown."""
+    """Accelerations [rad/s² | m/s²], shape (n_joints,); empty if they are unknown."""
     time_from_start: float = 0.0
     """Time after the start of the trajectory [s]."""
 
@@ -61,23 +61,24 @@ class JointsMotion:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrajectoryState:
-    """Desired and measured motion of a controller's joints, and the difference."""
+    """Desired motion, measured motion and error of a controller's joints."""
 
     joint_names: tuple[str, ...]
     """Names of the controller's joints, in the order of the other fields."""
     time: float
     """Simulated time of the controller update that this state describes [s]."""
     desired: JointsMotion
-    """Desired motion (the setpoint)."""
+    """Desired motion (setpoint) of the joints."""
     actual: JointsMotion
-    """Measured motion."""
+    """Measured motion of the joints."""
     error: JointsMotion
-    """``desired`` minus ``actual``; for continuous joints, the shorter way round."""
+    """Error: ``desired`` minus ``actual``.  For a continuous joint, the error is the
+    shortest angular distance."""
     speed_scaling: float = 1.0
-    """Trajectory time per simulated time."""
+    """Speed scaling: trajectory time per simulated time."""
 
 
-_set = object.__setattr__  # for the fields of frozen instances
+_set = object.__setattr__  # sets the fields of frozen instances
 
 
 def _floats(name: str, values: Iterable[object]) -> tuple[float, ...]:
@@ -107,37 +108,45 @@ class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
     """Positions, velocities and accelerations at ``time_from_start`` [s], in the order
     of ``joint_names``."""
     joint_names: tuple[str, ...] | None = None
-    """Names of the points' joints; if left out, the controller's joints."""
+    """Names of the joints of the points; by default, the joints of the controller are
+    used."""
     stamp: float | None = None
-    """Simulated time at which the trajectory starts [s]; if left out, it starts now."""
+    """Simulated time at which the trajectory starts [s]; by default, the trajectory
+    starts immediately."""
 
 
 class FollowTrajectory(_OfTrajectory[GoalStarted], frozen=True):
-    """Send a trajectory as a goal, like ROS's action; an empty one stops the motion."""
+    """Send a trajectory as a goal, like the action of ROS.
+
+    An empty trajectory stops the motion.
+    """
 
     path_tolerance: Tolerances = field(default_factory=dict)
-    """Joint → largest error during the motion [rad | m]; < 0 disables the check."""
+    """Joint → maximum error during the motion [rad | m]; < 0 disables the check."""
     goal_tolerance: Tolerances = field(default_factory=dict)
-    """Joint → largest error at the end [rad | m]; < 0 disables the check."""
-    goal_time_tolerance: float | None = None
-    """Time allowed after the last point to reach the goal [s]; < 0 disables the
+    """Joint → maximum error at the end of the motion [rad | m]; < 0 disables the
     check."""
+    goal_time_tolerance: float | None = None
+    """Time after the last point within which the goal must be reached [s]; < 0 disables
+    the check."""
     grip: GripLimits | None = None
-    """Limits of the gripper whose joint moves; if left out, the joint's own limits."""
+    """Limits of the gripper whose joint moves; by default, the limits of the joint
+    apply."""
 
 
 class CommandTrajectory(_OfTrajectory[None], frozen=True):
-    """Send a trajectory without a goal; an empty one stops the motion."""
+    """Send a trajectory without a goal; an empty trajectory stops the motion."""
 
     points: Points = ()
 
 
 class ScaleTrajectory(Request[None], frozen=True):
-    """Scale the speed of a controller's trajectories, like ROS 2's speed_scaling_input.
+    """Scale the speed of a controller's trajectories.
 
-    Tolerances are checked against the slowed trajectory.
+    The request corresponds to ``speed_scaling_input`` in ROS 2.  Tolerances are checked
+    against the scaled trajectory.
     """
 
     controller: Name
     factor: Annotated[float, Meta(ge=0.0)]
-    """Trajectory time per simulated time; 0 pauses."""
+    """Trajectory time per simulated time; 0 pauses the trajectory."""

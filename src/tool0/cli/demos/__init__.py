@@ -1,1 +1,1 @@
-"""The tasks of ``tool0 demo``, written with the public Python API alone."""
+"""The tasks of ``tool0 demo``, written only with the public Python API."""

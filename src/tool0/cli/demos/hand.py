@@ -1,4 +1,4 @@
-"""An arm with its gripper that does a task step by step."""
+"""An arm with a gripper that performs a task in steps."""
 
 from __future__ import annotations
 
@@ -27,33 +27,33 @@ if TYPE_CHECKING:
     from tool0.api.robot import Robot
 
 MOTION_TIMEOUT = 20.0
-"""Longest duration of a motion, simulated [s]."""
+"""Longest duration of a motion [simulated s]."""
 SETTLE_TIMEOUT = 1.0
-"""Longest time for an object in the bin to come to rest [s]."""
+"""Longest time for an object in the bin to come to rest [simulated s]."""
 RELEASE = 0.04
-"""Opening beyond the width of the released object [m]."""
+"""Difference between the gripper's opening and the width of a released object [m]."""
 
 
 @final
 class TaskFailure(Exception):  # noqa: N818  # of the task, not of a program
-    """Reason why a task ended early, for the report."""
+    """Failure of a task; the message is the reason for the report."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PickOptions:
-    """The parameters of a pick."""
+    """Parameters of a pick."""
 
     force: float = 60.0
     """Gripping force at each pad [N]."""
     speed: float = 0.7
     """Speed of the joints between two poses, as a fraction of the maximum."""
     linear_speed: float = 0.25
-    """Speed of the tool on the straight lines down and up [m/s]."""
+    """Speed of the tool on the straight lines downward and upward [m/s]."""
     pad_speed: float = 0.15
-    """Speed of the pads towards each other [m/s]."""
+    """Closing speed of the pads relative to each other [m/s]."""
     lift: float = 0.15
-    """Height above the pick and place positions at which the object is carried [m]."""
+    """Height at which the object is carried, above the pick and place positions [m]."""
 
     def __post_init__(self) -> None:
         if not SLOWEST <= self.speed <= 1.0:
@@ -62,7 +62,7 @@ class PickOptions:
 
 @final
 class Hand:
-    """An arm with its gripper; steps that fail raise TaskFailure."""
+    """An arm with a gripper; a failed step raises TaskFailure."""
 
     def __init__(
         self,
@@ -71,11 +71,11 @@ class Hand:
         monitor: GraspMonitor,
         name: str | None = None,
     ) -> None:
-        """Take the arm and the gripper called ``name``, or the robot's only ones.
+        """Select the arm and the gripper called ``name``, or the only ones.
 
         Raises:
-            ControlError: If they do not exist, or the gripper does not support the
-                force or speed.
+            ControlError: If the arm or the gripper does not exist, or if the gripper
+                does not support the force or the speed.
         """
         self.arm = robot.arm if name is None else robot.arms[name]
         self.gripper = robot.gripper if name is None else robot.grippers[name]
@@ -91,14 +91,14 @@ class Hand:
         )
 
     def open(self, width: float | None = None) -> GoalHandle:
-        """Open the pads: fully, or to release an object of ``width`` [m]."""
+        """Open the pads fully, or far enough to release an object of ``width`` [m]."""
         widest = self.gripper.geometry.max_opening
         return self.gripper.move(
             opening=widest if width is None else min(widest, width + RELEASE)
         )
 
     def grip(self) -> None:
-        """Close the pads until they hold something."""
+        """Close the pads until they hold an object."""
         options = self.options
         self.gripper.move(opening=0.0, speed=options.pad_speed, force=options.force)
         self._monitor.until(
@@ -107,7 +107,7 @@ class Hand:
         self.check_hold()
 
     def check_hold(self) -> None:
-        """Raise TaskFailure unless the gripper holds something."""
+        """Raise TaskFailure if the gripper does not hold an object."""
         state = self.gripper.state
         if state.motion != "holding_inside":
             raise TaskFailure(
@@ -116,23 +116,23 @@ class Hand:
             )
 
     def move_to(self, pose: Transform, tool: Transform) -> None:
-        """Move ``tool``, fixed in the flange, to a pose in the root.
+        """Move ``tool``, a frame fixed in the flange, to a pose in the root.
 
-        The tool moves around obstacles if something is in the way.
+        If the direct path is blocked, the tool moves around the obstacles.
         """
         self.finish(self._or_around(lambda: self.start(pose, tool), pose, tool))
 
     def start(self, pose: Transform, tool: Transform) -> GoalHandle:
-        """Start to move ``tool``, fixed in the flange, to a pose in the root."""
+        """Start to move ``tool``, a frame fixed in the flange, to a pose."""
         return self.arm.move_to(pose, tool=tool, speed=self.options.speed)
 
     def go_around(
         self, grasps: Sequence[Grasp], others: Sequence[PlanTarget] = ()
     ) -> Grasp:
-        """Go around obstacles to one of the grasps, and return it.
+        """Move around obstacles to one of the grasps, and return this grasp.
 
-        Of the reachable grasps, it is the one that moves the joints least.  The
-        ``others`` are the targets of arms that move at the same time.
+        The selected grasp is the reachable grasp with the smallest motion of the
+        joints.  The ``others`` are the targets of arms that move at the same time.
         """
         refused: Tool0Error | None = None
         for grasp in self._by_distance(grasps):
@@ -148,7 +148,7 @@ class Hand:
         raise TaskFailure(f"there is no way: {refused}")
 
     def move_linear(self, pose: Transform, tool: Transform) -> None:
-        """Move ``tool`` to a pose along a straight line, if nothing is in the way."""
+        """Move ``tool`` to a pose along a straight line, or around obstacles."""
 
         def start() -> GoalHandle:
             speed = self.options.linear_speed
@@ -159,7 +159,7 @@ class Hand:
     def _or_around(
         self, start: Callable[[], GoalHandle], pose: Transform, tool: Transform
     ) -> GoalHandle:
-        """Start a motion; if it would collide, move to the pose around obstacles."""
+        """Start a motion; if it would collide, move around obstacles instead."""
         try:
             return start()
         except CollisionError as refused:
@@ -185,12 +185,12 @@ class Hand:
             raise TaskFailure(f"the goal was {result.status.name}{why}")
 
     def put(self, into: Bin, grasps: Sequence[Grasp], height: float) -> None:
-        """Carry the object to a bin, release it there, and leave.
+        """Carry the object to a bin, release the object, and retreat.
 
         Args:
             into: The bin.
-            grasps: Grasps whose orientations are allowed when the object is put down;
-                their positions do not matter.
+            grasps: Grasps with the orientations that are allowed at the release; the
+                positions of the grasps are ignored.
             height: Height of the middle of the pads above the bin's floor [m].
         """
         self._monitor.begin("carrying")
@@ -200,7 +200,7 @@ class Hand:
         self.release(into, place, height)
 
     def release(self, into: Bin, place: Grasp, height: float) -> None:
-        """Release the object in a bin from ``place`` above it, and leave.
+        """Lower the object from ``place`` into a bin, release it, and retreat.
 
         For ``height``, see ``put``.
         """
@@ -220,7 +220,7 @@ class Hand:
             raise TaskFailure(f"it is at ({x:.3f}, {y:.3f}, {z:.3f}), not in the bin")
 
     def nearest(self, position: Vector3, grasps: Sequence[Grasp]) -> Grasp:
-        """Return the grasp, moved to ``position``, that moves the joints least."""
+        """Return the grasp, shifted to ``position``, that needs the least motion."""
         moved = [
             replace(grasp, pose=replace(grasp.pose, position=position))
             for grasp in grasps
@@ -228,7 +228,7 @@ class Hand:
         return self._by_distance(moved)[0]
 
     def _by_distance(self, grasps: Sequence[Grasp]) -> list[Grasp]:
-        """Return the reachable grasps, sorted by how far the joints move."""
+        """Return the reachable grasps, sorted by the distance that the joints move."""
         found: list[tuple[float, Grasp]] = []
         refused: Tool0Error | None = None
         for grasp in grasps:
@@ -244,5 +244,5 @@ class Hand:
         return [grasp for _, grasp in sorted(found, key=lambda each: each[0])]
 
     def tool_for(self, width: float) -> Transform:
-        """Return the frame between the pads at an opening [m], in the flange."""
+        """Return the frame between the pads at an opening [m], in the flange frame."""
         return grasp_frame(self._model, self.gripper.geometry, width, self.arm.tip)

@@ -1,4 +1,4 @@
-"""One arm picks an object and hands it to another, which places it in a bin."""
+"""Handover of an object: one arm picks it, and a second arm places it in a bin."""
 
 from __future__ import annotations
 
@@ -27,19 +27,20 @@ if TYPE_CHECKING:
 GIVER, TAKER = "giver", "taker"
 """Names of the two robots."""
 FORWARD, SIDEWAYS = 0.45, 0.55
-"""Meeting point of the robots relative to either base, for arms of scale 1 [m]."""
+"""Distances of the meeting point from each base, for arms of scale 1 [m]."""
 HEIGHT = 0.33
-"""Height of the meeting point above the root [m]; lower for shorter arms."""
+"""Height of the meeting point above the root [m]; for shorter arms, the height is
+reduced."""
 APART = 0.1
-"""Distance from which a gripper approaches the other, and to which it retreats [m]."""
+"""Length of a gripper's approach to the meeting point, and of its retreat [m]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HandoverCell:
-    """Two robots side by side: the giver on the left, the taker on the right.
+    """Two robots side by side: the giver is on the left, and the taker is on the right.
 
-    The grippers meet face to face, in front of the bases and halfway between them.
+    The grippers meet face to face, in front of the bases and halfway between the bases.
     """
 
     giver: PickTable
@@ -58,7 +59,7 @@ class HandoverCell:
 
     @property
     def meeting(self) -> Vector3:
-        """Point where the object is handed over, in the root [m]."""
+        """Point where the object is handed over, in the root frame [m]."""
         scales = self.giver.scale, self.taker.scale
         return FORWARD * max(scales), 0.0, HEIGHT * min(1.0, *scales)
 
@@ -68,7 +69,7 @@ class HandoverCell:
         return min(self.giver.lift, self.taker.lift)
 
     def cell(self, giver: DescriptionConfig, taker: DescriptionConfig) -> Cell:
-        """Return the two robots at their places."""
+        """Return a cell with the two robots at their positions."""
         return Cell(
             name="handover",
             robots=tuple(
@@ -84,7 +85,7 @@ class HandoverCell:
         )
 
     def scene(self, *, edge: float, mass: float, friction: float) -> Scene:
-        """Return a table with a cube for the giver and a bin for the taker."""
+        """Return a scene: a table with a cube for the giver and a bin for the taker."""
         one, other = (
             table.scene(edge=edge, mass=mass, friction=friction)
             for table in (self.giver, self.taker)
@@ -110,22 +111,22 @@ def hand_over(
     options: PickOptions | None = None,
     on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
 ) -> PickReport:
-    """Pick an object, hand it to the other robot, and place it in a bin.
+    """Pick an object, hand it to the second robot, and place it in a bin.
 
-    The giver picks it from above; the grippers meet face to face, with their pads on
-    different sides of the object.  Friction alone holds it, unless the robot has grasp
-    assist.
+    The giver picks the object from above.  The grippers meet face to face, with their
+    pads on different sides of the object.  Only friction holds the object, unless the
+    robot has grasp assist.
 
     Args:
         robot: A cell of two robots called giver and taker.
-        item: The name of an upright cube that can move.
+        item: The name of an upright, movable cube.
         into: Bin for the object, within the taker's reach.
-        meeting: Point of the handover, in the root [m].
-        options: Force and speeds.
+        meeting: Point of the handover, in the root frame [m].
+        options: Force and speeds of the task.
         on_snapshot: Called with each snapshot, for recording.
 
     Raises:
-        ControlError: If there is no such object, or it cannot be gripped at all.
+        ControlError: If the object does not exist, or if it cannot be gripped.
         EngineError: If the physics fails.
     """
     options = options or PickOptions()
@@ -148,7 +149,7 @@ def hand_over(
 
 
 class _Way(NamedTuple):
-    """The frames of the two grippers where they meet, in the root."""
+    """The frames of the two grippers at the meeting point, in the root frame."""
 
     give: Transform
     take: Transform
@@ -156,7 +157,7 @@ class _Way(NamedTuple):
 
 @final
 class _Handover:
-    """The transfer of an object from the giver's gripper to the taker's."""
+    """The transfer of an object from the giver's gripper to the taker's gripper."""
 
     def __init__(
         self,
@@ -173,7 +174,7 @@ class _Handover:
         self._meeting = meeting
 
     def do(self) -> float:
-        """Bring the object to the meeting point, and hand it over there.
+        """Bring the object to the meeting point, and hand the object over.
 
         Returns:
             The width of the object between the taker's pads [m].
@@ -204,8 +205,8 @@ class _Handover:
         monitor.begin("parting")
         giver.move_linear(_behind(way.give), give_tool)
         taker.check_hold()
-        # Return along the same path: on a shorter one, the arm might hit itself
-        # or the giver.
+        # Return along the same path: on a shorter path, the arm might collide with
+        # itself or the giver.
         monitor.begin("withdrawing")
         taker.move_linear(_behind(way.take), take_tool)
         taker.move_home()
@@ -213,7 +214,7 @@ class _Handover:
         return width
 
     def _nearest_way(self, give_tool: Transform, take_tool: Transform) -> _Way:
-        """Return the meeting that moves the joints least, or raise TaskFailure."""
+        """Return the frames with the smallest joint motion, or raise TaskFailure."""
         best: tuple[float, _Way] | None = None
         refused: ModelError | None = None
         for way in self._ways():
@@ -237,7 +238,7 @@ class _Handover:
         return best[1]
 
     def _ways(self) -> Iterator[_Way]:
-        """Yield the frames in which the two grippers' pads are on different sides."""
+        """Yield frames with the pads of the two grippers on different sides."""
         (ax, ay, _), (bx, by, _) = (
             self._robot.pose(hand.arm.chain.base).position
             for hand in (self._giver, self._taker)
@@ -250,7 +251,7 @@ class _Handover:
             )
 
     def _facing(self, yaw: float, turn: float) -> Transform:
-        """Return the frame of a level gripper, turned by ``turn`` about its axis."""
+        """Return the frame of a horizontal gripper, rotated about its axis."""
         level = to_transform(Pose(xyz=self._meeting, rpy=(0.0, math.pi / 2.0, yaw)))
         return level @ to_transform(Pose(rpy=(0.0, 0.0, turn)))
 

@@ -1,4 +1,4 @@
-"""Watches a demo while simulated time passes: grip measurements and video frames."""
+"""Observers of a demo: measurements of the grip, and frames of a video."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 FRAME_RATE = 30
 """Frames per simulated second [Hz]."""
 _POLL_PERIOD = 0.5
-"""Longest wait for a snapshot [wall s]; a pause is noticed after that time."""
-_TIME_ROUNDING = 1e-9  # [s]
+"""Longest wait for a snapshot [wall s]; a pause is detected after this time."""
+_TIME_ROUNDING = 1e-9  # tolerance [s]
 
 
 class _Held(NamedTuple):
@@ -33,13 +33,13 @@ class _Held(NamedTuple):
     """The link that carries the fingers."""
     pads: tuple[str, str]
     start: Vector3
-    """Start position of the object relative to the middle of the pads, in the base
+    """Start position of the object relative to the middle of the pads, in ``base``
     [m]."""
 
 
 @final
 class GraspMonitor:
-    """Advances simulated time, and measures from every snapshot."""
+    """Advances simulated time, and takes measurements from every snapshot."""
 
     def __init__(
         self,
@@ -47,11 +47,11 @@ class GraspMonitor:
         item: str,
         on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
     ) -> None:
-        """Start measuring how grippers act on the object ``item``.
+        """Start to measure the effect of the grippers on the object ``item``.
 
         Args:
             robot: The robot.
-            item: The name of an object of its scene.
+            item: The name of an object in the robot's scene.
             on_snapshot: Called with each snapshot, for recording.
         """
         self._robot = robot
@@ -65,16 +65,17 @@ class GraspMonitor:
         }
         self._held: _Held | None = None
         self.slip: float | None = None
-        """Distance that the object has moved between the pads since it was held [m]."""
+        """Largest slip of the object between the pads [m]; None before the first
+        measurement."""
         self.peak_force = 0.0
-        """Largest force that a pad has exerted on the object so far [N]."""
+        """Largest measured force of a pad on the object [N]."""
         self.phases: dict[str, float] = {}
-        """Phase → its duration [simulated s]."""
+        """Phase → duration of the phase [simulated s]."""
         self._phase = ""
         self._since = robot.time
 
     def begin(self, phase: str) -> None:
-        """End the current phase, and begin another."""
+        """End the current phase, and begin the phase ``phase``."""
         now = self._robot.time
         if self._phase:
             self.phases[self._phase] = self.phases.get(self._phase, 0.0) + (
@@ -88,15 +89,15 @@ class GraspMonitor:
         return self._phase
 
     def until(self, done: Callable[[], bool], timeout: float) -> bool:
-        """Wait until ``done()``; return False on a timeout.
+        """Wait until ``done()`` is true; return False on a timeout.
 
         Args:
             done: Called after each snapshot.
-            timeout: Simulated [s].
+            timeout: Longest wait [simulated s].
 
         Raises:
-            ControlError: If the object is removed, or the robot is paused
-                and does not run in real time.
+            ControlError: If the object is removed, or if a robot that does not run in
+                real time is paused.
             EngineError: If the physics failed.
         """
         end = self._robot.time + timeout
@@ -111,7 +112,7 @@ class GraspMonitor:
         self.until(lambda: False, duration)
 
     def start_slip(self, gripper: Gripper) -> None:
-        """Measure slip from now on; the object should not move between the pads."""
+        """Start to measure the object's slip relative to its present position."""
         geometry = gripper.geometry
         base = self._robot.description.model.joint(geometry.joint).parent
         pads = pad_links(self._robot.description.model, geometry)
@@ -124,7 +125,7 @@ class GraspMonitor:
         self._held = None
 
     def pose(self) -> Transform:
-        """Return the object's pose in the root."""
+        """Return the object's pose in the root frame."""
         return self._robot.scene.pose(self.item)
 
     def pad_force(self) -> float:
@@ -165,7 +166,7 @@ class GraspMonitor:
             self.slip = max(self.slip, math.dist(held.start, now))
 
     def _held_at(self, snapshot: Snapshot, base: str, pads: tuple[str, str]) -> Vector3:
-        """Return the object's position relative to the pads' middle, in the gripper."""
+        """Return the object's position relative to the pads' middle, in ``base``."""
         position = dict(zip(snapshot.joint_names, snapshot.position, strict=True))
         found = link_poses(self._robot.description.model, position)
         (ax, ay, az), (bx, by, bz) = (found[pad].position for pad in pads)
@@ -178,24 +179,26 @@ class GraspMonitor:
 
 @final
 class FrameRecorder:
-    """Records the snapshots of a demo that become frames of its video.
+    """Records the snapshots of a demo for the frames of a video.
 
-    Drawing takes longer than simulating, so the frames are drawn after the demo.
+    Rendering takes longer than the simulation.  Therefore, the frames are rendered
+    after the demo.
     """
 
     def __init__(self, rate: int = FRAME_RATE) -> None:
-        """Take ``rate`` frames a simulated second [Hz]."""
+        """Record ``rate`` frames per simulated second [Hz]."""
         self._rate = rate
-        self._due: float | None = None  # simulated time of the next frame [s]
+        self._due: float | None = None  # time of the next frame [simulated s]
         self.frames: list[Snapshot] = []
-        """The frames, in order."""
+        """The recorded snapshots, in chronological order."""
 
     def record(self, snapshot: Snapshot) -> None:
         """Keep a snapshot if the next frame is due."""
         period = 1.0 / self._rate
         due = snapshot.time if self._due is None else self._due
         if abs(snapshot.time - due) > period + _TIME_ROUNDING:
-            due = snapshot.time  # after a reset or a gap in the snapshots: a cut
+            # After a reset or a gap in the snapshots, the video has a cut.
+            due = snapshot.time
         if snapshot.time >= due - _TIME_ROUNDING:
             self.frames.append(snapshot)
             due += period
@@ -208,17 +211,17 @@ class FrameRecorder:
         camera: str,
         progress: Callable[[str, float], None],
     ) -> None:
-        """Draw the recorded snapshots as ``camera`` sees it, into an MP4.
+        """Render the recorded snapshots with ``camera``, and write them to an MP4 file.
 
         Args:
-            path: The file, which is replaced.
+            path: The file to write; an existing file is replaced.
             robot: The robot that was recorded.
-            camera: One of its cameras.
-            progress: Called with the activity and the fraction that is done.
+            camera: One of the robot's cameras.
+            progress: Called with the activity and the completed fraction.
 
         Raises:
             ConfigError: If the file cannot be written.
-            RenderError: If nothing can draw or encode here.
+            RenderError: If this machine cannot render or encode the video.
         """
         from tool0.recording.video_writer import VideoWriter
 

@@ -1,4 +1,4 @@
-"""Pick an object from above and place it in a bin."""
+"""Pick and place: picks an object from above, and places the object in a bin."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ DROP = 0.015
 
 @final
 class Picker:
-    """Does one pick with one arm and its gripper."""
+    """Performs one pick with one arm and its gripper."""
 
     def __init__(
         self,
@@ -39,18 +39,19 @@ class Picker:
         monitor: GraspMonitor,
         name: str | None = None,
     ) -> None:
-        """Find the grasps of the object where it is now.
+        """Find the grasps of the object at its present pose.
 
         Args:
             robot: The robot.
             item: An upright box, cylinder or sphere.
-            options: Force and speeds.
-            monitor: Advances time, and measures.
-            name: Name of the arm and its gripper; needed only if there are several.
+            options: Force and speeds of the pick.
+            monitor: Advances simulated time, and measures the grip.
+            name: Name of the arm and its gripper; required only if the
+                robot has several arms.
 
         Raises:
-            ControlError: If there is no such object, it cannot be gripped at all, or
-                the gripper does not support the force or speed.
+            ControlError: If the object does not exist or cannot be gripped, or if the
+                gripper does not support the force or the speed.
         """
         self.hand = Hand(robot, options, monitor, name)
         geometry = self.hand.gripper.geometry
@@ -60,24 +61,26 @@ class Picker:
         self._floor = pose.position[2] - half_height(thing, pose)
         reach = finger_reach(robot.description.model, geometry)
         top = 2.0 * pose.position[2] - self._floor
-        # Any lower, the fingers would touch the table or the knuckles a tall object.
+        # In a lower position, the fingers would touch the table, or the knuckles would
+        # touch a tall object.
         self._height = max(
             pose.position[2], top - reach, self._floor + reach + CLEARANCE
         )
         """Height of the middle of the pads when they grip the object [m]."""
         self._grasp = self._grasps[0]
         self.width: float | None = None
-        """Width of the gripped object, from the gripper's joint [m]."""
+        """Width of the gripped object, calculated from the position of the gripper's
+        joint [m]."""
         self.force: float | None = None
-        """Force of a pad on the object when it is lifted [N]."""
+        """Force of a pad on the object at the beginning of the lift [N]."""
 
     @property
     def width_between_pads(self) -> float:
-        """Width of the object where it is gripped, from its shape [m]."""
+        """Width of the object at the grasp, from the object's shape [m]."""
         return self._grasp.width
 
     def take(self) -> None:
-        """Go to the object, grip it, and lift it, or raise TaskFailure."""
+        """Move to the object, grip it and lift it, or raise TaskFailure."""
         hand, monitor, lift = self.hand, self._monitor, self.hand.options.lift
         x, y, _ = self._grasps[0].pose.position
         self._grasp = hand.nearest((x, y, self._height + lift), self._grasps)
@@ -111,20 +114,20 @@ def pick_and_place(
     options: PickOptions | None = None,
     on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
 ) -> PickReport:
-    """Pick an object from above, place it in a bin, and report what was measured.
+    """Pick an object from above, place it in a bin, and return the measurements.
 
-    The object is held by friction alone, unless the robot has grasp assist.
+    Only friction holds the object, unless the robot has grasp assist.
 
     Args:
         robot: A robot with one arm that has analytic inverse kinematics, and one
             gripper.
-        item: The name of an upright box, cylinder or sphere that can move.
+        item: The name of an upright, movable box, cylinder or sphere.
         into: Bin for the object.
-        options: Force and speeds.
+        options: Force and speeds of the pick.
         on_snapshot: Called with each snapshot, for recording.
 
     Raises:
-        ControlError: If there is no such object, or it cannot be gripped at all.
+        ControlError: If the object does not exist, or if it cannot be gripped.
         EngineError: If the physics fails.
     """
     options = options or PickOptions()
@@ -134,13 +137,14 @@ def pick_and_place(
 
 
 class Picking(Protocol):
-    """Picks an object, and measures the grip."""
+    """Picker of an object that also measures the grip."""
 
     hand: Hand
     width: float | None
-    """Width of the gripped object, from the gripper's joint [m]."""
+    """Width of the gripped object, calculated from the position of the gripper's joint
+    [m]."""
     force: float | None
-    """Force of a pad on the object when it is lifted [N]."""
+    """Force of a pad on the object at the beginning of the lift [N]."""
 
     def take(self) -> None:
         """Grip the object and lift it, or raise TaskFailure."""
@@ -152,7 +156,7 @@ class Picking(Protocol):
 def pick_into(
     robot: Robot, picker: Picking, monitor: GraspMonitor, into: Bin
 ) -> PickReport:
-    """Pick an object, place it in a bin, and report."""
+    """Pick an object, place it in a bin, and return a report."""
 
     def task() -> None:
         picker.take()
@@ -168,9 +172,10 @@ def measured(
 
     Args:
         robot: The robot.
-        picker: Picks the object up, in the course of the task.
+        picker: Picks the object up during the task.
         monitor: Measures how the object is held.
-        task: Raises TaskFailure, ControlError or ModelError if it fails.
+        task: Performs the task; raises TaskFailure, ControlError or ModelError on
+            failure.
     """
     start, begun, failure = monitor.pose().position, robot.time, None
     try:

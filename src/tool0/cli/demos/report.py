@@ -1,4 +1,4 @@
-"""The outcome of a task, and its measurements."""
+"""The outcome and the measurements of a task."""
 
 from __future__ import annotations
 
@@ -10,36 +10,41 @@ from typing import final
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PickReport:
-    """One pick and place, or handover.  Values that were never reached are None."""
+    """Report of one pick and place, or of one handover.
+
+    A value is None if the task failed before the value could be measured.
+    """
 
     success: bool
-    """Whether the object is in the bin."""
+    """Whether the object is in the bin at the end."""
     failure: str | None = None
     """The phase in which the task failed, and the reason; None if it succeeded."""
     item: str
-    """The object."""
+    """Name of the object."""
     start: tuple[float, float, float]
-    """Start position of the object, in the root [m]."""
+    """Start position of the object, in the root frame [m]."""
     end: tuple[float, float, float] | None
-    """Final position [m]; None if it was removed."""
+    """Final position of the object, in the root frame [m]; None if the object was
+    removed."""
     force: float
     """Requested force at each pad [N]."""
     grip_force: float | None = None
-    """Force of a pad when the object was lifted [N]."""
+    """Force of a pad on the object at the beginning of the lift [N]."""
     peak_force: float
-    """Largest force of a pad [N], sampled at 125 Hz; pads that meet a rigid object must
-    also stop the rotor of their drive."""
+    """Largest force of a pad on the object [N], sampled at 125 Hz.  This force includes
+    the deceleration of the drive's rotor when the pads meet a rigid object."""
     width: float | None = None
-    """Width of the held object, from the gripper's joint [m]."""
+    """Width of the held object, calculated from the position of the gripper's joint
+    [m]."""
     slip: float | None = None
-    """Largest slip between the pads while it was held [m]."""
+    """Largest slip of the object between the pads while it was held [m]."""
     duration: float
     """Duration of the task [simulated s]."""
     phases: Mapping[str, float] = field(default_factory=dict)
-    """Phase → its duration [simulated s]."""
+    """Phase → duration of the phase [simulated s]."""
 
     def to_text(self) -> str:
-        """Return the report as a readable line."""
+        """Return the report as a line of text."""
         x, y, _ = self.start
         what = f"'{self.item}' from ({x:.3f}, {y:.3f})"
         if not self.success:

@@ -1,4 +1,4 @@
-"""The demos: a robot, its surroundings, and its task."""
+"""The demos: each consists of a robot, the robot's surroundings, and a task."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ OnSnapshot = Callable[[Snapshot], None]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cube:
-    """The cube that is picked."""
+    """The cube to pick."""
 
     edge: float = 0.045
     """Edge of the cube [m]."""
     mass: float = 0.1
     """Mass of the cube [kg]."""
     friction: float = 1.0
-    """Coefficient of friction."""
+    """Coefficient of friction of the cube."""
 
     def scene_of(self, place: PickTable | HandoverCell) -> Scene:
         """Return the scene with the cube."""
@@ -56,14 +56,14 @@ class Cube:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Demo:
-    """A robot, its surroundings, and its task."""
+    """A demo: a robot, the robot's surroundings, and a task."""
 
     description: DescriptionConfig
     scene: Scene
     poses: Callable[[Robot, int], Iterator[Pose]]
-    """Random start poses of the cube, for a seed."""
+    """Function that yields random start poses of the cube for a seed."""
     task: Callable[[Robot, Bin, OnSnapshot], PickReport]
-    """Performs the task once."""
+    """Function that performs the task once."""
 
     def play(
         self,
@@ -74,13 +74,13 @@ class Demo:
         on_snapshot: OnSnapshot = lambda snapshot: None,
         on_pick: Callable[[PickReport], None] = lambda report: None,
     ) -> DemoReport:
-        """Do the task ``n`` times, and report.
+        """Perform the task ``n`` times, and return a report.
 
         Args:
-            robot: The robot as described, with the scene.
+            robot: A robot with the description and the scene of the demo.
             n: Number of trials.
-            seed: Seed of the random start poses; without a seed, the first pose is the
-                scene's.
+            seed: Seed of the random start poses; without a seed, the first trial uses
+                the pose from the scene.
             on_snapshot: Called with each snapshot.
             on_pick: Called after each trial.
         """
@@ -98,7 +98,7 @@ class Demo:
 
 
 def pick_demo(cube: Cube, options: PickOptions, description: DescriptionConfig) -> Demo:
-    """Return the picks from a table, with a robot of one arm and one gripper."""
+    """Return the demo of picks from a table; the robot has one arm and one gripper."""
     table = PickTable(scale=_scale(description))
     options = replace(options, lift=table.lift)
     return Demo(
@@ -117,10 +117,12 @@ def shelf_demo(
     description: DescriptionConfig,
     second: str | None,
 ) -> Demo:
-    """Return the picks from a shelf, around obstacles; ``second`` is ARM+GRIPPER.
+    """Return the demo of picks from a shelf around obstacles.
+
+    ``second`` is the second robot, as ARM+GRIPPER.
 
     Raises:
-        ConfigError: If the arm is too short, or the second robot unknown.
+        ConfigError: If the arm is too short, or if the second robot is unknown.
     """
     if (scale := _scale(description)) < SMALLEST_SCALE:
         raise ConfigError(
@@ -144,10 +146,10 @@ def shelf_demo(
 
 
 def handover_demo(cube: Cube, options: PickOptions, giver: str, taker: str) -> Demo:
-    """Return the handovers between two robots, each ``ARM+GRIPPER``.
+    """Return the demo of handovers between two robots, each as ``ARM+GRIPPER``.
 
     Raises:
-        ConfigError: If either does not have this form.
+        ConfigError: If the giver or the taker does not have this form.
     """
     given = {GIVER: giver, TAKER: taker}
     robots = parse_robots([f"{name}={parts}" for name, parts in given.items()]).robots
@@ -176,5 +178,5 @@ def handover_demo(cube: Cube, options: PickOptions, giver: str, taker: str) -> D
 
 
 def _scale(description: DescriptionConfig) -> float:
-    """Return the scale of an arm, for which the description is read."""
+    """Return the scale of an arm, from its full description."""
     return arm_scale(load_description(description).model)

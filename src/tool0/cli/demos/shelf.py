@@ -1,6 +1,7 @@
-"""Pick an object from a shelf, and place it in a bin behind a wall, with planning.
+"""Planned pick and place: from a shelf to a bin behind a wall.
 
-A second arm may work at the bin: it makes room while the object is carried.
+A second arm can stand at the bin.  The second arm moves aside while the object is
+carried.
 """
 
 from __future__ import annotations
@@ -39,28 +40,30 @@ if TYPE_CHECKING:
 SMALLEST_SCALE: Final = 0.95
 """Smallest scale of the arms that reach both the shelf and the bin."""
 BOARD: Final = "shelf.board"
-"""Name of the board on which the object stands."""
+"""Name of the shelf board on which the object stands."""
 INTO_SHELF: Final = (0.0, 1.0, 0.0)
-"""Direction in the root."""
+"""Direction into the shelf, in the root frame."""
 RAISED: Final = 0.02
-"""Height at which the object leaves the shelf, above its board [m]."""
+"""Height above the board at which the object leaves the shelf [m]."""
 OUTSIDE: Final = 0.06
-"""Distance of the middle of the pads from the shelf, before and after the grasp [m]."""
+"""Distance between the middle of the pads and the shelf before and after the grasp
+[m]."""
 PICKER, HELPER = "picker", "helper"
 """Names of the two robots."""
 HELPER_XYZ: Final = (1.05, -0.34, 0.0)
-"""Base of the second robot, in the root [m]; it faces the first one."""
+"""Base position of the second robot, in the root frame [m]; this robot faces the first
+robot."""
 ASIDE: Final = {"shoulder_pan_joint": 1.6, "shoulder_lift_joint": -1.9}
-"""Posture in which the second robot makes room [rad]."""
+"""Posture of the second robot when it moves aside [rad]."""
 _BESIDE: Final = 0.12
-"""Distance of an object's centre from the sides of the shelf [m]."""
+"""Minimum distance of an object's center from the sides of the shelf [m]."""
 _DEPTHS: Final = (0.04, 0.09)
-"""Range of depths of random poses, from the edge of the board [m]."""
+"""Range of depths of random poses, measured from the edge of the board [m]."""
 _TURN: Final = 0.3
-"""Largest turn of random poses, to either side [rad]."""
+"""Largest yaw of random poses, in either direction [rad]."""
 _TILT: Final = math.radians(70.0)
-"""Tilt of the gripper from above: it looks down a little, to clear the edge of the
-board."""
+"""Tilt of the gripper from vertical [rad]: the gripper points slightly downward, to
+clear the edge of the board."""
 _FACING: Final = math.cos(math.radians(46.0))
 
 
@@ -84,7 +87,7 @@ def shelf_scene(*, edge: float, mass: float, friction: float) -> Scene:
 
 
 def two_robots(picker: DescriptionConfig, helper: DescriptionConfig) -> Cell:
-    """Return a robot at the shelf and a second one at the bin."""
+    """Return a cell with one robot at the shelf and one robot at the bin."""
     turned = replace(helper, base_xyz=HELPER_XYZ, base_rpy=(0.0, 0.0, math.pi))
     robots = ((PICKER, picker), (HELPER, turned))
     return Cell(
@@ -97,7 +100,7 @@ def two_robots(picker: DescriptionConfig, helper: DescriptionConfig) -> Cell:
 
 
 def random_poses(scene: Scene, edge: float, seed: int) -> Iterator[Pose]:
-    """Yield endless random poses of a cube on the board, determined by ``seed``."""
+    """Yield an endless sequence of random poses of a cube on the board."""
     rng = random.Random(seed)
     low, high = _board(scene.objects)
     while True:
@@ -114,21 +117,21 @@ def pick_from_shelf(
     options: PickOptions,
     on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
 ) -> PickReport:
-    """Pick an object from the shelf, place it in a bin, and report.
+    """Pick an object from the shelf, place it in a bin, and return a report.
 
-    The paths to the shelf and to the bin are planned around all obstacles, the second
-    path with the object in the gripper.
+    The paths to the shelf and to the bin are planned around all obstacles.  The second
+    path is planned with the object in the gripper.
 
     Args:
         robot: A robot with one arm and one gripper, or a cell from ``two_robots``, in
             the scene ``shelf``.
         item: The name of an upright box, cylinder or sphere.
         into: Bin for the object.
-        options: Force and speeds.
+        options: Force and speeds of the pick.
         on_snapshot: Called with each snapshot, for recording.
 
     Raises:
-        ControlError: If there is no such object, or it cannot be gripped at all.
+        ControlError: If the object does not exist, or if it cannot be gripped.
         EngineError: If the physics fails.
     """
     with contextlib.closing(GraspMonitor(robot, item, on_snapshot)) as monitor:
@@ -143,10 +146,10 @@ class ShelfPicker:
     def __init__(
         self, robot: Robot, item: str, options: PickOptions, monitor: GraspMonitor
     ) -> None:
-        """Find the grasps of the object where it is now.
+        """Find the grasps of the object at its present pose.
 
         Raises:
-            ControlError: If there is no such object, or it cannot be gripped.
+            ControlError: If the object does not exist, or if it cannot be gripped.
         """
         helper = robot.arms.get(HELPER)
         name = None if helper is None else PICKER
@@ -163,7 +166,7 @@ class ShelfPicker:
         self.force: float | None = None
 
     def take(self) -> None:
-        """Go to the shelf, grip the object, and take it out, or raise TaskFailure."""
+        """Move to the shelf, grip the object and take it out, or raise TaskFailure."""
         hand, monitor = self.hand, self._monitor
         monitor.begin("approaching")
         opening = hand.open()
@@ -199,7 +202,7 @@ class ShelfPicker:
         hand.release(into, place, height)
 
     def _before(self, grasp: Grasp) -> Grasp:
-        """Return a grasp, moved back out of the shelf."""
+        """Return a copy of a grasp that is moved backward out of the shelf."""
         pose = grasp.pose
         ahead = _axis(pose, 2)
         x, y, z = pose.position
@@ -209,7 +212,7 @@ class ShelfPicker:
 
 
 def _from_front(grasps: Sequence[Grasp]) -> list[Grasp]:
-    """Return grasps from above, tilted about the line between the pads to the front."""
+    """Return grasps from above, tilted about the line between the pads."""
     found = []
     for grasp in grasps:
         for turn in (-_TILT, _TILT):
@@ -226,8 +229,8 @@ def _axis(pose: Transform, k: int) -> Vector3:
 
 
 def _board(objects: Iterable[SceneObject]) -> tuple[Vector3, Vector3]:
-    """Return the lowest and the highest corner of the board [m]."""
+    """Return the corners of the board with the lowest and highest coordinates [m]."""
     board = next(item for item in objects if item.name == BOARD)
-    assert isinstance(board.geometry, Box)  # in the scene file
+    assert isinstance(board.geometry, Box)  # the board is a box in the scene file
     (x, y, z), (dx, dy, dz) = board.pose.xyz, board.geometry.size
     return (x - dx / 2, y - dy / 2, z - dz / 2), (x + dx / 2, y + dy / 2, z + dz / 2)

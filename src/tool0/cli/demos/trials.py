@@ -1,4 +1,4 @@
-"""Several picks from random poses, and a report of them."""
+"""Several picks from random poses, and a report of the picks."""
 
 from __future__ import annotations
 
@@ -19,25 +19,26 @@ if TYPE_CHECKING:
     from tool0.api.robot import Robot
 
 RETURN_TIMEOUT = 20.0
-"""Longest duration of the motion back between two picks [simulated s]."""
+"""Longest duration of the return motion between two picks [simulated s]."""
 SETTLE = 0.3
-"""Simulated time for an object to come to rest where it was put [s]."""
+"""Time for an object to come to rest after it was placed [simulated s]."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DemoReport:
-    """All picks of a demo, and their conditions."""
+    """Report of all picks of a demo, with the conditions of the picks."""
 
     engine: str
     gripper_model: str
     grasp_assist: bool
-    """Whether gripped objects were fixed to the gripper, which is not physical."""
+    """Whether gripped objects were fixed to the gripper; this is physically
+    unrealistic."""
     picks: tuple[PickReport, ...]
     sim_time: float
     wall_time: float
     video: str | None = None
-    """The file that was written."""
+    """The video file that was written; None if there is no video."""
 
     @property
     def n_succeeded(self) -> int:
@@ -74,16 +75,17 @@ def run_trials(
     on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
     on_pick: Callable[[PickReport], None] = lambda report: None,
 ) -> DemoReport:
-    """Perform a task with an object from several poses, one after the other.
+    """Perform a task with an object several times, from different poses.
 
-    The first trial starts with the robot as it is, the others from the same posture.
+    The first trial starts at the present posture of the robot.  Before each further
+    trial, the robot returns to this posture.
 
     Args:
-        robot: A robot with one arm and one gripper, or with several.
+        robot: A robot with one or several arms and grippers.
         item: The object, which is put back on the table between picks.
         task: Picks the object, such as ``pick_and_place``.
-        poses: The start poses of the object; None leaves it where it is.
-        n_picks: Number of picks.
+        poses: The start poses of the object; for None, the object is not moved.
+        n_picks: Number of picks to perform.
         on_snapshot: Called with each snapshot between the picks.
         on_pick: Called after each pick.
 
@@ -122,9 +124,10 @@ def run_trials(
 
 
 def _go_back(robot: Robot, home: Mapping[str, float], monitor: GraspMonitor) -> None:
-    """Open the grippers and move the arms ``home``, wherever a failure left them.
+    """Open the grippers and move the arms ``home`` from any posture.
 
-    If that takes longer than ``RETURN_TIMEOUT``, the next pick starts elsewhere.
+    If the motion takes longer than ``RETURN_TIMEOUT``, the next pick starts at another
+    posture.
     """
     opened = [
         gripper.move(opening=gripper.geometry.max_opening)
@@ -140,7 +143,7 @@ def _go_back(robot: Robot, home: Mapping[str, float], monitor: GraspMonitor) -> 
 
 
 def _start_back(robot: Robot, home: Mapping[str, float]) -> tuple[GoalHandle, ...]:
-    """Start to move the arms ``home``: straight, around obstacles, or by force."""
+    """Start to move the arms ``home``: directly, around obstacles, or unchecked."""
     with contextlib.suppress(CollisionError):
         return robot.move_joints(home)
     targets = [
