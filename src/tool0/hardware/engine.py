@@ -305,7 +305,7 @@ class NativeStepper(NamedTuple):
     engine has no variable for this function."""
     clock: int
     """Address of the variable that holds the C function ``double clock(void)``, with
-    which the engine measures the time of its parts.  Compiled code that steps the engine
+    which the engine times the parts of a step.  Compiled code that steps the engine
     replaces this function by a function that returns 0.  The address is 0 if the engine
     has no variable for this function."""
     model: int

@@ -28,10 +28,11 @@ if TYPE_CHECKING:
 
 
 def folders() -> tuple[Path, ...]:
-    """Return the folders that may contain sockets, the preferred one first.
+    """Return the folders that may contain sockets, with the preferred folder first.
 
-    ``XDG_RUNTIME_DIR`` is private to the user and emptied at logout.  Where it is not
-    set (in a container, under cron or su), a folder with mode 0700 is used instead.
+    ``XDG_RUNTIME_DIR`` is private to the user and is emptied at logout.  If this
+    variable is not set (in a container, with cron or su), a folder with mode 0700 is
+    used instead.
     """
     import tempfile
 
@@ -47,7 +48,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 
 
 def socket_path(folder: Path, name: str) -> Path:
-    """Return the socket file of ``name``, or raise TransportError for a bad name."""
+    """Return the socket file of ``name``; raise TransportError for an invalid name."""
     if not _NAME.fullmatch(name):
         raise TransportError(
             f"a bringup cannot be named '{name}': use up to 64 letters, digits, "
@@ -63,10 +64,10 @@ def socket_path(folder: Path, name: str) -> Path:
 
 
 def insecurity(folder: Path) -> str | None:
-    """Return why other users could place a socket in ``folder``; None if they cannot.
+    """Return why other users could create a socket in ``folder``, or None.
 
     Raises:
-        OSError: If there is no such folder.
+        OSError: If the folder does not exist.
     """
     status = folder.lstat()
     if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.getuid():
@@ -77,7 +78,7 @@ def insecurity(folder: Path) -> str | None:
 
 
 def is_foreign(peer: socket.socket) -> bool:
-    """Return whether the process at the other end is known to be another user's."""
+    """Return whether the other process is known to belong to another user."""
     if not hasattr(socket, "SO_PEERCRED"):
         return False
     credentials = struct.Struct("3i")
@@ -113,7 +114,7 @@ class Transform:
         (A, B, C), (D, E, F), (G, H, I) = other.rotation  # noqa: E741
         return Transform(
             position=self.apply(other.position),
-            rotation=(  # from 0.0, so that no zero is negative
+            rotation=(  # each sum starts at 0.0, so that no zero is negative
                 (
                     0.0 + a * A + b * D + c * G,
                     0.0 + a * B + b * E + c * H,
@@ -148,7 +149,7 @@ class Transform:
         return Transform(rotation=self.rotation).apply(vector)
 
     def inverse(self) -> Transform:
-        """Return the inverse transform."""
+        """Return the inverse of this transform."""
         a, b, c = zip(*self.rotation, strict=True)
         transposed = Transform(rotation=(a, b, c))
         x, y, z = transposed.apply(self.position)
@@ -158,7 +159,7 @@ class Transform:
     def quat_wxyz(self) -> Quaternion:
         """The rotation as a unit quaternion with w >= 0."""
         (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = self.rotation
-        # Take the root of the largest component, so that none is divided by ~0.
+        # Use the root of the largest component, so that no division by nearly 0 occurs.
         squares = (
             1 + xx + yy + zz,
             1 + xx - yy - zz,
@@ -179,21 +180,21 @@ class Transform:
 
     @property
     def rotation_vector(self) -> Vector3:
-        """The rotation as axis times angle [rad], of length 0 … π."""
+        """The rotation as the product of axis and angle [rad], with length 0 … π."""
         w, x, y, z = self.quat_wxyz
         sine = math.hypot(x, y, z)
         factor = 2.0 / w if sine < _SMALL else 2.0 * math.atan2(sine, w) / sine
         return factor * x, factor * y, factor * z
 
     def __repr__(self) -> str:
-        """Return position and quaternion as text, rounded to the micrometre."""
+        """Return position and quaternion as text, rounded to 6 decimal places."""
         position = ", ".join(_short(value) for value in self.position)
         quat = ", ".join(_short(value) for value in self.quat_wxyz)
         return f"Transform(position=({position}), quat_wxyz=({quat}))"
 
 
 def from_quaternion(position: Sequence[float], quat_wxyz: Sequence[float]) -> Transform:
-    """Return the transform with a position and a quaternion of any positive length."""
+    """Return the transform with a position and a quaternion of any positive norm."""
     px, py, pz = position
     length = math.hypot(*quat_wxyz)
     w, x, y, z = (part / length for part in quat_wxyz)
@@ -220,7 +221,7 @@ class Mimic:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pose:
-    """Pose of a frame in its parent, as in URDF's ``<origin>``."""
+    """Pose of a frame in the parent frame, in the form of URDF's ``<origin>``."""
 
     xyz: Vector3 = (0.0, 0.0, 0.0)
     """Position of the frame's origin [m]."""
@@ -244,7 +245,7 @@ def to_transform(pose: Pose) -> Transform:
     )
 
 
-@lru_cache(maxsize=1024)  # the origins of some robots; they never change
+@lru_cache(maxsize=1024)  # the origins of the joints of some robots, which are constant
 def _at_zero(origin: Pose) -> Transform:
     return to_transform(origin) @ Transform()  # without negative zeros
 
@@ -262,7 +263,7 @@ TURNING: Final = frozenset({JointType.REVOLUTE, JointType.CONTINUOUS})
 
 
 def rotation_about(axis: Vector3, angle: float) -> Rotation:
-    """Return the rotation by ``angle`` [rad] about a unit vector (Rodrigues)."""
+    """Return the rotation by ``angle`` [rad] about a unit vector."""
     x, y, z = axis
     c, s = math.cos(angle), math.sin(angle)
     v = 1.0 - c
@@ -277,7 +278,9 @@ T = TypeVar("T", float, "NDArray[np.float64]")
 
 
 def joint_position(joint: Joint, position: Mapping[str, T]) -> T | float:
-    """Return the position of ``joint``: given, from its mimic relation, or 0.
+    """Return the position of ``joint``.
+
+    The result is the given position, the position from the mimic relation, or 0.
 
     Positions are numbers or arrays.
     """
@@ -290,7 +293,8 @@ def joint_position(joint: Joint, position: Mapping[str, T]) -> T | float:
 def joint_transform(joint: Joint, position: Mapping[str, float]) -> Transform:
     """Return the pose of the joint's child link in its parent link.
 
-    Positions are as for ``link_poses``; planar and floating joints stay at 0.
+    ``position`` has the same meaning as for ``link_poses``.  Planar and floating joints
+    always have position 0.
     """
     at_zero = _at_zero(joint.origin)
     if joint.type is JointType.PRISMATIC:
