@@ -89,9 +89,10 @@ def move(
         linear: Move the tool along a straight line.
         speed: Speed of a motion with --pose or --plan, as a fraction of the joints'
             velocity limits, 0.01 to 1.  With --linear, the value is the speed of the
-        tool [m/s]. tip: Link that moves to --pose; the default is tool0. relative_to:
-        Reference link of --pose; the default is the robot's root. check: Only print
-        whether the motion would be free of collisions or, with
+            tool [m/s].
+        tip: Link that moves to --pose; the default is tool0.
+        relative_to: Reference link of --pose; the default is the robot's root.
+        check: Only print whether the motion would be free of collisions or, with
             --plan, whether a path around the obstacles exists.  The exit status is 1 if
             the answer is no.
         plan: Plan a path around obstacles to any configuration that reaches the target,
