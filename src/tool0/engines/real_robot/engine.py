@@ -52,7 +52,7 @@ LOST: Final = "the connection to the robot was lost"
 STREAM_LOOK: Final = 0.1
 """Time between two checks of the extrapolated motion of a stream [s]."""
 CAUSES: Final = {
-    StopCause.SILENT: "the robot did not hear of tool0 for 0.1 s",
+    StopCause.SILENT: "the robot received nothing from tool0 for 0.1 s",
     StopCause.RAN_OUT: "the robot ran out of knots: tool0 or the network was late",
     StopCause.TOO_FAR: "a new motion was too far from the present one",
 }
