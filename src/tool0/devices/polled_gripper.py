@@ -1,4 +1,4 @@
-"""A gripper that a thread polls and to which the thread sends the newest command."""
+"""A gripper that is polled by a thread, which also sends the newest command to it."""
 
 from __future__ import annotations
 

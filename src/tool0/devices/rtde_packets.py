@@ -21,7 +21,7 @@ VERSIONS: Final = (1, 2)
 MAX_PACKET: Final = 65535
 """Maximum size of a packet that a client may send [bytes]."""
 MAX_NAMES: Final = 1 << 15
-"""Maximum size of a list of field names [bytes]. A list of all fields has 9 kB."""
+"""Maximum size of a list of field names [bytes]. A list of all fields is 9 kB long."""
 
 _HEADER: Final = Struct(">HB")
 

@@ -31,9 +31,9 @@ class ServoKind(IntEnum):
     """The kinds of servos."""
 
     POSITION = 0
-    """Servo that moves the joint to the controller's position."""
+    """Servo that moves the joint to the position that the controller commands."""
     VELOCITY = 1
-    """Servo that moves the joint at the controller's velocity."""
+    """Servo that moves the joint at the velocity that the controller commands."""
 
 
 class ServoLaw(NamedTuple):

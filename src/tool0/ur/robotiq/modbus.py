@@ -50,7 +50,7 @@ def respond(gripper: RobotiqGripper, request: bytes, *, is_tcp: bool = False) ->
         request: Request of at least one byte; the length of the request has not been
             checked.
         is_tcp: Whether the command and status blocks are also available at register 0,
-            like in Robotiq's grippers with built-in Modbus TCP.
+            as in Robotiq's grippers with built-in Modbus TCP.
     """
     function, data = request[0], request[1:]
     try:
