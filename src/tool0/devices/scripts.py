@@ -13,7 +13,7 @@ PORT: Final = 30001
 def send_script(host: str, text: str, port: int = PORT, timeout: float = 2.0) -> None:
     """Send a program, which replaces the running program.
 
-    A ``sec`` program runs alongside the current program. Check with RTDE whether the
+    A ``sec`` program runs alongside the current program. Use RTDE to check whether the
     program has started.
 
     Raises:

@@ -233,8 +233,7 @@ class Engine(Protocol):
         """The objects around the robot."""
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
-        """Reset joints to rest at ``position`` [rad | m], and objects to their start
-        pose.
+        """Reset joints to rest at ``position`` [rad | m]; reset objects to start poses.
 
         Set simulated time to ``time`` [s].
         """

@@ -155,8 +155,7 @@ class EffortLimiter:
             self._speed_limiters[i] = limiter
 
     def restart(self) -> None:
-        """Remove the limits set by goals; clear the last velocities of speed
-        limiters."""
+        """Remove the limits set by goals; clear the limiters' last velocities."""
         self._drive_limits.clear()
         self._speed_limiters = {
             i: self._speed_limiter(drive, self._added.get(i, 0.0))
@@ -325,8 +324,8 @@ class SpeedLimiter:
         held_back = 0.0
         if before is not None:
             held_back = applied - (velocity - before) * self.rotor
-        # The limiter reduces the effort to slow the joint, but the effort always
-        # carries the weight.
+        # The limiter reduces the effort to slow the joint, but the remaining effort
+        # always supports the weight.
         if effort > gravity:
             room = (speed - velocity) * self.rotor + held_back
             return min(effort, max(room, min(0.0, gravity)))

@@ -2,9 +2,9 @@
 
 A joint's drive either applies the effort that a controller commands, or uses a servo to
 follow the position or velocity that a controller commands.  If no controller claims the
-joint, or in an emergency stop, the joint's drive is off, and the engine holds the joint
-with its brake under any load.  A drive may offer several command interfaces; the claim
-selects the interface.
+joint, or during an emergency stop, the joint's drive is off, and the engine holds the
+joint with its brake under any load.  A drive may offer several command interfaces; the
+claim selects the interface.
 
 Without gains, Gazebo's position interface sets the joint position directly; tool0's
 position interface never does.  The effort of a servo is the sum of three terms: gravity
@@ -264,9 +264,9 @@ class RobotHardware:
     def rotors(self) -> Mapping[int, float]:
         """Rotor inertia that acts on joints [kg·m²], by joint index, for the engine.
 
-        Servos hide this inertia; an effort law does not.  The inertia is added to the
-        armature in the description.  The mapping is the same object until a claim
-        changes it.
+        The mapping contains only joints that effort laws drive, because the response of
+        a servo does not depend on this inertia.  The inertia is added to the armature
+        in the description.  The mapping is the same object until a claim changes it.
         """
         return self._rotors
 

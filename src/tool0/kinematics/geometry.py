@@ -185,8 +185,7 @@ class ArmGeometry:
         return np.asarray(np.sqrt(np.where(within, np.abs(square), np.nan)))
 
     def _check(self, chain: ArmChain) -> float:
-        """Return the error of ``solve`` [rad]; raise ControlError if it is too
-        large."""
+        """Return the error of ``solve`` [rad]; raise ControlError if it is large."""
         known = np.array(
             [[0.3, -1.1, 1.3, -0.7, -1.2, 0.4], [-2.0, -2.2, -1.2, 2.5, 0.9, -2.5]]
         )

@@ -33,7 +33,7 @@ _DAMPING = 1e-12
 
 @final
 class InverseKinematics:
-    """Inverse kinematics of an arm. Poses are flange poses in the arm's base link."""
+    """Inverse kinematics of an arm, for flange poses in the frame of its base link."""
 
     def __init__(self, chain: ArmChain) -> None:
         self.chain = chain

@@ -104,7 +104,7 @@ class Move:
 
     @property
     def turn_ratio(self) -> float:
-        """Ratio of the tool's angular and linear speed along a line [rad/m]."""
+        """Ratio of the tool's angular speed to its linear speed on a line [rad/m]."""
         return TURN_RATIO if self.w is None else self.w / self.v
 
     def __str__(self) -> str:

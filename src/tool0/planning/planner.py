@@ -162,7 +162,7 @@ def windings(q: Array, joints: Sequence[Joint], start: Array) -> Array:
 def _timed(
     group: PlanningGroup, joints: Sequence[Joint], way: Array, speed: float
 ) -> Path:
-    """Return the motion along a free path, which cuts corners as far as possible."""
+    """Return the motion along a free path, with corners cut as far as possible."""
     deviations = [_CUT] * (len(way) - 2)
     while True:
         smooth = SmoothWay(way, deviations)

@@ -288,7 +288,7 @@ class PlanningGroup:
     alive."""
 
     def begin(self, start: Array, *, is_check: bool = False) -> None:
-        """Allow bodies that are close at the start to remain as close.
+        """Allow bodies that are close at the start to remain equally close.
 
         A search also keeps a distance of SLACK. A check does not, so that it is as
         exact as the steps along the motion.

@@ -27,9 +27,9 @@ WINDOW = 0.1
 hold an object [s]. The pads of a simulated grip chatter, so their velocity at one time
 is not a suitable criterion."""
 SHORT_OF_IT = 0.3
-"""Time after which the motion of pads at rest is complete if the pads are neither at
-their target nor pushing [s]. A real gripper reports an object up to 0.15 s after its
-pads have started to push the object."""
+"""Time after which the motion of pads at rest is considered complete if the pads are
+neither at their target nor pushing [s]. A real gripper reports an object up to 0.15 s
+after its pads have started to push the object."""
 STILL = 0.1
 """Fraction of the travel at the slowest speed within the window below which pads are
 considered to be at rest. With weak gains, pads creep to their target at twice this

@@ -99,7 +99,7 @@ class _Hand:
     ) -> bool:
         """Return whether the forces on the two fingers have opposite directions.
 
-        If the fingers stand on a table, both forces have the same direction.
+        If the fingers rest on a table, both forces have the same direction.
         """
         one, two = (self._force_on(finger, contacts) for finger in fingers)
         return sum(a * b for a, b in zip(one, two, strict=True)) < 0.0

@@ -47,7 +47,7 @@ class Updates:
         self._warned = -_REPORT_PERIOD
 
     def show(self, arrived: Sequence[Snapshot]) -> None:
-        """Pass on the received states, oldest first, but at least the newest state."""
+        """Pass on received states, oldest first; always pass on the newest state."""
         *passed, newest = arrived
         if passed:
             self._show_passed(passed)

@@ -125,8 +125,7 @@ class Thread:
         await self.hold()
 
     async def timed(self, action: Awaitable[T]) -> T:
-        """Wait for an action that takes time; then wait until the thread may
-        continue."""
+        """Wait for an action, and then wait until the thread may continue."""
         self._spun = 0
         critical = self.execution.critical
         was_inside = critical.is_inside(self)

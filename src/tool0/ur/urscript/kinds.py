@@ -47,7 +47,7 @@ def _number(value: Value) -> float:
 
 
 def _integer(value: Value) -> int:
-    """Return an integer; like on a robot, a float without a fraction is accepted."""
+    """Return an integer; as on a robot, a float without a fraction is accepted."""
     if type(value) is float and value.is_integer() and int(value) in INT_RANGE:
         return int(value)
     if type(value) is not int:
