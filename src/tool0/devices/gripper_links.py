@@ -186,7 +186,7 @@ class ModbusTcp:
     """Modbus TCP, which gateways and some grippers support."""
 
     def __init__(self, host: str, port: int = 502, timeout: float = 1.0) -> None:
-        """Connect to the unit, or raise TransportError."""
+        """Connect to the unit; raise TransportError if this fails."""
         self.peer = f"the gripper at {host}:{port} (Modbus TCP)"
         self._number = 0
         try:
@@ -226,7 +226,7 @@ class ModbusRtu:
     """Modbus RTU on a serial port: 115200 baud, 8 data bits, no parity."""
 
     def __init__(self, path: str, timeout: float = 0.5) -> None:
-        """Open the port, or raise TransportError."""
+        """Open the port; raise TransportError if this fails."""
         self.peer = f"the gripper at {path} (Modbus RTU)"
         self._timeout = timeout
         try:

@@ -177,7 +177,7 @@ class RobotHardware:
         prefix.  A controller reads the factor once per tick."""
         self.gripper_delay = 0.0
         """Longest delay until a gripper's state reflects a command [s]."""
-        # ROS's speed rule applies to joints that others mimic, to match the recordings.
+        # Joints that others mimic follow ROS's speed rule, to match the recordings.
         masters = {joint.mimic.joint for joint in model.movable_joints if joint.mimic}
         self._drives = {
             name: _effort_limits(

@@ -70,7 +70,7 @@ class Cameras(Mapping[str, Camera]):
         self._is_closed = False
 
     def __getitem__(self, name: str) -> Camera:
-        """Return a camera, or raise RenderError."""
+        """Return a camera; raise RenderError if there is no such camera."""
         if name not in self._cameras:
             hint = did_you_mean(name, list(self._cameras))
             raise RenderError(f"no camera '{name}'{hint}")

@@ -57,7 +57,7 @@ class GripperLink(Protocol):
         """Simulated time [s]."""
 
     async def call(self, request: Request[R]) -> R:
-        """Return the response to a request, or raise its error."""
+        """Return the response; raise an error if the request fails."""
 
     def report(self, error: Tool0Error) -> None:
         """Report an error to users."""

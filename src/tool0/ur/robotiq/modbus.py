@@ -68,7 +68,7 @@ class _RegisterFile:
         self._is_tcp = is_tcp
 
     def do(self, function: int, data: bytes) -> bytes:
-        """Return the data of the response, or raise a refusal."""
+        """Return the data of the response; raise an error if the request is refused."""
         match function:
             case ModbusFunction.READ_HOLDING | ModbusFunction.READ_INPUT if (
                 len(data) == 4

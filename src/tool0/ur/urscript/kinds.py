@@ -26,7 +26,7 @@ class Kind:
     words: str
     # Any: the type that the annotation with this kind specifies.
     convert: Callable[[Value], Any]
-    """Function that converts a value, or raises ValueProblem."""
+    """Function that converts a value; raises ValueProblem if this is impossible."""
     sizes: tuple[int, ...] = ()
     """Allowed lengths of list literals; empty if any length is allowed."""
 
