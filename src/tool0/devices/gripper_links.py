@@ -1,4 +1,4 @@
-"""Connections to Robotiq grippers by the URCap's socket, Modbus TCP or Modbus RTU."""
+"""Connections to Robotiq grippers over the URCap's socket, Modbus TCP or Modbus RTU."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ URCAP_PORT: Final = 63352
 _COMMAND_REGISTER: Final = 1000
 _STATUS_REGISTER: Final = 2000
 _REGISTERS: Final = 3
-"""Number of registers of a command and of a status, which have six bytes each."""
+"""Number of registers of a command and of a status; each is six bytes long."""
 _UNIT: Final = 9
 """The gripper's factory-set Modbus address."""
 _ANSWER: Final = re.compile(rb"([A-Z]{3}) (\d{1,3})\n")
@@ -186,7 +186,7 @@ class ModbusTcp:
     """Modbus TCP, which gateways and some grippers support."""
 
     def __init__(self, host: str, port: int = 502, timeout: float = 1.0) -> None:
-        """Connect to the unit, or raise TransportError."""
+        """Connect to the unit; raise TransportError if this fails."""
         self.peer = f"the gripper at {host}:{port} (Modbus TCP)"
         self._number = 0
         try:
@@ -226,7 +226,7 @@ class ModbusRtu:
     """Modbus RTU on a serial port: 115200 baud, 8 data bits, no parity."""
 
     def __init__(self, path: str, timeout: float = 0.5) -> None:
-        """Open the port, or raise TransportError."""
+        """Open the port; raise TransportError if this fails."""
         self.peer = f"the gripper at {path} (Modbus RTU)"
         self._timeout = timeout
         try:

@@ -13,8 +13,8 @@ from functools import cache
 from typing import Final
 
 HEADER: Final = struct.Struct(">HHHB")
-"""Header of a frame: transaction, protocol (0), number of the remaining bytes including
-the unit, and unit."""
+"""Header of a frame: transaction, protocol (0), number of remaining bytes (including
+the unit), and unit."""
 MAX_LENGTH: Final = 254
 """Maximum size of the unit and a request or response together [bytes]."""
 ERROR: Final = 0x80
@@ -47,7 +47,7 @@ class Refusal(IntEnum):
 
 @cache
 def _table() -> tuple[int, ...]:
-    """Return the table of the change of the checksum for each byte value."""
+    """Return a table with the change in the checksum for each byte value."""
     table = []
     for byte in range(256):
         crc = byte

@@ -1,4 +1,4 @@
-"""A gripper that a thread polls and to which the thread sends the newest command."""
+"""A gripper that is polled by a thread, which also sends the newest command to it."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class PolledGripper:
     """
 
     def __init__(self, connect: Callable[[], GripperLink], name: str) -> None:
-        """Start the thread, which tries again if ``connect`` raises TransportError."""
+        """Start the thread, which retries ``connect`` after a TransportError."""
         self._connect, self._name = connect, name
         self._wanted: CommandRegisters | None = None
         self._lock = threading.Lock()

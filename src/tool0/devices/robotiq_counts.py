@@ -16,7 +16,7 @@ data sheet."""
 class Counts:
     """Converts between the quantities and the register counts of a gripper.
 
-    The encoder is at the motor, so the position count is linear in the position of the
+    The encoder is on the motor, so the position count is linear in the position of the
     driven joint. Grippers with swinging fingers report 3 when fully open and 230 when
     fully closed (as measured by Robotiq; see device_profile.hpp in Robotiq's SDK). The
     fingers of a Hand-E slide, and a Hand-E uses the full range of counts. Speed and

@@ -109,7 +109,7 @@ class RtdeClient:
 
     @property
     def local_address(self) -> str:
-        """Address of this machine on the connection."""
+        """This machine's address on the connection."""
         return str(self._socket.getsockname()[0])
 
     def start(self) -> None:

@@ -1,6 +1,6 @@
 """Packets of UR's real-time data exchange (RTDE).
 
-A packet consists of its size including the header (uint16), its type (uint8) and a
+A packet consists of its size (uint16, including the header), its type (uint8) and a
 payload. Numbers are big-endian. Source, which contains the names and types of all
 fields:
 https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/rtde-guide.html
@@ -21,7 +21,7 @@ VERSIONS: Final = (1, 2)
 MAX_PACKET: Final = 65535
 """Maximum size of a packet that a client may send [bytes]."""
 MAX_NAMES: Final = 1 << 15
-"""Maximum size of a list of field names [bytes]. A list of all fields has 9 kB."""
+"""Maximum size of a list of field names [bytes]. A list of all fields is 9 kB long."""
 
 _HEADER: Final = Struct(">HB")
 

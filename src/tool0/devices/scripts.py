@@ -13,7 +13,7 @@ PORT: Final = 30001
 def send_script(host: str, text: str, port: int = PORT, timeout: float = 2.0) -> None:
     """Send a program, which replaces the running program.
 
-    A ``sec`` program runs alongside the current program. Check with RTDE whether the
+    A ``sec`` program runs alongside the current program. Use RTDE to check whether the
     program has started.
 
     Raises:
@@ -23,8 +23,8 @@ def send_script(host: str, text: str, port: int = PORT, timeout: float = 2.0) ->
         with socket.create_connection((host, port), timeout) as connection:
             connection.sendall(text.encode() + b"\n")
             connection.shutdown(socket.SHUT_WR)
-            # The controller reads until the end of the data. The packets of the
-            # controller are not used.
+            # The controller reads until the end of the data. The packets that it sends
+            # are ignored.
             connection.settimeout(timeout)
             connection.recv(1)
     except OSError as error:

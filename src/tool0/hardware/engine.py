@@ -182,7 +182,7 @@ class World(Protocol):
         """
 
     def hold_wrenches(self, wrenches: Mapping[str, Wrench]) -> None:
-        """Replace all applied wrenches by ``wrenches``, given by link or object.
+        """Replace all applied wrenches with ``wrenches``, given by link or object.
 
         Wrenches on links of the same body are added.  A reset removes all wrenches.
 
@@ -233,7 +233,7 @@ class Engine(Protocol):
         """The objects around the robot."""
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
-        """Reset joints to ``position`` [rad | m] at rest, and objects to their start.
+        """Reset joints to rest at ``position`` [rad | m]; reset objects to start poses.
 
         Set simulated time to ``time`` [s].
         """
@@ -288,7 +288,7 @@ class Engine(Protocol):
         """
 
     def close(self) -> None:
-        """End the engine and its processes.  A second call has no effect."""
+        """Shut down the engine and its processes.  A second call has no effect."""
 
 
 class NativeStepper(NamedTuple):
@@ -306,8 +306,8 @@ class NativeStepper(NamedTuple):
     clock: int
     """Address of the variable that holds the C function ``double clock(void)``, with
     which the engine times the parts of a step.  Compiled code that steps the engine
-    replaces this function by a function that returns 0.  The address is 0 if the engine
-    has no variable for this function."""
+    replaces this function with a function that returns 0.  The address is 0 if the
+    engine has no variable for this function."""
     model: int
     data: int
     position: int
@@ -365,7 +365,7 @@ def check_dt(dt: float) -> None:
 def effort_divergence(
     joint_names: Sequence[str], effort: Sequence[float], time: float
 ) -> DivergenceError:
-    """Return the error for efforts whose sum is not finite [N·m | N]."""
+    """Return the exception for efforts whose sum is not finite [N·m | N]."""
     worst = next((i for i, u in enumerate(effort) if not math.isfinite(u)), 0)
     return DivergenceError(joint_names[worst], time, "effort")
 
@@ -396,7 +396,7 @@ def check_attachable(objects: Mapping[str, SceneObject], name: str) -> None:
 
 
 def immovable(name: str) -> EngineError:
-    """Return the error for a wrench on a link or object that cannot move."""
+    """Return the exception for a wrench on a link or object that cannot move."""
     return EngineError(f"'{name}' is fixed: forces do not move it")
 
 

@@ -1,4 +1,4 @@
-"""Joint limits, which are enforced like in ros_control.
+"""Joint limits, which are enforced as in ros_control.
 
 Saturation follows ``EffortJointSaturationHandle`` and ``EffortJointSoftLimitsHandle``
 of joint_limits_interface (ros_control noetic, ``joint_limits_interface.h``): the effort
@@ -7,7 +7,7 @@ its speed limit gets no accelerating effort.  tool0's limits differ intentionall
 ROS in three ways:
 
 * A drive whose rotor inertia is known, or whose effort could take the joint beyond its
-  speed limit within one step, uses a ``SpeedLimiter``, which holds the joint at its
+  speed limit within one step, uses a ``SpeedLimiter``, which keeps the joint within its
   speed limit.  In ROS, the whole effort of a drive is switched on and off at the speed
   limit, so that a light joint runs far above its limit.
 * The speed of a joint without a ``SpeedLimiter`` is governed
@@ -74,7 +74,7 @@ class DriveBounds(NamedTuple):
     upper: float
     """Position above which the joint presses into its stop [rad | m]."""
     rotor: float
-    """Inertia divided by the step length [N·m·s/rad | N·s/m], used to hold the speed
+    """Inertia divided by the step length [N·m·s/rad | N·s/m], used to enforce the speed
     limit; infinite if the inertia is unknown."""
     ease: float
     """Largest reduction of the effort per step when the limits of a goal decrease
@@ -114,7 +114,7 @@ class EffortLimiter:
         drive_limits: Mapping[int, DriveLimits],
         velocities: Mapping[int, float | None],
     ) -> None:
-        """Restore the limits of goals and the ``velocities`` of the last step."""
+        """Restore the limits set by goals and the ``velocities`` of the last step."""
         if drive_limits != self._drive_limits:
             for i in self._drive_limits.keys() | drive_limits.keys():
                 self.set_drive_limits(i, drive_limits.get(i))
@@ -142,7 +142,7 @@ class EffortLimiter:
         self._rows = list(self._saturated())
 
     def leave_speeds(self, governed: frozenset[int]) -> None:
-        """Leave the limitation of the speeds of joints to the governor."""
+        """Leave the limiting of joint speeds to the governor."""
         self._governed = governed
         self._rows = list(self._saturated())
 
@@ -155,7 +155,7 @@ class EffortLimiter:
             self._speed_limiters[i] = limiter
 
     def restart(self) -> None:
-        """Remove the limits of goals, and clear the speed limiters' last velocities."""
+        """Remove the limits set by goals; clear the limiters' last velocities."""
         self._drive_limits.clear()
         self._speed_limiters = {
             i: self._speed_limiter(drive, self._added.get(i, 0.0))
@@ -201,7 +201,7 @@ class EffortLimiter:
     def _saturated(self) -> Iterator[tuple[int, float, float, float, float]]:
         """Yield the constants that ``saturate`` needs, for one joint after another."""
         for i, effort, velocity, lower, upper, *_ in self.bounds:
-            # The drive's speed limiter or the governor holds the speed of this joint.
+            # The drive's speed limiter or the governor limits the speed of this joint.
             is_kept = i in self._speed_limiters or i in self._governed
             speed = math.inf if is_kept else velocity
             yield i, effort, lower, upper, speed
@@ -261,8 +261,8 @@ class SpeedLimiter:
     """Limits the effort of one drive so that the joint does not exceed its speed limit.
 
     A rotor of known inertia gets at most the effort that brings it to the largest speed
-    within the step, plus the resistance in the last step.  The rotor therefore holds
-    the speed against friction, does not exceed the speed when the rotor is suddenly
+    within the step, plus the resistance in the last step.  The rotor therefore
+    maintains the largest speed despite friction, does not exceed it when suddenly
     unloaded, and presses against an obstacle with its full effort.
     """
 
@@ -324,8 +324,8 @@ class SpeedLimiter:
         held_back = 0.0
         if before is not None:
             held_back = applied - (velocity - before) * self.rotor
-        # The limiter reduces the effort to slow the joint, but the effort always
-        # carries the weight.
+        # The limiter reduces the effort to slow the joint, but the remaining effort
+        # always supports the weight.
         if effort > gravity:
             room = (speed - velocity) * self.rotor + held_back
             return min(effort, max(room, min(0.0, gravity)))

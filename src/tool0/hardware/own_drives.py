@@ -1,8 +1,8 @@
 """Drives of a real robot, which execute motions without tool0's servos.
 
-An engine with the drives of a real robot takes no efforts.  In each tick, the engine
-gets the desired motion starting at that tick, and the engine reports the state of the
-robot's own controller.
+An engine that uses the drives of a real robot does not accept efforts.  In each tick,
+the engine receives the desired motion starting at that tick, and the engine reports the
+state of the robot's own controller.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """Converts joint commands to joint efforts, with interfaces, servos, limits and brakes.
 
-A joint is driven either by the effort of its controller, or by the position or velocity
-of its controller, through a servo.  If no controller claims the joint, or in an
-emergency stop, the joint's drive is off, and the engine holds the joint with its brake
-under any load.  A drive may offer several command interfaces; the claim selects the
-interface.
+A joint's drive either applies the effort that a controller commands, or uses a servo to
+follow the position or velocity that a controller commands.  If no controller claims the
+joint, or during an emergency stop, the joint's drive is off, and the engine holds the
+joint with its brake under any load.  A drive may offer several command interfaces; the
+claim selects the interface.
 
 Without gains, Gazebo's position interface sets the joint position directly; tool0's
 position interface never does.  The effort of a servo is the sum of three terms: gravity
@@ -92,7 +92,7 @@ class DriveSetup(NamedTuple):
     """Data that change rarely: upon requests, and when the mass matrix is updated."""
 
     drive_limits: Mapping[int, DriveLimits]
-    """Limits of goals, by joint index."""
+    """Limits set by goals, by joint index."""
     brakes: Mapping[int, float]
     """Largest torque of each engaged brake, by joint index [N·m | N]."""
     governor: GovernorSetup
@@ -112,8 +112,8 @@ class DriveState(NamedTuple):
     steps: int
     """Number of steps since the last restart."""
     gravity: list[float]
-    """The part of the effort that compensates gravity, for drives with limits of a goal
-    [N·m | N], shape (n_joints,)."""
+    """The part of the effort that compensates gravity, for drives with limits set by a
+    goal [N·m | N], shape (n_joints,)."""
     compensation: list[float]
     """Gravity compensation [N·m | N] of the drives that compensate gravity; empty until
     it is computed."""
@@ -177,7 +177,7 @@ class RobotHardware:
         prefix.  A controller reads the factor once per tick."""
         self.gripper_delay = 0.0
         """Longest delay until a gripper's state reflects a command [s]."""
-        # ROS's speed rule applies to joints that others mimic, to match the recordings.
+        # Joints that others mimic follow ROS's speed rule, to match the recordings.
         masters = {joint.mimic.joint for joint in model.movable_joints if joint.mimic}
         self._drives = {
             name: _effort_limits(
@@ -225,8 +225,8 @@ class RobotHardware:
         ]
         self._compensation: list[tuple[int, float]] = []
         self._gravity_effort = [0.0] * len(self.joint_names)
-        """The part of the effort that compensates gravity, for drives with limits of a
-        goal [N·m | N]."""
+        """The part of the effort that compensates gravity, for drives with limits set
+        by a goal [N·m | N]."""
         self._effort_laws: tuple[tuple[list[int], EffortLaw], ...] = ()
         """Effort laws that replace commands, with the indices of the joints that each
         law drives."""
@@ -238,7 +238,7 @@ class RobotHardware:
         self._steps_per_command = 1
 
     def set_steps_per_command(self, n_steps: int) -> None:
-        """Expect a command of each controller every ``n_steps`` after a restart.
+        """After a restart, expect each controller's command every ``n_steps`` steps.
 
         A position servo moves at constant velocity between commands, like a real drive.
         """
@@ -262,11 +262,11 @@ class RobotHardware:
 
     @property
     def rotors(self) -> Mapping[int, float]:
-        """Rotor inertia that joints feel [kg·m²], by joint index, for the engine.
+        """Rotor inertia that acts on joints [kg·m²], by joint index, for the engine.
 
-        Servos hide this inertia; an effort law does not.  The inertia is added to the
-        armature in the description.  The mapping is the same object until a claim
-        changes it.
+        The mapping contains only joints that effort laws drive, because the response of
+        a servo does not depend on this inertia.  The inertia is added to the armature
+        in the description.  The mapping is the same object until a claim changes it.
         """
         return self._rotors
 
@@ -300,7 +300,7 @@ class RobotHardware:
         self._claim(joints, interface, state)
 
     def claim_servos(self, joints: Sequence[str], state: JointState) -> None:
-        """Claim ``joints`` by position, even if their drives offer only efforts.
+        """Claim ``joints`` for position commands, even if drives offer only efforts.
 
         Raises:
             ControlError: If a joint has no drive.

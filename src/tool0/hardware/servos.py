@@ -22,7 +22,7 @@ INTEGRAL_RATE = 4.0
 """Rate at which the integral compensates a constant disturbance [1/s]."""
 BLOCKED = 0.02
 """Lag at a standstill above which any servo is considered blocked [rad | m].  A load
-causes less lag."""
+causes a smaller lag."""
 STANDSTILL = 0.02
 """Velocity below which a lagging joint is considered blocked [rad/s | m/s]."""
 
@@ -31,9 +31,9 @@ class ServoKind(IntEnum):
     """The kinds of servos."""
 
     POSITION = 0
-    """Servo that moves the joint to the controller's position."""
+    """Servo that moves the joint to the position that the controller commands."""
     VELOCITY = 1
-    """Servo that moves the joint at the controller's velocity."""
+    """Servo that moves the joint at the velocity that the controller commands."""
 
 
 class ServoLaw(NamedTuple):

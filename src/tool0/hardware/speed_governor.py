@@ -1,14 +1,14 @@
-"""Keeps joints within their speed limits, like the drives of a real arm do.
+"""Keeps joints within their speed limits, as the drives of a real arm do.
 
 The effort of one drive changes the speeds of all joints of an arm.  The governor
 predicts the velocities after the coming step from the accelerations in the last step
 and the changes of all efforts.  If a predicted velocity exceeds its limit, each drive
-uses the effort closest to the request that keeps its joint within the limit (projected
-Gauss-Seidel).  If a drive is too weak to keep the limit, all drives contribute.  The
-governor uses only the masses of the description.  Under a load, both the joints and the
-governor therefore react more slowly.  With the masses of a declared payload, the
-governor would accelerate joints beyond their limits if they did not actually carry the
-payload.
+applies the effort that keeps its joint within the limit and is closest to the requested
+effort (projected Gauss-Seidel).  If a drive is too weak to keep its joint within the
+limit, all drives contribute.  The governor uses only the masses of the description.
+Under a load, both the joints and the governor therefore react more slowly.  With the
+masses of a declared payload, the governor would accelerate joints beyond their limits
+if they did not actually carry the payload.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class GovernedDrive(NamedTuple):
     fast: float
     """Speed above which the joint is governed [rad/s | m/s]."""
     effort: float
-    """Largest effort of its drive [N·m | N]."""
+    """Largest effort of the joint's drive [N·m | N]."""
 
 
 class GovernorSetup(NamedTuple):
@@ -62,7 +62,7 @@ class GovernorState(NamedTuple):
 
 @final
 class SpeedGovernor:
-    """Limits efforts in each step so that joints keep their speed limits."""
+    """Limits efforts in each step so that joints stay within their speed limits."""
 
     def __init__(self) -> None:
         self.setup, self.state = GovernorSetup(), GovernorState()
@@ -146,7 +146,7 @@ class SpeedGovernor:
             effort[drive.joint] = used[k]
 
     def _share_excess(self, coming: list[float], used: list[float]) -> None:
-        """Distribute excess speed that a joint's drive cannot brake over all drives.
+        """Use all drives to reduce excess speed that the joint's drive cannot reduce.
 
         The contribution of each drive depends on its effect on the joint with the
         excess speed (Kaczmarz's method).

@@ -6,7 +6,7 @@ acts through the flange.  Drives, linkages, springs and friction inside the tool
 between parts of the tool, so that their forces cancel.
 
 A rotor inside the tool is part of the mass and inertia of its link.  The faster
-rotation of the rotor is neglected, like in the engines.  With an armature A behind a
+rotation of the rotor is neglected, as in the engines.  With an armature A behind a
 reduction N, the neglected angular momentum is A q̇ / N.
 """
 

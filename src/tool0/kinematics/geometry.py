@@ -161,7 +161,7 @@ class ArmGeometry:
         return q.reshape(len(q), N_BRANCHES, 6) * self._signs
 
     def signs(self, q: Array) -> Signs:
-        """Return the side of each singularity for n postures, each of shape (n,)."""
+        """Return, for n postures, the side of each singularity; each has shape (n,)."""
         _, q2, q3, q4, q5, _ = (q * self._signs).T
         upper = q2 + self._upper_angle
         fore = q2 + q3 + self._fore_angle
@@ -180,12 +180,12 @@ class ArmGeometry:
         return np.asarray(np.arctan2(self._root(1.0 - cosine**2, 1.0), cosine))
 
     def _root(self, square: Array, scale: Array | float) -> Array:
-        """Return the square root; NaN if ``square`` is too far below 0."""
+        """Return the square root of a value; NaN if the value is too far below 0."""
         within = square > -self._slack * scale
         return np.asarray(np.sqrt(np.where(within, np.abs(square), np.nan)))
 
     def _check(self, chain: ArmChain) -> float:
-        """Return the error for known postures [rad], or raise ControlError."""
+        """Return the error of ``solve`` [rad]; raise ControlError if it is large."""
         known = np.array(
             [[0.3, -1.1, 1.3, -0.7, -1.2, 0.4], [-2.0, -2.2, -1.2, 2.5, 0.9, -2.5]]
         )

@@ -17,8 +17,8 @@ from tool0.kinematics.chain import ArmChain, Array
 from tool0.kinematics.geometry import SINGULAR, ArmGeometry, wrapped
 
 _NEAREST = 0.05
-"""Minimum distance, as a fraction of the reach, for which an error message suggests
-that the user meant millimeters."""
+"""Minimum distance, as a fraction of the reach, at which an error message suggests that
+the user meant millimeters."""
 PRECISION = 1e-9
 """Maximum error of a solution's pose [m, rad]."""
 EXACT = 1e-6
@@ -33,7 +33,7 @@ _DAMPING = 1e-12
 
 @final
 class InverseKinematics:
-    """Inverse kinematics of an arm. Poses are flange poses in the arm's base link."""
+    """Inverse kinematics of an arm, for flange poses in the frame of its base link."""
 
     def __init__(self, chain: ArmChain) -> None:
         self.chain = chain

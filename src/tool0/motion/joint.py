@@ -154,7 +154,7 @@ def _within_limits(
 def _joints_outside(
     joints: Sequence[Joint], start: MovingJoints, motion: ruckig.Trajectory
 ) -> list[int]:
-    """Return the joints that would exceed their limits, or increase an excess."""
+    """Return the joints that would exceed their limits or exceed them even further."""
     return [
         k
         for k, (joint, extremes) in enumerate(

@@ -39,7 +39,7 @@ def plan_line(
         angular_speed: Maximum angular speed of the tool [rad/s].
 
     Raises:
-        UnreachableError: If the arm cannot follow the line; the message contains the
+        UnreachableError: If the arm cannot follow the line; the message states the
             reason and the place.
         ControlError: If the line has no length.
     """

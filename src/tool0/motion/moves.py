@@ -16,9 +16,9 @@ The rules follow the URScript manual (e-Series 5.x; the rules of CB3 3.x are the
   the first move. The speed at the start of the blend does not depend on the next move,
   so the arm can still stop at the target. If there is no next move, the arm stops at
   the target.
-* Between two movej, the blend is a smooth curve of the joints. Between two movep, the
-  blend is an arc at constant speed. In other cases, the blend is a smooth curve of the
-  tool.
+* Between two movej moves, the blend is a smooth curve of the joints. Between two movep
+  moves, the blend is an arc at constant speed. In other cases, the blend is a smooth
+  curve of the tool.
 * If blends overlap, UR skips the waypoint with a warning. In tool0, overlapping blends
   become smaller, also with a warning.
 * If a joint would be too fast, the whole move is slower than requested.
@@ -104,7 +104,7 @@ class Move:
 
     @property
     def turn_ratio(self) -> float:
-        """Ratio of the tool's angular and linear speed along a line [rad/m]."""
+        """Ratio of the tool's angular speed to its linear speed on a line [rad/m]."""
         return TURN_RATIO if self.w is None else self.w / self.v
 
     def __str__(self) -> str:
@@ -150,7 +150,7 @@ class Tail(NamedTuple):
     radius: float
     """Radius around the last target [m]."""
     remaining: float
-    """Distance from the target in units of the segment's x."""
+    """Distance from the target, measured as the segment's x [rad | m]."""
     speed: float
     acceleration: float
     """Acceleration along the segment [rad/s² | m/s²]."""

@@ -22,8 +22,8 @@ _QUINTIC = np.array(
     ]
 )
 """Quintics over 0 … 1. Each quintic has one end value of 1 and five end values of 0.
-The end values are position, velocity and acceleration at the start, then at the end.
-The coefficients are ordered from u⁰ to u⁵."""
+The end values are the position, velocity and acceleration at the start, followed by
+those at the end. The coefficients are ordered from u⁰ to u⁵."""
 _POWERS = np.arange(6)
 
 

@@ -25,7 +25,7 @@ from tool0.motion.tool_path import ToolOfArm
 _SMALLEST_MOVE = 1e-7
 """Length below which a move has no effect [m, rad]."""
 _ENTRY_SPEEDS = (1.0, 0.7, 0.4, 0.2)
-"""Fractions of the speed after a blend that the planner tries."""
+"""Fractions of a move's speed that the planner tries directly after a blend."""
 _EXCESS = 1.0 + 1e-6
 _ROUNDING = 1e-6
 _SAME_TIME = 1e-7

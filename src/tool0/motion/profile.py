@@ -87,7 +87,7 @@ class SpeedProfile:
         return np.asarray(np.minimum(self.times[k] + t, self.times[-1]))
 
     def _phase(self, distances: Array) -> tuple[NDArray[np.intp], Array]:
-        """Return the phase at each distance x, and the distance from its start."""
+        """Return the phase at each x, and the distance from the start of the phase."""
         phases = np.searchsorted(self.distances, distances, side="right") - 1
         k = np.clip(phases, 0, len(self._accelerations) - 1)
         return k, np.maximum(distances - self.distances[k], 0.0)

@@ -57,7 +57,7 @@ class JointSegment:
         self._start, self.end = start, end
         self.length = float(np.abs(end - start).max())
         self.rate = (end - start) / max(self.length, 1e-300)
-        """Change of each joint position per x, shape (6,)."""
+        """Change of each joint position per unit of x, shape (6,)."""
         self.grid = np.array([0.0, self.length])
 
     def at(self, x: Array) -> tuple[Array, Array]:
@@ -102,8 +102,8 @@ class ToolSegment:
             length: Value of x at the end of the path.
 
         Raises:
-            UnreachableError: If the arm cannot follow the path; the message contains
-                the reason and the place.
+            UnreachableError: If the arm cannot follow the path; the message states the
+                reason and the place.
         """
         self._kinematics, self._rules = tool.kinematics, tool.rules
         self.path, self.length = path, length

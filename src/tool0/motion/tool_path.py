@@ -98,7 +98,7 @@ class PathFollower:
 
         Raises:
             UnreachableError: If a pose cannot be reached, or if a joint jumps or
-                exceeds its limits; the message contains the place.
+                exceeds its limits; the message states the place.
         """
         kinematics, noun = self._kinematics, self._path.noun
         poses = self.tip(s)

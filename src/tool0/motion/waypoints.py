@@ -110,7 +110,7 @@ class SmoothWay:
                 yield corner, piece.at(u)[0]
 
     def sampled(self) -> tuple[Array, Array, Array, set[int]]:
-        """Return a grid of path lengths and both derivatives of the positions on it.
+        """Return a grid of path lengths with both derivatives of the positions.
 
         The last value of the result contains the grid indices at which the motion is at
         rest.
@@ -242,7 +242,7 @@ def _smoothed(
     sums = np.concatenate([np.zeros(1), np.cumsum(areas)])
 
     def values(t: Array) -> tuple[Array, Array, Array]:
-        """Return the integral of the distance, the distance and the speed."""
+        """Return the integral of the distance, the distance itself and the speed."""
         inside = np.clip(t, 0.0, times[-1])
         k = np.clip(np.searchsorted(times, inside, side="right") - 1, 0, len(h) - 1)
         u = inside - times[k]

@@ -27,7 +27,7 @@ RESTARTS: Final = 3
 """Number of searches. The planner uses the fastest path of all searches."""
 MOST_GOALS: Final = 24
 BESIDE: Final = 2.0
-"""Maximum distance of most samples from the region between the start and a goal
+"""Distance from the region between the start and a goal within which most samples lie
 [rad]."""
 ENOUGH: Final = 4_000
 """Number of checked poses after which the search ends if a path has been found."""
@@ -45,7 +45,7 @@ _SAME: Final = 1e-9
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FreeMotion:
-    """A motion that keeps its clearance, with statistics of the search."""
+    """A motion that maintains its clearance, with statistics of the search."""
 
     path: Path
     waypoints: Array
@@ -95,7 +95,7 @@ def plan_free_motion(
     Raises:
         CollisionError: If the start or every goal is in collision; the message lists
             the bodies.
-        PlanningError: If no path was found within the timeout.
+        PlanningError: If no path is found within the timeout.
     """
     begun = time.perf_counter()
     looked = group.clearances.poses
@@ -125,7 +125,7 @@ def plan_free_motion(
 
 
 def check_way(group: PlanningGroup, poses: Array) -> tuple[int, float, str] | None:
-    """Return where and why the straight motion from pose to pose is not free.
+    """Return where and why the motion along straight lines between poses is not free.
 
     The result contains the row of the pose before the collision, the fraction of the
     segment up to the collision, and the reason. The result is None if the whole motion
@@ -142,7 +142,7 @@ def check_way(group: PlanningGroup, poses: Array) -> tuple[int, float, str] | No
 
 
 def windings(q: Array, joints: Sequence[Joint], start: Array) -> Array:
-    """Return a posture with all whole turns of its joints within limits, shape (n, m).
+    """Return all postures within limits that differ from ``q`` by whole turns, (n, m).
 
     Positions that are more than one turn away from the start are omitted.
     """
@@ -162,7 +162,7 @@ def windings(q: Array, joints: Sequence[Joint], start: Array) -> Array:
 def _timed(
     group: PlanningGroup, joints: Sequence[Joint], way: Array, speed: float
 ) -> Path:
-    """Return the motion along a free path, which cuts corners as far as possible."""
+    """Return the motion along a free path, with corners cut as far as possible."""
     deviations = [_CUT] * (len(way) - 2)
     while True:
         smooth = SmoothWay(way, deviations)

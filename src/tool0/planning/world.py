@@ -1,4 +1,4 @@
-"""The obstacles of a motion, and the clearances that the motion keeps.
+"""The obstacles of a motion, and the clearances that the motion maintains.
 
 With every engine, the distances are computed between MuJoCo's shapes in a separate
 model.
@@ -288,10 +288,10 @@ class PlanningGroup:
     alive."""
 
     def begin(self, start: Array, *, is_check: bool = False) -> None:
-        """Allow bodies that are close at the start to remain as close.
+        """Allow bodies that are close at the start to remain equally close.
 
-        A search keeps SLACK in addition. A check does not keep SLACK, so that the check
-        is as exact as the steps along the motion.
+        A search also keeps a distance of SLACK. A check does not, so that it is as
+        exact as the steps along the motion.
 
         Raises:
             CollisionError: If bodies collide at the start (except in a check), or if
@@ -333,7 +333,7 @@ class PlanningGroup:
         )
 
     def clearance(self, poses: Array) -> tuple[float, str]:
-        """Return the minimum distance in some poses, up to 1 m, and the two bodies [m].
+        """Return the minimum distance in poses [m], up to 1 m, and the two bodies.
 
         Pairs that are allowed to touch are ignored.
         """

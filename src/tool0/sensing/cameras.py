@@ -70,7 +70,7 @@ class Cameras(Mapping[str, Camera]):
         self._is_closed = False
 
     def __getitem__(self, name: str) -> Camera:
-        """Return a camera, or raise RenderError."""
+        """Return a camera; raise RenderError if there is no such camera."""
         if name not in self._cameras:
             hint = did_you_mean(name, list(self._cameras))
             raise RenderError(f"no camera '{name}'{hint}")
@@ -83,7 +83,7 @@ class Cameras(Mapping[str, Camera]):
         return len(self._cameras)
 
     def render(self, camera: Camera, snapshot: Snapshot | None = None) -> CameraImage:
-        """Return an image from any camera at ``snapshot``; by default, the newest one.
+        """Return an image from any camera at ``snapshot`` (the newest by default).
 
         Raises:
             RenderError: If OpenGL is not available, or the robot is closed.
@@ -141,7 +141,7 @@ class _Painter:
         return self._thread.submit(draw, self, view)
 
     def close(self) -> None:
-        """End the thread after rendering the images that have been started."""
+        """End the thread after all images that it has started have been rendered."""
         if self._thread is not None:
             ended = self._thread.submit(self._end)
             self._thread.shutdown()

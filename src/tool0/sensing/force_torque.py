@@ -25,8 +25,8 @@ Contacts = Callable[[frozenset[str]], tuple[Contact, ...]]
 RATES = (50.0, 1000.0)
 """Minimum and maximum sampling rate [Hz]."""
 DEFAULT_RATE = 125.0
-"""Default sampling rate [Hz], which is the same as a UR's. If the rate does not divide
-the control rate, the next lower divisor is used."""
+"""Default sampling rate [Hz], which is also the sampling rate of a UR. If the rate does
+not divide the control rate, the next lower divisor is used."""
 READINGS_KEPT = 4096
 """Number of samples that are kept for slow readers: four seconds at 1 kHz."""
 
@@ -90,7 +90,7 @@ class ForceTorqueSensor:
         self._left -= ticks
 
     def subtract(self, payloads: Mapping[str, Payload]) -> None:
-        """Subtract payloads by flange, like a UR; call this in the tick's thread."""
+        """Subtract payloads by flange, as a UR does; call this in the tick's thread."""
         self._meter.subtract(payloads)
 
     def restart(
@@ -113,7 +113,7 @@ class ForceTorqueSensor:
             return self._readings[-1]
 
     def samples(self, since: int, timeout: float | None) -> tuple[WrenchReading, ...]:
-        """Return samples after number ``since``; wait for the first one [wall s].
+        """Wait at most ``timeout`` [wall s] for samples after ``since``; return them.
 
         The first sample contains the number of samples that were dropped before it.
         """

@@ -27,18 +27,18 @@ WINDOW = 0.1
 hold an object [s]. The pads of a simulated grip chatter, so their velocity at one time
 is not a suitable criterion."""
 SHORT_OF_IT = 0.3
-"""Time after which the motion of pads at rest is complete if the pads are neither at
-their target nor pushing [s]. A real gripper reports an object up to 0.15 s after its
-pads have started to push the object."""
+"""Time after which the motion of pads at rest is considered complete if the pads are
+neither at their target nor pushing [s]. A real gripper reports an object up to 0.15 s
+after its pads have started to push the object."""
 STILL = 0.1
 """Fraction of the travel at the slowest speed within the window below which pads are
 considered to be at rest. With weak gains, pads creep to their target at twice this
 fraction of the travel."""
 CREEP = 2.5 * STILL
-"""Fraction like ``STILL`` for pads that push firmly, which is larger because the object
-yields."""
+"""Fraction that replaces ``STILL`` for pads that push firmly. The fraction is larger
+because the object yields."""
 MOVED = 2.0 * CREEP
-"""Fraction like ``STILL`` above which pads at rest are considered to move again."""
+"""Fraction of the same travel above which pads at rest are considered to move again."""
 PARALLEL = math.radians(3.0)
 """Maximum deviation of a linkage from its rest shape in a pinch grip [rad]. The grip
 force bends the linkage by up to 1°, whereas fingers that wrap an object deviate by 5°
@@ -50,7 +50,7 @@ is squeezed by less than the steady-state error is not detected."""
 PUSH = 0.05
 """Fraction of the minimum grip force above which the drive is considered to push. If
 the pads are free, the weight and friction of the fingers need less force than this
-fraction. On a 2F-85, the fingers need 0.8 N, and the fraction is 1 N."""
+fraction. On a 2F-85, the fingers need 0.8 N, and the fraction corresponds to 1 N."""
 FIRM = 0.5
 """Fraction of the minimum grip force above which the drive is considered to push
 firmly."""

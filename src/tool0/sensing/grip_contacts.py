@@ -1,4 +1,4 @@
-"""Detection of fingers that press on an object from both sides, like in a grip."""
+"""Detection of fingers that press on an object from both sides, as in a grip."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PERIOD = 0.04
 µs in an engine, and a grip is reported after 0.1 s."""
 GRACE = 0.1
 """Simulated time for which a grip remains valid after the last check that detected it
-[s]. A chattering finger has no contact at some times."""
+[s]. A chattering finger is sometimes not in contact."""
 
 
 @final
@@ -99,7 +99,7 @@ class _Hand:
     ) -> bool:
         """Return whether the forces on the two fingers have opposite directions.
 
-        If the fingers stand on a table, both forces have the same direction.
+        If the fingers rest on a table, both forces have the same direction.
         """
         one, two = (self._force_on(finger, contacts) for finger in fingers)
         return sum(a * b for a, b in zip(one, two, strict=True)) < 0.0

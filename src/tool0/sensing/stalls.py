@@ -18,7 +18,7 @@ from tool0.protocol.state import Stall
 logger = logging.getLogger(__name__)
 
 STALL_TIME = 0.5
-"""Time for which a joint must push at its limit without moving until it is considered
+"""Time for which a joint must push at its limit without moving before it is considered
 stalled [s]."""
 LARGEST_LAG = 0.05
 """Maximum distance between the measured position and its setpoint [s at full speed].
@@ -30,8 +30,8 @@ comparison takes about 20 µs."""
 STILL = 0.005
 """Travel below which a joint is considered to be at rest [rad | m]."""
 CHATTER_TIME = 0.05
-"""Time below the effort limit that does not end a push [s], because contacts
-chatter."""
+"""Longest time for which the effort may be below the limit without ending a push [s].
+The effort varies because contacts chatter."""
 MIN_CONTACT_SHARE = 0.1
 """Fraction of the strongest contact force below which a contact is not considered to
 stop a joint."""

@@ -57,8 +57,8 @@ class ToolMeter:
     ) -> Wrench:
         """Return the force [N] and torque [N·m] during the step between two states.
 
-        The wrench acts at the flange in the flange's axes. ``contacts`` are all
-        contacts of the step.
+        The wrench acts at the flange and is given in the flange's axes. ``contacts``
+        are all contacts of the step.
         """
         was, velocity = before.velocity, after.velocity
         if self._kernel is None:

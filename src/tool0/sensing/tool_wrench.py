@@ -18,9 +18,9 @@ NO_WRENCH: Final[Wrench] = (0.0,) * 6
 
 @final
 class ToolWrench:
-    """External force and torque on a tool at its flange in the flange's axes.
+    """External force and torque on a tool at its flange, in the flange's axes.
 
-    Like on a UR, the payload is subtracted: the payload that was set or, by default,
+    As on a UR, the payload is subtracted: the payload that was set or, by default,
     the tool in the description. The filter has two poles at ``DEFAULT_CUTOFF``. Any
     time may pass between two readings, because the wrench is computed only when it is
     read.
@@ -40,7 +40,7 @@ class ToolWrench:
         self.subtract(None)
 
     def subtract(self, payload: Payload | None) -> None:
-        """Subtract another payload from now on; None is the description's tool."""
+        """Subtract another payload from now on; None selects the description's tool."""
         inertia = self._tool if payload is None else payload_inertia(payload)
         self._dynamics.subtract({self._flange: inertia})
 

@@ -219,7 +219,7 @@ class UrControlBox:
     # ---- requests -------------------------------------------------------------------
 
     async def call(self, request: Request[R]) -> R:
-        """Return the bring-up's response to a request, or raise its error."""
+        """Return the bring-up's response; raise its error if the request fails."""
         future: asyncio.Future[R] = self._event_loop.create_future()
 
         def finish(outcome: Callable[[], R]) -> None:
@@ -302,7 +302,7 @@ class UrControlBox:
 
     @property
     def target_q(self) -> Six:
-        """Joint setpoint [rad]; equal to the measured positions without a motion."""
+        """Joint setpoint [rad]; if there is no motion, the measured positions."""
         return _six(self._setpoint.positions)
 
     @property

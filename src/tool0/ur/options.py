@@ -29,7 +29,7 @@ class UrOptions:
     allow_sockets: bool = False
     """Whether URScript programs may connect to other machines."""
     active_gripper: bool = False
-    """Whether grippers are already activated at the start, like after an activation on
+    """Whether grippers are already activated at the start, as after an activation on
     the pendant."""
 
     def __post_init__(self) -> None:

@@ -18,7 +18,7 @@ MODULE: Final = "tool0.ur"
 
 @final
 class UrController(Companion):
-    """Context manager that presents a robot like Universal Robots' control boxes.
+    """Context manager that presents a robot's arms as UR control boxes.
 
     Each arm has an address with the ports of a real robot: RTDE, the dashboard server,
     the primary, secondary and real-time interfaces, and the gripper's ports. A separate

@@ -16,7 +16,7 @@ PATH_DEVIATION: Final = 153
 
 @final
 class ProgramWatch:
-    """Pauses the program while the arm is paused; ends the program if it loses the arm.
+    """Pauses the program with the arm; ends it if it loses control of the arm.
 
     The watch also reports to the clients why the arm stopped, even if no program is
     running. On a real UR, a protective stop pauses the program, which may continue

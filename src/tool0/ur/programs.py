@@ -36,7 +36,7 @@ class Holder(Protocol):
     messages: Messages
 
     async def call(self, request: Request[Any]) -> Any:
-        """Return the response to a request, or raise its error."""
+        """Return the response; raise an error if the request fails."""
 
     def send(self, request: Request[Any]) -> None:
         """Send a request without waiting for the response."""

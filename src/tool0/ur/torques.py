@@ -1,4 +1,4 @@
-"""Torques of a program, which apply for one control period, like on a real robot.
+"""Torques of a program, which apply for one control period, as on a real robot.
 
 A program sets torques in every control period; otherwise, the arm returns to position
 control and decelerates to rest. Programs run in a separate process, so they may receive

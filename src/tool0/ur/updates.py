@@ -21,8 +21,8 @@ logger = logging.getLogger(__name__)
 
 MOST_TIME: Final = 0.05
 """Maximum time that is spent consecutively on the states before the newest state [wall
-s]. The time is sufficient for a quarter of a second of states at 500 Hz for clients
-that read everything. A longer time would be a disadvantage for clients that compute
+s]. The time is sufficient for the states of a quarter of a second at 500 Hz if the
+clients read everything. A longer time would be a disadvantage for clients that compute
 targets from the robot's time, because these clients receive the robot's time with the
 same delay."""
 SHARE: Final = 0.1
@@ -47,7 +47,7 @@ class Updates:
         self._warned = -_REPORT_PERIOD
 
     def show(self, arrived: Sequence[Snapshot]) -> None:
-        """Pass on the received states, oldest first, but at least the newest state."""
+        """Pass on received states, oldest first; always pass on the newest state."""
         *passed, newest = arrived
         if passed:
             self._show_passed(passed)

@@ -113,5 +113,5 @@ def _message(
 
 
 def _cut(text: str, limit: int = MAX_TEXT) -> bytes:
-    """Return a UTF-8 text of at most ``limit`` bytes, without split characters."""
+    """Return UTF-8 text of at most ``limit`` bytes, without split characters."""
     return text.encode(errors="replace")[:limit].decode(errors="ignore").encode()

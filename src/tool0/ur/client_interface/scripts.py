@@ -15,8 +15,8 @@ from typing import Final, NamedTuple, final
 from tool0.errors import TransportError
 
 MAX_PROGRAM: Final = 1 << 19
-"""Maximum length of a program [bytes]. For comparison, ur_rtde's control program has 42
-kB."""
+"""Maximum length of a program [bytes]. For comparison, ur_rtde's control program is 42
+kB long."""
 MAX_LINE: Final = 1 << 16
 """Maximum length of a line [bytes]."""
 UNNAMED: Final = "unnamed"

@@ -57,7 +57,7 @@ class GripperLink(Protocol):
         """Simulated time [s]."""
 
     async def call(self, request: Request[R]) -> R:
-        """Return the response to a request, or raise its error."""
+        """Return the response; raise an error if the request fails."""
 
     def report(self, error: Tool0Error) -> None:
         """Report an error to users."""
@@ -65,7 +65,7 @@ class GripperLink(Protocol):
 
 @final
 class RobotiqGripper:
-    """A gripper with one set of registers for all clients, like a real gripper.
+    """A gripper with one set of registers for all clients, as in a real gripper.
 
     The gripper uses the same requests as every other client of the bring-up. The
     gripper reports the simulation's measurements, regardless of which client moves the
@@ -109,7 +109,7 @@ class RobotiqGripper:
         link.when_updated.add(self._look_at_update)
 
     def assume_activated(self) -> None:
-        """Set the registers to activated, like after an activation on the pendant."""
+        """Set the registers to activated, as after an activation on the pendant."""
         self.command = replace(self.command, activate=True)
         self._activation = Activation.COMPLETE
 
@@ -242,7 +242,7 @@ class RobotiqGripper:
         self.change(go_to=False)
 
     async def release_and_wait(self, *, opening: bool) -> None:
-        """Release slowly, like in an emergency; a reset is necessary afterwards."""
+        """Release slowly, as in an emergency; a reset is necessary afterwards."""
         self.change(activate=True, release=True, release_opening=opening)
         await self.wait_until(
             lambda: self._fault is Fault.RELEASE_COMPLETE or not self.is_powered

@@ -50,7 +50,7 @@ def respond(gripper: RobotiqGripper, request: bytes, *, is_tcp: bool = False) ->
         request: Request of at least one byte; the length of the request has not been
             checked.
         is_tcp: Whether the command and status blocks are also available at register 0,
-            like in Robotiq's grippers with built-in Modbus TCP.
+            as in Robotiq's grippers with built-in Modbus TCP.
     """
     function, data = request[0], request[1:]
     try:
@@ -68,7 +68,7 @@ class _RegisterFile:
         self._is_tcp = is_tcp
 
     def do(self, function: int, data: bytes) -> bytes:
-        """Return the data of the response, or raise a refusal."""
+        """Return the data of the response; raise an error if the request is refused."""
         match function:
             case ModbusFunction.READ_HOLDING | ModbusFunction.READ_INPUT if (
                 len(data) == 4

@@ -151,6 +151,6 @@ class ModbusRtu:
         )
 
     def _send(self, ours: int, answers: bytes) -> None:
-        # Unread data is lost, like on a serial line.
+        # Unread data is lost, as on a serial line.
         with contextlib.suppress(BlockingIOError):
             os.write(ours, answers)

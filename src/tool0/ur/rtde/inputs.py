@@ -1,6 +1,6 @@
 """The fields that RTDE clients can send, and their effects.
 
-A field is reserved for the first connection that sets it up until that connection ends.
+The first connection that sets up a field reserves the field until the connection ends.
 """
 
 from __future__ import annotations

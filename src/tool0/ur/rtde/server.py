@@ -29,12 +29,12 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 MAX_RECIPES: Final = 255
-"""Maximum number of input recipes per connection, because a recipe number has one
-byte."""
+"""Maximum number of input recipes per connection, because a recipe number is one byte
+long."""
 MAX_UNREAD: Final = 1 << 15
 """Amount of unread data above which no more data is sent to a client [bytes]."""
 SLOW_TIMEOUT: Final = 5.0
-"""Time with more unread data than ``MAX_UNREAD`` after which a client is disconnected
+"""Time after which a client with more unread data than ``MAX_UNREAD`` is disconnected
 [wall s]."""
 HEARTBEAT: Final = 0.1
 """Period at which data is sent while there are no updates [wall s]. The simulation may

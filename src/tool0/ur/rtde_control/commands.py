@@ -1,7 +1,7 @@
 """The commands of ur_rtde's control program.
 
 The numbers are those of ur_rtde's ``process_cmd``. Arguments start at register 0. A
-command that fails ends the program, like an error in URScript.
+command that fails ends the program, as an error in URScript does.
 """
 
 from __future__ import annotations
@@ -123,7 +123,7 @@ class Commands:
             64: lambda: exchange.answer_integer(motions.contact_steps),
             65: self._set_payload,
             66: self._drive_torques,
-            # Like in the original program, the client's arguments are ignored, and the
+            # As in the original program, the client's arguments are ignored, and the
             # answer is for the current posture.
             67: lambda: exchange.answer_matrix(box.dynamics.mass_matrix()),
             68: lambda: exchange.answer(box.dynamics.velocity_torques()),

@@ -79,11 +79,11 @@ class Compliance:
             self._box.send(self._force)
 
     async def start_teaching(self) -> None:
-        """Start to guide the arm manually: teach_mode."""
+        """Start manual guidance of the arm: teach_mode."""
         await self._box.call(StartFreedrive(arm=self._box.arm))
 
     async def start_freedrive(self) -> None:
-        """Start to guide the arm along some axes of a frame: freedrive_mode."""
+        """Start manual guidance along some axes of a frame: freedrive_mode."""
         exchange = self._exchange
         a, b, c, d, e, f = (exchange.integer(k) != 0 for k in range(1, 7))
         request = StartFreedrive(

@@ -52,8 +52,8 @@ class RtdeControl:
         """Execute commands until the client stops the program.
 
         Raises:
-            Tool0Error: If a command fails. The failure ends the program, like an error
-                in URScript.
+            Tool0Error: If a command fails. The failure ends the program, as an error in
+                URScript does.
         """
         with ToolHistory(box) as history:
             server = _CommandServer(box, self._script, history)

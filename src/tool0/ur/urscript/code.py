@@ -130,7 +130,7 @@ class Code:
 
 
 async def not_compiled(frame: CallFrame) -> Outcome:
-    """Raise an error, as the placeholder of a body that is not compiled yet."""
+    """Raise an error; placeholder for a body that has not been compiled yet."""
     raise AssertionError(frame)
 
 

@@ -1,6 +1,6 @@
 """A running program, with its threads, their timing and their termination.
 
-Threads are tasks of one event loop. Like on a real robot, a thread that computes
+Threads are tasks of one event loop. As on a real robot, a thread that computes
 without pausing uses up its share of a control period and continues in the next period.
 """
 
@@ -125,7 +125,7 @@ class Thread:
         await self.hold()
 
     async def timed(self, action: Awaitable[T]) -> T:
-        """Wait for an action that takes time, and until the thread may continue."""
+        """Wait for an action, and then wait until the thread may continue."""
         self._spun = 0
         critical = self.execution.critical
         was_inside = critical.is_inside(self)

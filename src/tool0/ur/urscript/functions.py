@@ -60,8 +60,8 @@ class Function:
     """Whether the first argument is the location of the call. Only coroutine functions
     can receive the location of the call."""
     is_physical: bool
-    """Whether the function takes robot time, so that secondary programs must not call
-    it."""
+    """Whether the function takes robot time; if it does, secondary programs must not
+    call it."""
     cost: int = 0
     """Number of additional statements that are charged for a call. Each additional
     statement stands for 4 µs of processor time."""

@@ -26,7 +26,7 @@ class Kind:
     words: str
     # Any: the type that the annotation with this kind specifies.
     convert: Callable[[Value], Any]
-    """Function that converts a value, or raises ValueProblem."""
+    """Function that converts a value; raises ValueProblem if this is impossible."""
     sizes: tuple[int, ...] = ()
     """Allowed lengths of list literals; empty if any length is allowed."""
 
@@ -47,7 +47,7 @@ def _number(value: Value) -> float:
 
 
 def _integer(value: Value) -> int:
-    """Return an integer; like on a robot, a float without a fraction is accepted."""
+    """Return an integer; as on a robot, a float without a fraction is accepted."""
     if type(value) is float and value.is_integer() and int(value) in INT_RANGE:
         return int(value)
     if type(value) is not int:

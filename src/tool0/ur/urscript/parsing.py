@@ -1,4 +1,4 @@
-"""Parses a URScript program to a syntax tree, or raises an error with a location."""
+"""Parses a URScript program to a syntax tree; errors contain their location."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Conversions between URScript values and XML-RPC values.
 
-A pose is a struct of x, y, z, rx, ry and rz, like in the examples on UR's support pages
+A pose is a struct of x, y, z, rx, ry and rz, as in the examples on UR's support pages
 (https://www.universal-robots.com/articles/ur/interface-communication/xml-rpc-communication/).
 """
 

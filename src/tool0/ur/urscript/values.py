@@ -1,8 +1,8 @@
 """The values of URScript and its operators.
 
 Values are immutable: an assignment to an element creates a new list. Arguments and
-assignments are therefore copied, like on a real robot. A string is a sequence of bytes.
-Each byte is stored as one character.
+assigned values therefore behave as copies, as on a real robot. A string is a sequence
+of bytes. Each byte is stored as one character.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ _FAMILIES: Final[dict[type, str]] = {
 
 
 def described(value: Value) -> str:
-    """Return a text that describes the type of a value, with an article."""
+    """Return text that describes the type of a value, with an article."""
     return _FAMILIES[type(value)]
 
 
@@ -199,7 +199,7 @@ def to_text(value: Value) -> str:
 
 
 def element(value: Value, index: Value) -> Value:
-    """Return an element of a list or pose, a row of a matrix or a struct's member."""
+    """Return an element of a list or pose, a row of a matrix, or a struct's member."""
     k = _checked_index(value, index)
     return _items(value)[k]
 
@@ -263,7 +263,7 @@ def _quotient(a: float, b: float) -> float:
 
 
 def _remainder(a: float, b: float) -> float:
-    """Return the remainder with the sign of ``a``, like in C."""
+    """Return the remainder with the sign of ``a``, as in C."""
     if b == 0:
         raise ValueProblem("division by zero")
     if type(a) is int and type(b) is int:

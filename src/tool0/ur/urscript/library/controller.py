@@ -36,7 +36,7 @@ RangeNumber: TypeAlias = Annotated[int, address_kind(len(ENCODER_RANGES))]
 def rtde_set_watchdog(
     thread: Thread, variable_name: Text, min_frequency: Number, action: Text = "pause"
 ) -> None:
-    """Pause or stop the program if an input is written below a rate [wall Hz]."""
+    """Pause or stop the program if an input's write rate is too low [wall Hz]."""
     if variable_name not in INPUTS:
         raise ValueProblem(f"RTDE has no input '{variable_name}'")
     if not min_frequency > 0.0:

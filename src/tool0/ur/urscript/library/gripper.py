@@ -208,14 +208,14 @@ def rq_is_object_detected(thread: Thread, gripper_socket: AnyValue = _SOCKET) ->
 async def rq_auto_release_open_and_wait(
     thread: Thread, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Open slowly, like in an emergency; a reset is necessary afterwards."""
+    """Open slowly, as in an emergency; a reset is necessary afterwards."""
     await _gripper(thread).release_and_wait(opening=True)
 
 
 async def rq_auto_release_close_and_wait(
     thread: Thread, gripper_socket: AnyValue = _SOCKET
 ) -> None:
-    """Close slowly, like in an emergency; a reset is necessary afterwards."""
+    """Close slowly, as in an emergency; a reset is necessary afterwards."""
     await _gripper(thread).release_and_wait(opening=False)
 
 

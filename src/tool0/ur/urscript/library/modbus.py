@@ -75,8 +75,8 @@ def _signal(thread: Thread, name: str) -> Signal:
 async def _add(thread: Thread, name: str, spec: SignalSpec) -> None:
     """Add a signal.
 
-    If programs must not connect to the signal's unit, the signal is invalid from the
-    start instead of raising an error. Programs from PolyScope add the signals of their
+    If programs must not connect to the signal's unit, no error is raised, but the
+    signal is invalid from the start. Programs from PolyScope add the signals of their
     installation but may never use them.
     """
     is_allowed = True

@@ -56,7 +56,7 @@ def _check(a: float, v: float, t: float = 0.0, r: float = 0.0) -> None:
 async def _follow(thread: Thread, motion: Callable[[], Awaitable[None]]) -> None:
     """Execute a motion that follows a path of the tool.
 
-    Like on a real robot, a protective stop occurs if the arm cannot follow the path. In
+    As on a real robot, a protective stop occurs if the arm cannot follow the path. In
     tool0, the protective stop occurs before the arm moves.
     """
     box = thread.box

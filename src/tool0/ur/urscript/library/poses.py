@@ -56,7 +56,7 @@ def point_dist(p_from: PoseLike, p_to: PoseLike) -> float:
 
 
 def interpolate_pose(p_from: PoseLike, p_to: PoseLike, alpha: Number) -> Pose:
-    """Interpolate between two poses: linearly, and along the geodesic rotation."""
+    """Interpolate the position linearly, and the rotation along the geodesic."""
     step = Pose(alpha * x for x in pose_sub(p_to, p_from))
     return pose_add(p_from, step)
 

@@ -45,7 +45,7 @@ def _assert(condition: Bool) -> None:
 
 
 def textmsg(thread: Thread, s1: AnyValue, s2: AnyValue = "") -> None:
-    """Send a text to the logs of all clients."""
+    """Send text to the logs of all clients."""
     thread.left -= _MESSAGE
     thread.box.messages.text(shown(to_text(s1) + to_text(s2)))
 
