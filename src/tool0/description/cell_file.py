@@ -62,7 +62,8 @@ def load_cell(path: Path | str) -> Cell:
     """Return the cell in a YAML file.
 
     Raises:
-        ConfigError: If the file contains a mistake.  The error states file and line.
+        ConfigError: If the file contains a mistake.  The error states the file and the
+            line.
     """
     path = expanded(path)
     root = Namespace(read_mapping(path))

@@ -1,7 +1,7 @@
-"""Checks of a gripper's YAML files before xacro reads them.
+"""Checks that a gripper's YAML files must pass before xacro reads them.
 
-Errors state file and line.  The checks cover the keys that all grippers have,
-independent of the mechanism that the macro in the folder describes.  If the macro needs
+Errors state the file and the line.  The checks cover the keys that all grippers have,
+regardless of the mechanism that the macro in the folder describes.  If the macro needs
 an additional key and this key is missing, xacro reports the mapping in which the key is
 missing.
 """
