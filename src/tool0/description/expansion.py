@@ -55,7 +55,8 @@ def expand(path: Path, args: Mapping[str, str] | None = None) -> Expanded:
 
     Raises:
         DescriptionError: If the expansion fails, or if no file declares one of the
-            arguments. The error states the file, the line, the macro and the includes.
+            arguments.  The error states the file, the line, the macro and the
+            includes.
     """
     expanded = _expanded(path, args, _defaults_of_root)
     for name in args or {}:
@@ -73,8 +74,8 @@ def expand_leniently(path: Path, args: Mapping[str, str] | None = None) -> Expan
     Arguments that no file declares are ignored, as they are by xacro.
 
     Raises:
-        DescriptionError: If the expansion fails. The error states the file, the line,
-            the macro and includes.
+        DescriptionError: If the expansion fails.  The error states the file, the line,
+            the macro and the includes.
     """
     return _expanded(path, args, lambda _: {})
 

@@ -226,7 +226,7 @@ class GazeboServerWorld:
         )
 
     def _packed_body(self, name: str) -> bytes:
-        """Return the packed Gazebo names of the model and link of a link or object."""
+        """Return Gazebo's model and link names for a link or object, in packed form."""
         if name in self._names.body_of_link:
             body = self._names.body_of_link[name]
             if not body:

@@ -70,7 +70,7 @@ class CurveSender:
         compensates for the robot's lag behind the curve."""
 
     def restart(self) -> None:
-        """Send a new curve for the next motion, also after a stop."""
+        """Send a new curve for the next motion, even after a stop."""
         self._must_restart = True
         self._sent.clear()
 

@@ -1,4 +1,4 @@
-"""Measurement of the lateness of packages, caused by the network and both computers."""
+"""Measurement of how late packages are, due to the network and both computers."""
 
 from __future__ import annotations
 

@@ -96,7 +96,11 @@ def install_gazebo(
 
 
 def uninstall_gazebo() -> int:
-    """Remove the private prefix, downloads and libraries; return the freed bytes."""
+    """Remove the private prefix, downloads and libraries.
+
+    Returns:
+        The freed disk space [bytes].
+    """
     folders = (private_prefix().parent, plugin_folder())
     return sum(removed(one, "Gazebo", EngineUnavailableError) for one in folders)
 
