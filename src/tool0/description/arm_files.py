@@ -52,7 +52,7 @@ _LIMITS = tuple(
 
 
 def check_arm_files(files: Mapping[str, Path]) -> None:
-    """Raise an error with file and line for the first missing or impossible value.
+    """Raise an error, with file and line, for the first missing or impossible value.
 
     ``files`` maps the names of the arm's files, such as ``joint_limits``, to their
     paths.  Files without a check are skipped.

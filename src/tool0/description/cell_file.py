@@ -1,4 +1,4 @@
-"""Reader of cells in YAML files and in the short form.
+"""Reader of cells that are written as YAML files or in the short form.
 
 A cell consists of several robots and the objects around them::
 

@@ -1,4 +1,4 @@
-"""Expansion of xacro without ROS, including ``$(find)`` and located errors.
+"""Expansion of xacro without ROS, including ``$(find)`` and errors with locations.
 
 The expander is PyPI's ``xacro``.  Outside ROS, this package tries to import ament for
 ``$(find)``, cannot resolve ``$(dirname)``, writes warnings to stderr, and reads YAML
@@ -103,7 +103,7 @@ def _expanded(
 
 
 def _defaults_of_root(document: Document) -> dict[str, str]:
-    """Return the arguments with a default that attributes of ``<robot>`` use.
+    """Return the arguments that have a default and are used in ``<robot>`` attributes.
 
     The elements that declare these arguments are inside ``<robot>``. xacro reads them
     after it has evaluated the attributes of ``<robot>``.

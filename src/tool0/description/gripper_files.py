@@ -42,7 +42,7 @@ _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
 def check_gripper_files(files: Mapping[str, Path]) -> None:
-    """Raise an error with file and line for the first missing or impossible value.
+    """Raise an error, with file and line, for the first missing or impossible value.
 
     ``files`` maps the names of the gripper's files, such as ``joint_limits``, to their
     paths.

@@ -72,7 +72,7 @@ Poses = Mapping[str, Mapping[str, float]]
 def load_description(
     config: DescriptionConfig, *, spawn_z: float = SPAWN_Z
 ) -> RobotDescription:
-    """Return the robot of ``config``; an arm of the catalogue is fixed to ``world``.
+    """Return the robot of ``config``; catalogue arms are fixed to ``world``.
 
     The arm's pedestal reaches the ground, which is ``spawn_z`` [m] below ``world``.
 

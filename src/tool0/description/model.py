@@ -409,7 +409,7 @@ class LinearOpening:
     pad_offset: float
     """Distance of a pad from the center at q = 0 [m]."""
     pad_slope: float
-    """Change of a pad's distance from the center per change of the joint's position.
+    """Change in a pad's distance from the center per change in the joint's position.
     If the value is negative, an increasing position closes the pads."""
 
     def opening(self, position: float) -> float:
@@ -554,7 +554,7 @@ class RobotModel:
 
         The sensor's parameter ``frame_id`` contains the name of the link.  If the
         parameter does not contain the name of a link, the sensor's link is the flange
-        with the same prefix as the sensor.  Sensors without a link are left out.
+        with the same prefix as the sensor.  Sensors without a link are omitted.
         """
         found = {}
         for item in (item for component in self.hardware for item in component.items):

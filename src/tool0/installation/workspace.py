@@ -75,7 +75,7 @@ def write_workspace(
 ) -> WorkspaceChanges:
     """Write packages into the workspace ``folder``.
 
-    Nothing is written until the change of every file is known.
+    Nothing is written until the change to every file is known.
 
     Args:
         folder: The workspace.  The folder is created if it does not exist.

@@ -21,7 +21,7 @@ Points = npt.NDArray[np.float64]
 MAX_PARTS: Final = 8
 """Largest number of parts of one mesh."""
 MIN_GAIN: Final = 0.06
-"""Smallest reduction of the boxes' volume by a cut, as a fraction of the volume of the
+"""Smallest reduction in the boxes' volume by a cut, as a fraction of the volume of the
 mesh's bounding box."""
 _CUTS: Final = 11
 """Number of planes, perpendicular to each axis, at which a mesh can be cut."""
