@@ -1,7 +1,7 @@
-"""Checks of an arm's YAML files before xacro reads them.  Errors state file and line.
+"""Checks that an arm's YAML files must pass before xacro reads them.
 
-The files of the built-in arms are checked by the tests.  Your own files are checked
-each time they are loaded.
+Errors state the file and the line.  The files of the built-in arms are checked by the
+tests.  Your own files are checked each time they are loaded.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ _LIMITS = tuple(
 
 
 def check_arm_files(files: Mapping[str, Path]) -> None:
-    """Raise an error with file and line for the first missing or impossible value.
+    """Raise an error, with file and line, for the first missing or impossible value.
 
     ``files`` maps the names of the arm's files, such as ``joint_limits``, to their
     paths.  Files without a check are skipped.

@@ -29,7 +29,7 @@ Matrix = np.ndarray
 @final
 @dataclass(frozen=True, slots=True)
 class BodyInertia:
-    """Mass, center of mass (3,) and inertia about the center (3, 3), in one frame."""
+    """Mass, center of mass (3,) and inertia about that center (3, 3), in one frame."""
 
     mass: float
     center: Matrix
@@ -119,7 +119,7 @@ def moving_bodies(model: RobotModel) -> tuple[MovingBody, ...]:
 def with_added(
     bodies: Sequence[MovingBody], added: Mapping[str, Sequence[BodyInertia]]
 ) -> list[MovingBody]:
-    """Return ``bodies`` with the inertias in ``added``, which are in the links' frames.
+    """Return ``bodies`` with ``added`` inertias, which are given in the links' frames.
 
     Inertia added to a link that never moves has no effect.
     """
@@ -306,7 +306,7 @@ class JointDynamics:
         """
         frames = self.frames(position)
         mass = self._mass.copy()
-        moment_x = [0.0] * self._n  # sums of m x and m y beyond a joint [kg·m]
+        moment_x = [0.0] * self._n  # sums of m·x and m·y beyond a joint [kg·m]
         moment_y = [0.0] * self._n
         for i, (frame, center) in enumerate(zip(frames, self._center, strict=True)):
             cx, cy, cz = center

@@ -103,7 +103,7 @@ class Camera:
     def intrinsics(self) -> NDArray[np.float64]:
         """``K``, shape (3, 3): ``K @ p_optical`` is ``z * (u, v, 1)`` in pixels.
 
-        The center of the top left pixel is (0, 0), the same as in ROS and OpenCV.  The
+        The center of the top left pixel is (0, 0), as in ROS and OpenCV.  The
         center of the image is ((width - 1) / 2, (height - 1) / 2).
         """
         import numpy as np
@@ -160,7 +160,8 @@ def default_cameras(model: RobotModel) -> tuple[Camera, ...]:
     """Return a camera on each flange, and the camera ``scene``, which shows all arms.
 
     If the robot has one flange, its camera is called ``wrist``.  If the robot has
-    several flanges, the cameras have the flanges' prefixes, such as ``left_wrist``.
+    several flanges, the names of the cameras start with the flanges' prefixes, as in
+    ``left_wrist``.
     """
     flanges = flange_names(model)
     cameras = [

@@ -1,4 +1,4 @@
-"""Reader of cells in YAML files and in the short form.
+"""Reader of cells that are written as YAML files or in the short form.
 
 A cell consists of several robots and the objects around them::
 
@@ -62,7 +62,8 @@ def load_cell(path: Path | str) -> Cell:
     """Return the cell in a YAML file.
 
     Raises:
-        ConfigError: If the file contains a mistake.  The error states file and line.
+        ConfigError: If the file contains a mistake.  The error states the file and the
+            line.
     """
     path = expanded(path)
     root = Namespace(read_mapping(path))

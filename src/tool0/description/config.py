@@ -32,14 +32,14 @@ class Unset(Enum):
 
 
 SPAWN_Z: Final = 0.1
-"""Default height of a robot's root above the ground [m].  At this height, which is also
-that of ur_gazebo, the outstretched arm does not touch the ground."""
+"""Default height of a robot's root above the ground [m].  At this height, which
+ur_gazebo also uses, the outstretched arm does not touch the ground."""
 UNSET: Final = Unset.UNSET
 """Placeholder for a value that was not given, for fields in which None has another
 meaning."""
 
 _OF_SEVERAL: Final = ("robot", "cell", "robots")
-"""The options that select robots in another way than by an arm and a gripper."""
+"""The options that select robots other than by an arm and a gripper."""
 _NOT_XACRO: Final = (*_OF_SEVERAL, "namespaces", "args", "relax_inertia", "srdf")
 """The fields that are not arguments of the xacro file."""
 _OF_EACH: Final = ("ros2_control",)
@@ -52,7 +52,7 @@ _ROBOT_NAME: Final = re.compile(r"[A-Za-z](\w*[A-Za-z0-9])?", re.ASCII)
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DescriptionConfig:
-    """The robot: an arm and a gripper of the catalogue, a cell, or your own file.
+    """The robot: an arm and a gripper from the catalogue, a cell, or your own file.
 
     Each field except ``robot``, ``cell``, ``robots``, ``namespaces``, ``args``,
     ``relax_inertia`` and ``srdf`` is the argument of the same name in
@@ -62,8 +62,8 @@ class DescriptionConfig:
 
     Raises:
         ConfigError: If two of ``robot``, ``cell`` and ``robots`` are given, if one of
-            them is given together with a field of the catalogue, or if ``namespaces``
-            is given without a cell.
+            them is given together with a field that applies only to robots from the
+            catalogue, or if ``namespaces`` is given without a cell.
     """
 
     arm: str | None = None

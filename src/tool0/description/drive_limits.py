@@ -1,4 +1,4 @@
-"""Limits of a gripper's drive while one goal is executed."""
+"""Limits that apply to a gripper's drive while one goal is executed."""
 
 from __future__ import annotations
 

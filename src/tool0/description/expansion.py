@@ -1,4 +1,4 @@
-"""Expansion of xacro without ROS, including ``$(find)`` and located errors.
+"""Expansion of xacro without ROS, including ``$(find)`` and errors with locations.
 
 The expander is PyPI's ``xacro``.  Outside ROS, this package tries to import ament for
 ``$(find)``, cannot resolve ``$(dirname)``, writes warnings to stderr, and reads YAML
@@ -55,7 +55,8 @@ def expand(path: Path, args: Mapping[str, str] | None = None) -> Expanded:
 
     Raises:
         DescriptionError: If the expansion fails, or if no file declares one of the
-            arguments.  The error states file, line, macro and includes.
+            arguments.  The error states the file, the line, the macro and the
+            includes.
     """
     expanded = _expanded(path, args, _defaults_of_root)
     for name in args or {}:
@@ -73,8 +74,8 @@ def expand_leniently(path: Path, args: Mapping[str, str] | None = None) -> Expan
     Arguments that no file declares are ignored, as they are by xacro.
 
     Raises:
-        DescriptionError: If the expansion fails.  The error states file, line, macro
-            and includes.
+        DescriptionError: If the expansion fails.  The error states the file, the line,
+            the macro and the includes.
     """
     return _expanded(path, args, lambda _: {})
 
@@ -96,13 +97,13 @@ def _expanded(
                 document = run.parse(None, start)
                 given = {**defaults(document), **(args or {})}
                 xacro.process_doc(document, mappings=given, verbosity=0)
-            except Exception as error:  # any exception of the file's Python
+            except Exception as error:  # any exception of Python code in the file
                 raise _describe(xacro, error) from error
     return Expanded(document, run.known, given)  # xacro has added the defaults
 
 
 def _defaults_of_root(document: Document) -> dict[str, str]:
-    """Return the arguments with a default that attributes of ``<robot>`` use.
+    """Return the arguments that have a default and are used in ``<robot>`` attributes.
 
     The elements that declare these arguments are inside ``<robot>``. xacro reads them
     after it has evaluated the attributes of ``<robot>``.
@@ -124,7 +125,7 @@ def _defaults_of_root(document: Document) -> dict[str, str]:
 
 @functools.cache
 def _imported() -> ModuleType:
-    """Return PyPI's xacro, without Python 3.10's warnings about its private names.
+    """Return PyPI's xacro, without Python 3.10's warnings about xacro's private names.
 
     If a ROS installation is sourced, its xacro, in any version, comes first in
     PYTHONPATH.
@@ -252,7 +253,7 @@ def read_parameters(path: Path) -> YamlEntry:
 
 
 def _construct(unit: Any, loader: Any, node: Any) -> Any:  # xacro's and PyYAML's
-    """Return a number with a unit, converted to SI, or raise ValueError."""
+    """Return a number with a unit in SI; raise ValueError if the number is invalid."""
     try:
         return unit.constructor(loader, node)
     except Exception as error:  # xacro evaluates the number as Python code
@@ -293,7 +294,7 @@ def _wrapped(entry: YamlEntry) -> Any:
 
 @contextmanager
 def _substituted(xacro: ModuleType, run: _Expansion) -> Iterator[None]:
-    """Replace the parts of xacro that need ROS with ``run`` within the context."""
+    """Replace xacro's ROS-dependent parts with ``run`` while the context is active."""
     replacements = {
         "eval_extension": run.substitute,
         "parse": run.parse,
@@ -365,7 +366,7 @@ def _eval_text(xacro: ModuleType) -> Callable[[str, Any], Any]:
     def evaluate(expression: str, symbols: Any) -> Any:
         try:
             return compiled(expression, symbols)
-        except Exception as error:  # any exception of the file's Python
+        except Exception as error:  # any exception of Python code in the file
             suffix = f"when evaluating expression '{expression}'"
             raise xacro.XacroException(exc=error, suffix=suffix) from error
 

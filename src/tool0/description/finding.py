@@ -1,4 +1,4 @@
-"""Findings, which are mistakes in a user's file with location and remedy."""
+"""Findings: mistakes in a user's file, each with its location and a remedy."""
 
 from __future__ import annotations
 

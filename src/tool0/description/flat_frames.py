@@ -114,7 +114,7 @@ def rotate_back(frame: Sequence[float], vector: Vector3) -> Vector3:
 
 
 def compose(outer: Frame, inner: Frame) -> Frame:
-    """Return the frame ``inner``, given in ``outer``, in the parent of ``outer``."""
+    """Return ``inner``, a frame given in ``outer``, in the parent of ``outer``."""
     a, b, c, d, e, f, g, h, i, px, py, pz = inner
     x, y, z = rotate(outer, (px, py, pz))
     return (

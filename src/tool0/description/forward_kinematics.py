@@ -127,7 +127,7 @@ def joint_positions(
             ``movable_joints``.
         given: Positions of some joints, by name.
         otherwise: Positions used for the joints that are not in ``given``.  The values
-            for mimic joints are ignored, since these follow their master joints.
+            for mimic joints are ignored, since mimic joints follow their master joints.
 
     Raises:
         ModelError: If a joint is unknown or its position cannot be determined.
@@ -181,7 +181,7 @@ class FrameMotion:
     def relative_to(self, other: FrameMotion) -> FrameMotion:
         """Return this motion relative to ``other``, in the axes of ``other``.
 
-        The velocities are subtracted, as Gazebo does.  The rotation of ``other`` does
+        The velocities are subtracted, as in Gazebo.  The rotation of ``other`` does
         not contribute to the relative velocity.
         """
         T_other_reference = other.pose.inverse()

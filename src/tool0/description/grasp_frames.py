@@ -25,7 +25,7 @@ def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
 
 
 def flange_of(model: RobotModel, gripper: ParallelGripper) -> str:
-    """Return the link that carries ``gripper``: a ``…tool0``, or the base link."""
+    """Return the link that carries ``gripper``: a link ``…tool0``, or the base link."""
     base = link = model.joint(gripper.joint).parent
     while (joint := model.parent_joint.get(link)) and not joint.is_movable:
         link = joint.parent

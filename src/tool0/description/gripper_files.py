@@ -1,7 +1,7 @@
-"""Checks of a gripper's YAML files before xacro reads them.
+"""Checks that a gripper's YAML files must pass before xacro reads them.
 
-Errors state file and line.  The checks cover the keys that all grippers have,
-independent of the mechanism that the macro in the folder describes.  If the macro needs
+Errors state the file and the line.  The checks cover the keys that all grippers have,
+regardless of the mechanism that the macro in the folder describes.  If the macro needs
 an additional key and this key is missing, xacro reports the mapping in which the key is
 missing.
 """
@@ -42,7 +42,7 @@ _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
 def check_gripper_files(files: Mapping[str, Path]) -> None:
-    """Raise an error with file and line for the first missing or impossible value.
+    """Raise an error, with file and line, for the first missing or impossible value.
 
     ``files`` maps the names of the gripper's files, such as ``joint_limits``, to their
     paths.

@@ -1,8 +1,8 @@
 """Forward kinematics of the moving joints for many joint positions.
 
 Fixed joints are merged into the placements of the moving joints.
-``forward_kinematics`` computes a single posture from positions by joint name, and
-``flat_frames`` computes a single posture in the tick.
+``forward_kinematics`` computes the kinematics of a single posture from positions by
+joint name, and ``flat_frames`` does this in the tick.
 """
 
 from __future__ import annotations

@@ -72,7 +72,7 @@ Poses = Mapping[str, Mapping[str, float]]
 def load_description(
     config: DescriptionConfig, *, spawn_z: float = SPAWN_Z
 ) -> RobotDescription:
-    """Return the robot of ``config``; an arm of the catalogue is fixed to ``world``.
+    """Return the robot of ``config``; catalogue arms are fixed to ``world``.
 
     The arm's pedestal reaches the ground, which is ``spawn_z`` [m] below ``world``.
 
@@ -157,7 +157,7 @@ def _load_cell(cell: Cell, spawn_z: float) -> RobotDescription:
 def _expand_robot(
     config: DescriptionConfig, spawn_z: float, name: str = ""
 ) -> tuple[CatalogueRobot, Expanded]:
-    """Return an arm of the catalogue with its gripper, and the expanded URDF.
+    """Return an arm from the catalogue with its gripper, and the expanded URDF.
 
     A ``name`` that is not empty means that the arm is a robot of a cell.
     """
@@ -315,7 +315,7 @@ def _own_files(
 
 
 def _pedestal_height(given: Mapping[str, str], spawn_z: float) -> str:
-    """Return the height of the arm's base above the ground [m]; 0 if it is tilted."""
+    """Return the height of the base above the ground [m]; 0 if the arm is tilted."""
     try:
         z = float(given.get("base_xyz", "0 0 0").split()[2])
         roll, pitch, _ = map(float, given.get("base_rpy", "0 0 0").split())

@@ -364,7 +364,7 @@ class LoopJoint:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotaryOpening:
-    """Opening of a gripper with a revolute joint that moves each pad on a circle.
+    """Opening of a gripper with a revolute joint that moves each pad along a circle.
 
     ``opening(q) = 2 (pad_offset + pad_cos · cos q + pad_sin · sin q)``.  This is the
     relation for parallelogram linkages.
@@ -401,7 +401,7 @@ class RotaryOpening:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinearOpening:
-    """Opening of a gripper with a prismatic joint that moves each pad on a line.
+    """Opening of a gripper with a prismatic joint that moves each pad along a line.
 
     ``opening(q) = 2 (pad_offset + pad_slope · q)``.
     """
@@ -409,7 +409,7 @@ class LinearOpening:
     pad_offset: float
     """Distance of a pad from the center at q = 0 [m]."""
     pad_slope: float
-    """Change of a pad's distance from the center per change of the joint's position.
+    """Change in a pad's distance from the center per change in the joint's position.
     If the value is negative, an increasing position closes the pads."""
 
     def opening(self, position: float) -> float:
@@ -443,9 +443,9 @@ class ParallelGripper:
     max_opening: float
     """Largest distance between the pads [m]."""
     speed: tuple[float, float]
-    """Slowest and fastest closing speed of the pads relative to each other [m/s]."""
+    """Lowest and highest closing speed of the pads relative to each other [m/s]."""
     force: tuple[float, float]
-    """Weakest and strongest grip force at each pad [N]."""
+    """Smallest and largest grip force at each pad [N]."""
     protocol: str | None = None
     """Device protocol of the gripper's ports, one of ``GRIPPER_PROTOCOLS``.  The
     protocol is None if the gripper does not use any of these protocols."""
@@ -463,7 +463,11 @@ class ParallelGripper:
         return self.law.opening(position)
 
     def position(self, opening: float) -> float:
-        """Return the position [rad | m] for ``opening`` [m], or raise ModelError."""
+        """Return the position [rad | m] for ``opening`` [m].
+
+        Raises:
+            ModelError: If the opening is outside the gripper's range.
+        """
         if not 0.0 <= opening <= self.max_opening:
             raise ModelError(
                 f"opening {opening} m of gripper '{self.name}' is outside "
@@ -550,7 +554,7 @@ class RobotModel:
 
         The sensor's parameter ``frame_id`` contains the name of the link.  If the
         parameter does not contain the name of a link, the sensor's link is the flange
-        with the same prefix as the sensor.  Sensors without a link are left out.
+        with the same prefix as the sensor.  Sensors without a link are omitted.
         """
         found = {}
         for item in (item for component in self.hardware for item in component.items):
@@ -575,18 +579,22 @@ class RobotModel:
         return tuple(link.name for link in self.links if link.name.endswith(FLANGE))
 
     def links_from(self, name: str) -> tuple[str, ...]:
-        """Return the link ``name`` and all its descendants, or raise ModelError."""
+        """Return the link ``name`` and all its descendants.
+
+        Raises:
+            ModelError: If there is no link of this name.
+        """
         found = [self.link(name).name]
         for joint in self.child_joints[name]:
             found += self.links_from(joint.child)
         return tuple(found)
 
     def joint(self, name: str) -> Joint:
-        """Return the joint called ``name``, or raise ModelError."""
+        """Return the joint called ``name``, or raise ModelError if there is none."""
         return _find("joint", name, self.joint_by_name)
 
     def link(self, name: str) -> Link:
-        """Return the link called ``name``, or raise ModelError."""
+        """Return the link called ``name``, or raise ModelError if there is none."""
         return _find("link", name, self.link_by_name)
 
 

@@ -1,8 +1,8 @@
 """The arms and grippers of a robot, by the names that are used in the API.
 
 A part is named after the prefix of its links, such as ``left`` for an arm that ends at
-``left_tool0`` and for a gripper ``left_gripper``.  Parts without a prefix are called
-``arm`` and ``gripper``.
+``left_tool0`` and for a gripper called ``left_gripper``.  Parts without a prefix are
+called ``arm`` and ``gripper``.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def find_grippers(model: RobotModel) -> dict[str, ParallelGripper]:
 
 
 def flange_names(model: RobotModel) -> dict[str, str]:
-    """Return the links ``…tool0`` by name, whether or not an arm ends there."""
+    """Return the links ``…tool0`` by name, whether or not an arm ends at the link."""
     return _named(((flange, flange) for flange in model.flanges), FLANGE, "arm")
 
 
@@ -80,7 +80,7 @@ def joints_of(model: RobotModel, robot: str) -> tuple[str, ...]:
 
 
 def gripper_of(model: RobotModel, robot: str) -> str | None:
-    """Return the name of the gripper on an arm, or None if it has no gripper.
+    """Return the name of the gripper on an arm, or None if the arm has no gripper.
 
     Raises:
         ControlError: If there is no arm of this name.
@@ -91,7 +91,7 @@ def gripper_of(model: RobotModel, robot: str) -> str | None:
 
 
 def base_of(model: RobotModel, robot: str) -> str:
-    """Return the lowest link below the root that carries only this arm.
+    """Return the first link below the root that carries only this arm.
 
     Raises:
         ControlError: If there is no arm of this name.
@@ -137,7 +137,7 @@ def gripper_joints(model: RobotModel) -> frozenset[str]:
 def _named(
     items: Iterable[tuple[str, Item]], ending: str, alone: str
 ) -> dict[str, Item]:
-    """Return items by the prefix before ``ending``; an empty prefix is ``alone``.
+    """Return items by the prefix before ``ending``; ``alone`` replaces an empty prefix.
 
     If two items have the same short name, the second item is returned by its full name.
     """

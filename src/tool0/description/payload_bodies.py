@@ -19,7 +19,7 @@ from tool0.description.payload import Payload
 
 
 def modelled_payload(model: RobotModel, flange: str) -> Payload:
-    """Return the payload beyond ``flange`` in the description, with open grippers."""
+    """Return the description's payload beyond ``flange``, with the grippers open."""
     tool = tool_inertia(model, flange)
     x, y, z = tool.center.tolist()
     return Payload(tool.mass, (x, y, z))
@@ -28,7 +28,7 @@ def modelled_payload(model: RobotModel, flange: str) -> Payload:
 def replaced_tools(
     model: RobotModel, payloads: Mapping[str, Payload]
 ) -> dict[str, tuple[BodyInertia, ...]]:
-    """Return the bodies to add to each flange to replace its tool by a payload."""
+    """Return the bodies that, added to each flange, replace its tool with a payload."""
     return {
         flange: (payload_inertia(payload), _negative(tool_inertia(model, flange)))
         for flange, payload in payloads.items()

@@ -19,8 +19,8 @@ class Branch:
     """
 
     shoulder: Literal["left", "right"] | None = None
-    """Side of the line from the base to the wrist center on which the upper arm is,
-    seen from behind the base."""
+    """Side on which the upper arm is, relative to the line from the base to the wrist
+    center, seen from behind the base."""
     elbow: Literal["up", "down"] | None = None
     """Whether the elbow is above the line from the shoulder to the fourth joint.  The
     meaning is reversed where the fourth joint and the wrist center are on different

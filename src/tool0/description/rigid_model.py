@@ -1,6 +1,6 @@
 """Parser of simple models in URDF or SDF text from untrusted sources.
 
-A simple model is one rigid body with one or several collision shapes.
+A simple model is one rigid body with one or more collision shapes.
 """
 
 from __future__ import annotations
@@ -230,9 +230,10 @@ def _joined(
 
 
 def _replace_impossible_inertia(robot: Element) -> None:
-    """Replace impossible inertias, which are not used.
+    """Replace impossible inertias, so that the document can be parsed.
 
-    The inertia of an object is computed from its shape and mass.
+    The replaced values are not used: the inertia of an object is computed from its
+    shape and mass.
     """
     for link in children(robot, "link"):
         tensor = _descendant(link, "inertial", "inertia")

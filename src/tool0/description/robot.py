@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CatalogueRobot:
-    """An arm of the catalogue with its gripper."""
+    """An arm from the catalogue with its gripper."""
 
     name: str = ""
     """Name of the robot in a cell, such as ``left``; empty for a single robot."""

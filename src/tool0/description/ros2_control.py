@@ -62,8 +62,8 @@ class Ros2Control:
     drives: Mapping[str, Transmission]
     """Drives of the joints that have command interfaces, by joint name."""
     mimics: Mapping[str, Mimic | None]
-    """New mimic relation of each joint with a ``<mimic>`` that is replaced, or None if
-    it is removed."""
+    """New mimic relation of each joint with a ``<mimic>`` that is replaced; None if the
+    ``<mimic>`` is removed."""
     initial: Mapping[str, float]
     """Start positions by joint name [rad | m]."""
 
@@ -120,7 +120,7 @@ def command_interfaces(robot: Element) -> dict[str, tuple[str, ...]]:
 
 
 def _is_other(item: HardwareItem, joints: Mapping[str, Joint]) -> bool:
-    """Return whether a ``<joint>`` tag describes no joint, as for some old drivers."""
+    """Return whether a ``<joint>`` tag describes no joint, as with some old drivers."""
     interfaces = (*item.commands, *item.states)
     moves = any(interface.name in _MOTION for interface in interfaces)
     return bool(interfaces) and not moves and item.name not in joints
@@ -175,8 +175,8 @@ def _mimic(
 ) -> Mimic | None:
     """Return the mimic relation of ``joint`` from this tag or from ``<joint>``.
 
-    The attribute ``mimic`` states whether ``<mimic>`` is kept or removed.  Before ROS 2
-    Jazzy, the mimic relation was stated by parameters.
+    The attribute ``mimic`` determines whether ``<mimic>`` is kept or removed.  Before
+    ROS 2 Jazzy, the mimic relation was stated by parameters.
     """
     if element.hasAttribute("mimic"):
         text = required(element, "mimic").lower()
@@ -260,7 +260,7 @@ def _check_commands(element: Element, joint: Joint, commands: JointLimits) -> No
 
 
 def _largest(command: HardwareInterface) -> float:
-    """Return the largest magnitude of a command; it is infinite without limits."""
+    """Return the largest magnitude of a command; infinite if there are no limits."""
     bounds = (abs(bound) for bound in (command.lower, command.upper))
     return max(filter(math.isfinite, bounds), default=math.inf)
 

@@ -51,7 +51,7 @@ _NAME = re.compile(r"[\w.\-]+( [\w.\-]+)*")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SceneObject:
-    """A rigid object of uniform density with one or several shapes.
+    """A rigid object of uniform density with one or more shapes.
 
     The friction coefficient between two objects is the smaller of their coefficients,
     as in ODE.  The ground and the robot's links have high friction coefficients.  The
@@ -62,9 +62,9 @@ class SceneObject:
     """Unique name that consists of letters, digits, ``_``, ``-``, ``.`` and single
     spaces."""
     geometry: Solid
-    """Shape, centered at the object's origin.  A mesh keeps the origin in its file, and
-    the convex hull of the mesh is used for collisions.  The parts of a compound have
-    poses in the object's frame."""
+    """Shape, centered at the object's origin.  A mesh keeps the origin that its file
+    defines, and the convex hull of the mesh is used for collisions.  The parts of a
+    compound have poses in the object's frame."""
     pose: Pose = field(default_factory=Pose)
     """Pose of the object in the robot's root, at the start and after a reset."""
     mass: float | None = None

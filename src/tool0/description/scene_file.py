@@ -113,7 +113,8 @@ def load_scene(path: Path | str) -> Scene:
     """Return the objects in a YAML file, or in the built-in scene of this name.
 
     Raises:
-        ConfigError: If the file contains a mistake.  The error states file and line.
+        ConfigError: If the file contains a mistake.  The error states the file and the
+            line.
     """
     return read_scene(read_mapping(scene_path(path)))
 
@@ -224,7 +225,7 @@ def _compound(values: Namespace, of: str) -> Compound:
 
 
 def _geometry(kind: str, values: Namespace, of: str) -> Geometry:
-    """Return the shape described by ``values``; errors state its owner ``of``."""
+    """Return the shape described by ``values``; errors state ``of``, its owner."""
     shape = _shape(values, kind)
 
     def numbers(

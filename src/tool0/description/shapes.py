@@ -111,7 +111,7 @@ def placed_geometries(solid: Solid) -> tuple[tuple[Geometry, Pose], ...]:
 
 
 def geometry_names(name: str, solid: Solid) -> tuple[str, ...]:
-    """Return a name for each part, as Gazebo does: ``name``, ``name_1`` and so on."""
+    """Return a name for each part as in Gazebo: ``name``, ``name_1`` and so on."""
     count = len(placed_geometries(solid))
     return (name, *(f"{name}_{number}" for number in range(1, count)))
 
@@ -162,7 +162,7 @@ def sizes(geometry: Geometry) -> tuple[float, ...]:
 
 
 def kind_of(solid: Solid) -> Solid | type[Geometry]:
-    """Return the type of a box, cylinder or sphere; other shapes stay unchanged.
+    """Return the type of a box, cylinder or sphere; return other shapes unchanged.
 
     Two shapes with equal results differ only in their ``sizes``.
     """
@@ -208,7 +208,7 @@ def extents(geometry: Geometry) -> Vector3:
 
 
 def check_solid(solid: Solid, of: str, *, is_fixed: bool) -> None:
-    """Raise ConfigError, with ``of`` as owner, unless sizes and poses are valid."""
+    """Raise ConfigError, stating the owner ``of``, unless sizes and poses are valid."""
     if not isinstance(solid, Compound):
         check_geometry(solid, of)
         _check_scale(solid, of, is_fixed=is_fixed)
@@ -223,7 +223,7 @@ def check_solid(solid: Solid, of: str, *, is_fixed: bool) -> None:
 
 
 def check_geometry(geometry: Geometry, of: str) -> None:
-    """Raise ConfigError, with ``of`` as owner, unless the sizes are valid."""
+    """Raise ConfigError, stating the owner ``of``, unless the sizes are valid."""
     kind = type(geometry).__name__.lower()
     try:
         values = tuple(float(x) for x in sizes(geometry) if isinstance(x, Real))

@@ -18,7 +18,7 @@ def read_disabled_collisions(
 
     Raises:
         DescriptionError: If the file is not an SRDF, or contains a link that the robot
-            does not have.  The error states file and line.
+            does not have.  The error states the file and the line.
     """
     root = parse_file(file).documentElement
     if root is None or root.tagName != "robot":

@@ -30,7 +30,7 @@ class Frames(NamedTuple):
 
     @classmethod
     def of(cls, T: Transform) -> Frames:
-        """Return a transform as an array with n = 1, which composes with any n."""
+        """Return a transform as an array with n = 1, which composes with any array."""
         return cls(np.array([T.position]), np.array([T.rotation]))
 
     def __matmul__(self, other: Frames | Transform) -> Frames:

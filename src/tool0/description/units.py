@@ -77,7 +77,8 @@ Radians = Annotated[float, ANGLE]
 MetresPerSecond = Annotated[float, SPEED]
 
 FAR: Final = 100.0
-"""Distance to the nearest link at which an object's position is probably in mm [m]."""
+"""Distance of an object from the nearest link at and above which the object's position
+is probably in mm [m]."""
 LARGEST_MOVABLE: Final = 5.0
 """Smallest edge length at which a movable body's size is probably in mm [m]."""
 LARGEST_FIXED: Final = 20.0

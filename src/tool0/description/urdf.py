@@ -226,8 +226,8 @@ def _apply_gazebo(
             links[name] = _with_surface(links[name], element)
         elif name:
             # Only Gazebo uses an element without a name.  A reference to an unknown
-            # name is only a warning, as in Gazebo, since published robots contain such
-            # references.
+            # name causes only a warning, as in Gazebo, since published robots contain
+            # such references.
             logger.warning(
                 "%s: <gazebo> refers to '%s', which is no link: it has no effect%s",
                 locate(element),

@@ -61,8 +61,8 @@ from tool0.description.xml_source import (
 from tool0.errors import ConfigError, DescriptionError, LimitsError, ModelError
 
 SHEET = 1e-3
-"""Thickness that replaces an edge of length 0 of a box, such as that of a flat floor
-[m]."""
+"""Thickness that replaces a zero edge length of a box, such as the height of a flat
+floor [m]."""
 
 _LIMITED = (JointType.REVOLUTE, JointType.PRISMATIC)
 _WITH_AXIS = (*_LIMITED, JointType.CONTINUOUS, JointType.PLANAR)
@@ -257,7 +257,7 @@ def _read_safety(element: Element) -> SafetyController | None:
 def read_transmission(
     element: Element, drives: Mapping[str, Transmission]
 ) -> Transmission:
-    """Return the transmission that ``element`` describes, as ros_control does.
+    """Return the transmission that ``element`` describes, as ros_control reads it.
 
     If ``drives`` already contains a drive of this joint, the data of the transmission
     is added to that drive.
@@ -298,7 +298,7 @@ def read_transmission(
 def _read_interface(
     element: Element, joint: Element, actuator: Element | None
 ) -> Interface:
-    """Return the interface in ``joint``, or that in ``actuator`` if it is missing."""
+    """Return the interface in ``joint``, or in ``actuator`` if ``joint`` has none."""
     valid = [item.value for item in Interface]
     for owner in (joint, actuator):
         for named in () if owner is None else children(owner, "hardwareInterface"):
@@ -342,7 +342,7 @@ _ROTARY, _LINEAR = ("pad_cos", "pad_sin"), ("pad_slope",)
 
 
 def read_gripper(element: Element, joints: Mapping[str, Joint]) -> ParallelGripper:
-    """Return the gripper that ``element`` describes and one of ``joints`` drives."""
+    """Return the gripper that ``element`` describes; one of ``joints`` drives it."""
     name, driven = required(element, "name"), required(element, "joint")
     what = f"gripper '{name}' is driven by the unknown joint"
     require_known(driven, joints, what, locate(element))

@@ -17,7 +17,7 @@ _ZERO: Final = (0.0, 0.0, 0.0)
 def velocity_efforts(
     dynamics: JointDynamics, position: Sequence[float], velocity: Sequence[float]
 ) -> Matrix:
-    """Return the efforts that keep the joint velocities constant, without gravity.
+    """Return the efforts that keep the joint velocities constant in zero gravity.
 
     The efforts C(q, qd) qd [N·m | N], shape (n_joints,), are computed from the
     accelerations of the bodies at constant joint velocities.
@@ -26,8 +26,8 @@ def velocity_efforts(
         dynamics: Dynamics of the robot.
         position: Positions of the movable joints, in the model's order [rad | m].
         velocity: Velocities of the movable joints, in the model's order [rad/s | m/s].
-            The values for mimic joints are ignored, since these follow their master
-            joints.
+            The values for mimic joints are ignored, since mimic joints follow their
+            master joints.
     """
     frames = dynamics.frames(position)
     efforts = np.zeros(len(frames))

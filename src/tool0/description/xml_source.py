@@ -318,7 +318,7 @@ def origin(element: Element) -> Pose:
 
 
 def not_negative(value: float, what: str, element: Element) -> float:
-    """Return ``value``, or raise ModelError with the text ``what`` if it is < 0."""
+    """Return ``value``, or raise ModelError with text ``what`` if ``value`` < 0."""
     if not value >= 0:
         raise ModelError(f"{what} {value:g}; it must not be negative", locate(element))
     return value

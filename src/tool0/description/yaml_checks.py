@@ -1,4 +1,4 @@
-"""Checks of the values in YAML parameter files.  Errors state file and line."""
+"""Checks of the values in YAML parameter files.  Errors state the file and the line."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SHAPES = ("mesh", "box", *_SIZES)
 def check_files(
     files: Mapping[str, Path], checks: Mapping[str, Callable[[YamlEntry], None]]
 ) -> None:
-    """Check the files by name; missing files and files without a check are skipped."""
+    """Apply the check of each file; skip missing files and files without a check."""
     for name, check in checks.items():
         path = files.get(name)
         if path is not None and path.is_file():
@@ -83,7 +83,7 @@ def vector_of(entry: YamlEntry, count: int) -> list[float]:
 
 
 def number_of(entry: YamlEntry) -> float:
-    """Return a finite number, even if it is text in YAML 1.1 (such as 2e-05)."""
+    """Return a finite number, even one that is text in YAML 1.1 (such as 2e-05)."""
     value = entry.scalar
     try:
         number = math.nan if value is None or value is True else float(value)

@@ -107,7 +107,7 @@ class YamlEntry:
 @final
 @dataclass(slots=True)
 class Tree:
-    """All parameters of one or several files.
+    """All parameters of one or more files.
 
     Parameters of later files override those of earlier files, as in ROS.
     """

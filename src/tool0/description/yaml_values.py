@@ -221,7 +221,7 @@ class Namespace:
 
 
 def number_of(entry: YamlEntry, *quantities: Quantity) -> float:
-    """Return a finite number in SI units; it may have a unit of ``quantities``.
+    """Return a finite number in SI units; its unit may be one of ``quantities``.
 
     Raises:
         ConfigError: If the value is not a finite number, or has another unit.  The

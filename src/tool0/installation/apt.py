@@ -35,8 +35,8 @@ def explain_failure(
 
     Args:
         output: The output of apt.
-        explanations: Explanations by cause.  The causes are the keys of the table
-            above.
+        explanations: Explanations by cause.  The causes are the keys of
+            ``_OUTPUT_BY_CAUSE``.
         otherwise: The explanation that is used if no cause matches.
     """
     fitting = (

@@ -36,7 +36,7 @@ def starting() -> Iterator[None]:
 
 
 def started() -> None:
-    """Exempt all existing objects permanently, and collect rarely after that."""
+    """Permanently exempt existing objects from collection, and then collect rarely."""
     gc.freeze()
     gc.set_threshold(THRESHOLD)
     gc.enable()

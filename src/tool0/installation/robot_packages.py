@@ -1,6 +1,6 @@
 """Creates the catkin packages of an arm with a gripper, for Noetic and Gazebo 11.
 
-The files are the same files that tool0 reads.  The chosen robot is the default of the
+The files are those that tool0 itself reads.  The chosen robot is the default of the
 arguments in these files.  Only the controllers are generated for one robot, because
 their gains depend on the robot.
 """

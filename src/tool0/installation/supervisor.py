@@ -55,7 +55,7 @@ def main() -> NoReturn:
 def supervise(
     group: int, connection: int, wait: Callable[[], int], grace: float
 ) -> NoReturn:
-    """Wait for a process group's leader, end the group, and exit like the leader.
+    """Wait for a process group's leader, end the group, and exit as the leader did.
 
     Args:
         group: The ID of the process group, which is the process ID of its leader.

@@ -75,7 +75,7 @@ def write_workspace(
 ) -> WorkspaceChanges:
     """Write packages into the workspace ``folder``.
 
-    Nothing is written until the change of every file is known.
+    Nothing is written until the change to every file is known.
 
     Args:
         folder: The workspace.  The folder is created if it does not exist.
@@ -172,7 +172,7 @@ def _digest(data: bytes) -> str:
 
 
 def _read_record(package: Path) -> _Hashes:
-    """Return the recorded hashes of a package, or an empty mapping without a record.
+    """Return the recorded hashes of a package; empty if there is no record.
 
     Without a readable record, every file that differs from the new content is treated
     as edited.

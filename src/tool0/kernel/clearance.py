@@ -204,7 +204,7 @@ class Clearances:
             memory: Memory of the engine.
             joints: Joints that move.
             pairs: Pairs of shapes.  The distances ``least`` must include ``slack``.
-            slack: Distance by which the check of a motion advances at least [m].
+            slack: Smallest distance by which the check of a motion advances [m].
             upright: The tool that must be kept upright, if any.
         """
         self.n_joints = len(joints.addresses)
@@ -261,7 +261,7 @@ class Clearances:
         return int(self._compiled.tool0_clearances_at(self._ref, _at(q)))
 
     def distances(self, q: FloatArray, most: float) -> FloatArray:
-        """Return the distance of each pair in a pose [m], computed up to ``most``."""
+        """Return the distance of each pair in a pose [m], limited to ``most``."""
         q, found = _packed(q), np.empty(self._struct.n_pairs)
         self._compiled.tool0_clearances_all(
             self._ref, _at(q), c_double(most), _at(found)

@@ -484,7 +484,7 @@ def _laws(
 def _constants(
     laws: Sequence[TrajectoryLaw | None],
 ) -> tuple[list[bool], list[tuple[float, ...]], list[float]]:
-    """Return whether errors wrap, the gains and the feed-forward, for each joint."""
+    """Return, for each joint: whether errors wrap, the gains, and the feed-forward."""
     wraps: list[bool] = []
     gains: list[tuple[float, ...]] = []
     feed_forward: list[float] = []

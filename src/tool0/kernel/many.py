@@ -93,7 +93,7 @@ class BatchKernel:
         )
 
     def refresh(self, hardware: RobotHardware) -> None:
-        """Compute the masses and mobilities that are due, and set results to ``DONE``.
+        """Compute the masses and mobilities that are due; set results to ``DONE``.
 
         ``hardware`` is the hardware of one of the robots.
         """

@@ -341,7 +341,7 @@ class TickProgram:
     def load(
         self, laws: Sequence[Law], state: JointState, stepper: NativeStepper
     ) -> None:
-        """Copy the controllers' laws and the drives, at the joint state ``state``."""
+        """Copy laws and drives, in joint state ``state``, to the kernel's memory."""
         for loaded, law in zip(self._laws, laws, strict=True):
             if loaded is not None and not isinstance(law, IdleLaw):
                 loaded.load(law, state.time)

@@ -90,7 +90,10 @@ class ToolKernel:
         rotations: FloatArray,
         limit: FloatArray,
     ) -> FloatArray:
-        """Return joint positions closer to poses; see ``gym.tool.Tool.approach``."""
+        """Return joint positions that approach poses.
+
+        See ``gym.tool.Tool.approach``.
+        """
         given = [np.ascontiguousarray(a) for a in (q, positions, rotations, limit)]
         found = np.empty((len(q), _JOINTS))
         self._approach(self._at, len(q), *map(address, given), address(found))

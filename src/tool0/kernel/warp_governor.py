@@ -180,7 +180,7 @@ def change(
     by: float,
     coming: wp.array2d[float],
 ) -> None:
-    """Add the effect of a change of one effort to the velocities after the step."""
+    """Add the effect of a change in one effort to the velocities after the step."""
     for j in range(coming.shape[1]):
         coming[robot, j] += mobility[robot, row, j] * by
 

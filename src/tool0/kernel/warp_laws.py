@@ -338,7 +338,7 @@ def balance(
     moments: wp.array2d[wp.vec3],
     loads: wp.array2d[float],
 ) -> None:
-    """Set the loads to the efforts that balance gravity and springs, if they are due.
+    """If loads are due, set them to the efforts that balance gravity and springs.
 
     ``rotations``, ``positions`` and ``moments`` (with the mass as last component) are
     working memory with one element per body.

@@ -73,8 +73,8 @@ class BridgeListener:
     ) -> socket.socket:
         """Return the socket of a bridge with this ``VERSION``, for steps of ``dt`` [s].
 
-        ``check`` is called while waiting, and must raise an error if the bridge cannot
-        connect any more.
+        ``check`` is called while waiting, and must raise an error if the bridge can no
+        longer connect.
 
         Raises:
             EngineUnavailableError: If no bridge connects, or if the bridge has another
@@ -183,7 +183,7 @@ class BridgeConnection:
     def request(
         self, kind: RequestKind, *parts: bytes, timeout: float = ANSWER_TIMEOUT
     ) -> memoryview:
-        """Send a request of ``parts`` and return its answer.
+        """Send a request that consists of ``parts``, and return the answer.
 
         Raises:
             EngineError: If the bridge rejects the request, or does not answer before

@@ -179,6 +179,6 @@ class GazeboEngine:
 
     def _take_state(self, answer: memoryview) -> None:
         self._state = self._unpack_state(answer)
-        # The answer also contains the name of an item with values that are not finite.
+        # If an item has values that are not finite, the answer also contains its name.
         if len(answer) > self._state_size:
             self._diverged = answer[self._state_size :].tobytes().decode()

@@ -3,10 +3,10 @@
 libsdformat converts the URDF, as it does for every user of Gazebo.  Before the
 conversion, tool0 changes mesh paths, the joint that fixes the robot to the world, the
 constraints and the stops of mimic joints, and colors. tool0 also removes ROS 2
-controller managers, since it replaces them.
+controller managers, since tool0 replaces the managers.
 
 A mimic joint is constrained by ODE's gearbox joint if this joint is exact.  Otherwise,
-the bridge simulates gear teeth.  The gearbox holds w_child + ratio · w_parent = 0
+the bridge simulates gear teeth.  The gearbox enforces w_child + ratio · w_parent = 0
 between the angular velocities of two bodies, but ignores the common carrier of the
 bodies.  The gearbox is therefore exact only for ratio -1 and parallel axes, since the
 carrier's velocity then cancels.  With any other ratio, the gearbox resists the
@@ -34,7 +34,7 @@ WORLD = "world"
 """Name of a root link that libsdformat fixes to the world."""
 _PARALLEL = 1e-6  # [rad]
 STOP_SLACK = 0.02
-"""Distance of the stops of mimic joints beyond the stops in the URDF [rad | m].
+"""Distance by which the stops of mimic joints are beyond those in the URDF [rad | m].
 
 The stop of a master joint also stops its mimic joints.  With redundant stops, ODE's
 direct solver fails, and undamped fingers oscillate at 6 rad/s.

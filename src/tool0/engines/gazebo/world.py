@@ -196,8 +196,8 @@ class GazeboServerWorld:
     def contacts(self) -> tuple[Contact, ...]:
         """Return the contacts of the last step, one contact per pair.
 
-        A pair consists of links or objects.  Gazebo starts to record contacts at the
-        first call, and therefore the first call returns no contacts.
+        Each item of a pair is a link or an object.  Gazebo starts to record contacts at
+        the first call, and therefore the first call returns no contacts.
         """
         packed, n, left = b"", 0, 1
         while left:  # the size of an answer is limited
@@ -226,7 +226,7 @@ class GazeboServerWorld:
         )
 
     def _packed_body(self, name: str) -> bytes:
-        """Return the packed Gazebo names of the model and link of a link or object."""
+        """Return Gazebo's model and link names for a link or object, in packed form."""
         if name in self._names.body_of_link:
             body = self._names.body_of_link[name]
             if not body:

@@ -21,7 +21,7 @@ Points = npt.NDArray[np.float64]
 MAX_PARTS: Final = 8
 """Largest number of parts of one mesh."""
 MIN_GAIN: Final = 0.06
-"""Smallest reduction of the boxes' volume by a cut, as a fraction of the volume of the
+"""Smallest reduction in the boxes' volume by a cut, as a fraction of the volume of the
 mesh's bounding box."""
 _CUTS: Final = 11
 """Number of planes, perpendicular to each axis, at which a mesh can be cut."""
@@ -32,7 +32,7 @@ _THIN: Final = 1e-4
 def convex_parts(mesh: Mesh) -> tuple[Points, ...]:
     """Return the points of each part of ``mesh``, shape (n, 3) [m].
 
-    A mesh that is nearly convex remains one part.  Other meshes are cut perpendicularly
+    A mesh that is nearly convex remains one part.  Other meshes are cut perpendicular
     to their axes, at the positions that minimize the volume of the parts' bounding
     boxes.
 
@@ -87,7 +87,8 @@ def _segments(triangles: Points, price: float) -> list[Points]:
     for axis in range(3):
         slabs = _slabs(triangles, axis)
         boxes = np.array([_box(slab) for slab in slabs])
-        # Values for the cheapest segments of the first n slabs.
+        # For each n: the smallest cost of segments of the first n slabs, and the first
+        # slab of the last segment.
         costs, firsts = [0.0], [0]
         for n in range(1, len(slabs) + 1):
             lower = np.minimum.accumulate(boxes[n - 1 :: -1, 0][:n])

@@ -23,7 +23,8 @@ CELL: Final = 0.006
 """Edge of the cubes in which the corners of a mesh are merged into one corner [m].  A
 coarse mesh is used if a pixel is at least this wide at the mesh."""
 WORTH: Final = 0.85
-"""Largest ratio of the numbers of triangles at which a coarse mesh is used."""
+"""Largest ratio of the coarse mesh's number of triangles to that of the original mesh
+at which the coarse mesh is used."""
 HIDDEN_GROUP: Final = 5
 """Group of the geoms that are not visible in images."""
 _SUFFIX: Final = "/coarse"

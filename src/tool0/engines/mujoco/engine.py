@@ -41,14 +41,14 @@ does not yield."""
 _BRAKE_MOBILITY = 1000.0
 """Upper bound of the product of a joint's mobility and its brake's torque [rad/s²].
 MuJoCo scales the yielding of friction by this mobility.  With this bound, a brake that
-exerts its full torque creeps by at most 1e-4 rad/s, regardless of the joint's inertia
-without load."""
+exerts its full torque creeps at no more than 1e-4 rad/s, regardless of the joint's
+inertia without load."""
 _MOST_FRICTION = 1e6
 """Dry friction of the brake of a drive without effort limit [N·m | N]."""
 
 
 def _log_warning(message: str) -> None:
-    """Log a warning of MuJoCo.
+    """Log a warning from MuJoCo.
 
     Without this function, MuJoCo would write warnings to a file in the working
     directory.
@@ -212,7 +212,7 @@ class MujocoEngine:
         self.stepper = self._stepper()
 
     def _add_rotors(self) -> None:
-        """Add the rotor inertias that were set to the armatures of the model."""
+        """Increase the armatures in the model by the rotor inertias that were set."""
         armature = self.model.dof_armature
         armature[: len(self._armature)] = self._armature
         for joint, inertia in self._rotors.items():

@@ -248,7 +248,7 @@ def mechanism_of(model: RobotModel, link: str) -> str | None:
 
 
 def _range(joint: Joint) -> tuple[float, float]:
-    """Return the sampled range of a joint [rad | m]: one turn if it is unlimited."""
+    """Return a joint's sampled range [rad | m]: one turn if the joint is unlimited."""
     lower, upper = joint.limits.lower, joint.limits.upper
     is_limited = math.isfinite(lower) and math.isfinite(upper)
     return (lower, upper) if is_limited else (-math.pi, math.pi)

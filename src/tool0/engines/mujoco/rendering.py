@@ -261,7 +261,7 @@ class Renderer:
         return T_root_link @ camera.T_link_camera
 
     def _aim(self, camera: Camera, frame: Transform) -> None:
-        """Set the view by a computed frustum; the model does not need cameras."""
+        """Set the view with a computed frustum; the model does not need cameras."""
         _, down, forward = zip(*frame.rotation, strict=True)
         half = camera.near * math.tan(camera.field_of_view / 2.0)
         # There are two cameras for stereo images; MuJoCo uses their mean.

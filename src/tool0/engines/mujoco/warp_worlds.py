@@ -54,8 +54,8 @@ FAILURES = int(
     OverflowType.ALL & ~(OverflowType.ITERATIONS | OverflowType.LS_ITERATIONS)
 )
 """Overflows that lead to dropped contacts or constraints.  The iteration limits of
-solvers are not included, since the results are then only less accurate, as on the
-CPU."""
+solvers are not included, since reaching a limit only makes the results less accurate,
+as on the CPU."""
 
 
 def check_device(device: str) -> str:
@@ -127,16 +127,17 @@ class WarpWorlds:
                 njmax=ROWS + ROWS_PER_CONTACT * n_contacts,
             )
             self.steps = wp.zeros(n, dtype=int)
-            """Number of steps of each world since its reset, as an array of Warp."""
+            """Number of steps of each world since the world's reset, as a Warp
+            array."""
             self.divergence = wp.zeros(n, dtype=int)
-            """Value 1 for each world that was stopped because it diverged, as an array
-            of Warp."""
+            """Value 1 for each world that was stopped because it diverged, as a Warp
+            array."""
             self._start = engine.data.qpos.copy()
             self._parked = wp.array(self._start.astype(np.float32), dtype=float)
             self._measured = wp.zeros((n, model.nq), dtype=float)
         self.position = data.qpos
-        """Positions of the joints, followed by those of the objects, as an array of
-        Warp, shape (n, nq)."""
+        """Positions of the joints, followed by those of the objects, as a Warp array,
+        shape (n, nq)."""
         self.velocity = data.qvel
         self.motors = data.ctrl
         self.reset(np.arange(n), np.tile(self._start[: self._n_joints], (n, 1)))
@@ -235,7 +236,7 @@ class WarpWorlds:
 
     @property
     def object_arrays(self) -> tuple[Any, Any, Any, Any]:
-        """States of the m movable objects as arrays of Warp, which change in each step.
+        """States of the m movable objects as Warp arrays, which change in each step.
 
         The arrays are positions in the root, shape (n, m, 3), orientations (w, x, y, z)
         in the root, shape (n, m, 4), linear velocities in the root's axes, shape (n, m,

@@ -101,7 +101,7 @@ class MujocoWorld:
 
     @property
     def has_no_contact(self) -> bool:
-        """Whether there cannot be contacts, since there was no step after a reset."""
+        """Whether contacts are impossible, because no step followed the last reset."""
         return self._contacts == (self._data.time, ())
 
     def reset(self, position: Sequence[float], time: float) -> None:

@@ -3,8 +3,8 @@
 The program follows a curve of knots, which tool0 sends in advance, and interpolates the
 knots in the periods of the controller.  A knot consists of the period in which the knot
 is due, the joint positions and the joint velocities.  Between two knots, the joints
-follow cubics.  Numbers are sent as 32-bit integers, since every version of PolyScope
-receives integers without changes.
+follow cubic polynomials.  Numbers are sent as 32-bit integers, since every version of
+PolyScope receives integers without changes.
 
 * New knots may replace the remaining curve.  If new knots are received late, they
   differ from the current motion.  This difference is reduced to zero along a cubic with

@@ -21,8 +21,8 @@ SPACING: Final = 0.012
 h⁴/384 times the fourth derivative of the motion.  A step in the acceleration between
 two knots adds an error of h²/32 times the step, which is 45 µrad for 10 rad/s²."""
 RENEWAL: Final = 0.04
-"""Shortest time between two replacements of a curve [s], if the difference of the new
-curve is less than ``CLOSE``."""
+"""Shortest time between two replacements of a curve [s], if the new curve differs from
+the old curve by less than ``CLOSE``."""
 CLOSE: Final = 1e-3
 """Difference between motions below which the replacement of a curve can be delayed
 [rad]."""
@@ -70,7 +70,7 @@ class CurveSender:
         compensates for the robot's lag behind the curve."""
 
     def restart(self) -> None:
-        """Send a new curve for the next motion, also after a stop."""
+        """Send a new curve for the next motion, even after a stop."""
         self._must_restart = True
         self._sent.clear()
 

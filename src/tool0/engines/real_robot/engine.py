@@ -1,8 +1,8 @@
 """Engine ``hardware``, which uses a real UR and its gripper instead of a simulator.
 
-The state of the engine is the robot's report.  The robot sends one report in each
-period of its controller.  The engine does not write efforts, because the robot's drives
-follow motions.
+The state of the engine is the state that the robot reports.  The robot sends one report
+in each period of its controller.  The engine does not write efforts, because the
+robot's drives follow motions.
 """
 
 from __future__ import annotations
@@ -97,7 +97,8 @@ class RealRobotEngine(OwnDrives):
 
         Raises:
             TransportError: If the robot cannot be reached.
-            ConfigError: If the description is not one arm with at most one gripper.
+            ConfigError: If the description does not consist of one arm and at most one
+                gripper.
         """
         model = description.model
         self.arm_name, self.arm = _only_arm(model)
@@ -391,7 +392,7 @@ class RealRobotEngine(OwnDrives):
         self._end_mode()
 
     def _end_mode(self) -> None:
-        """Note that the program is ending freedrive or force mode."""
+        """Record that the program is ending freedrive or force mode."""
         self._has_followed, self._is_guided = False, True
         self._resumes_at = self._arm_state.tick + self._patience
 
@@ -428,7 +429,7 @@ class RealRobotEngine(OwnDrives):
         self._show(is_enabled=enabled)
 
     def forgive(self) -> None:
-        """Clear the failure for which the arm stopped, after the user was informed."""
+        """Clear the failure that stopped the arm, after the user has been informed."""
         self._failure = ""
         self._curve.restart()
 

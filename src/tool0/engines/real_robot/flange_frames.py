@@ -54,7 +54,7 @@ class FlangeFrames:
     def at_flange(
         self, wrench: Sequence[float], tcp: Sequence[float], positions: Sequence[float]
     ) -> Wrench:
-        """Return a wrench at the flange, given at the TCP in the base's axes.
+        """Return the wrench at the flange for a wrench at the TCP in the base's axes.
 
         The resulting wrench is in the flange's axes [N, N·m].
         """

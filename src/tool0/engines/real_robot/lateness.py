@@ -1,4 +1,4 @@
-"""Measurement of the lateness of packages, caused by the network and both computers."""
+"""Measurement of how late packages are, due to the network and both computers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ periods of a CB3."""
 MOST: Final = 0.2
 """Longest start delay [s].  This delay limits how far in advance knots are sent."""
 _RESTART: Final = 1.0
-"""Change of the difference between the clocks above which a clock is assumed to have
+"""Change in the difference between the clocks above which a clock is assumed to have
 been set [s]."""
 
 

@@ -1,8 +1,8 @@
 """Connections to tool0's program on the controller, for knots, stops and commands.
 
-The program connects to tool0 on two sockets.  On each socket, the program first sends a
-secret number, so that no other process can impersonate the program.  Messages are sent
-immediately, from any thread.
+The program connects to tool0 over two sockets.  On each socket, the program first sends
+a secret number, so that no other process can impersonate the program.  Messages are
+sent immediately, from any thread.
 """
 
 from __future__ import annotations
@@ -145,7 +145,7 @@ class MotionLink:
             self._send(_KNOTS, data)
 
     def _beat(self) -> None:
-        """Send messages periodically, which show that tool0 and the network work."""
+        """Periodically send messages that show that tool0 and the network work."""
         message = _message(MessageKind.NOTHING)
         while not self._ends.wait(BEAT):
             self._send(_KNOTS, message)

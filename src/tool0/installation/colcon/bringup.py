@@ -54,8 +54,7 @@ def colcon_packages(
     """Return the files of ``tool0_description``, ``tool0_ros2`` and ``tool0_bringup``.
 
     Args:
-        description: One robot of the catalogue or several robots of the catalogue, with
-            ``<ros2_control>``.
+        description: One or more robots from the catalogue, with ``<ros2_control>``.
         controllers: The YAML text of the robot's controllers, for ROS 2.
         started: Names of the controllers that tool0 starts.
 

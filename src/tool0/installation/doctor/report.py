@@ -130,7 +130,7 @@ def _start(probe: Probe) -> ChildProcess:
 
 
 def _results(name: str, process: ChildProcess, deadline: float) -> list[ProbeResult]:
-    """Return the results of a probe, or a failure if it misses the deadline."""
+    """Return the results of a probe, or a failure if the probe misses the deadline."""
     try:
         answer = process.completed(max(deadline - time.monotonic(), 0.0))
     except subprocess.TimeoutExpired:

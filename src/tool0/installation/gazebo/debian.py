@@ -162,7 +162,7 @@ class DebianPackage:
             return 0
 
     def is_damaged_in(self, folder: Path) -> bool:
-        """Return whether a file in the folder has the right size and a wrong hash."""
+        """Return whether a file in the folder has the right size but a wrong hash."""
         if self.size_in(folder) < self.size or not self.sha256:
             return False
         digest = hashlib.sha256()

@@ -96,7 +96,11 @@ def install_gazebo(
 
 
 def uninstall_gazebo() -> int:
-    """Remove the private prefix, downloads and libraries; return the freed bytes."""
+    """Remove the private prefix, downloads and libraries.
+
+    Returns:
+        The freed disk space [bytes].
+    """
     folders = (private_prefix().parent, plugin_folder())
     return sum(removed(one, "Gazebo", EngineUnavailableError) for one in folders)
 
@@ -204,7 +208,7 @@ def _download(
 
 
 def _relocate(root: Path, final: Path) -> None:
-    """Set the font paths of the files in ``root`` to their final folder."""
+    """Add the fonts in the folder ``final`` to the font paths in ``root``."""
     fonts = root / "etc" / "fonts" / "fonts.conf"
     if fonts.is_file():
         text = fonts.read_text(encoding="utf-8")

@@ -171,7 +171,7 @@ def _stated_version(server: str) -> str | None:
 
 
 def _header_version(root: Path) -> str | None:
-    """Return the version in Gazebo's headers under ``root``; None if there are none."""
+    """Return the version in Gazebo's headers under ``root``; None if it is missing."""
     try:
         match = _VERSION.search((root / _HEADER).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError):
@@ -197,7 +197,7 @@ def include_folders(root: Path) -> tuple[Path, ...]:
 
 
 def _gazebo_paths(root: Path) -> dict[str, str]:
-    """Return the variables for Gazebo's paths, like its ``setup.sh`` sets them.
+    """Return the variables for Gazebo's paths, as Gazebo's ``setup.sh`` sets them.
 
     The current values of the variables come first.
     """

@@ -1,1 +1,1 @@
-"""MoveIt 1 configuration packages for robots of the catalogue."""
+"""MoveIt 1 configuration packages for robots from the catalogue."""

@@ -28,7 +28,7 @@ _PLANNERS: Final = ("RRTConnect", "RRT", "RRTstar", "PRM", "LBKPIECE", "BiTRRT")
 _SOLVER: Final = "kdl_kinematics_plugin/KDLKinematicsPlugin"
 
 Controllers = Mapping[str, Mapping[str, Any]]
-"""Parameters of each controller, by controller name, like in ros_control's YAML."""
+"""Parameters of each controller, by controller name, as in ros_control's YAML."""
 
 
 @final
@@ -77,7 +77,7 @@ class RobotPackage:
         Args:
             template: Folder of the package's launch files and manifest.
             config: Files of the package's folder ``config``, by name.
-            words: Texts of the template words, by word, without ``@robot@`` and
+            words: Replacements for the template words, by word, without ``@robot@`` and
                 ``@group@``.
         """
         group = ALL_ARMS if len(self._arms) > 1 else self._arms[0].name
@@ -100,7 +100,7 @@ def package_stem(description: RobotDescription) -> str:
 def joint_limits(model: RobotModel, own: Mapping[str, Mapping[str, float]]) -> str:
     """Return the joint limits as YAML.
 
-    ``own`` has the limits in the controllers' YAML.
+    ``own`` contains the limits in the controllers' YAML.
     """
     limits = {}
     for name in model.transmission_by_joint:

@@ -1,7 +1,7 @@
 """The SRDF of a robot: planning groups, named states and disabled collisions.
 
 For a single robot, the arm is the group ``manipulator``, and the gripper is the group
-``gripper``, like in ur5_moveit_config.  For several robots, the names of the groups
+``gripper``, as in ur5_moveit_config.  For several robots, the names of the groups
 include the robot's name, such as ``left_manipulator``.  The group ``arms`` contains all
 arms.
 """

@@ -23,7 +23,7 @@ ROSCORE_TIMEOUT = 20.0
 """Longest time until our roscore answers [s].  A roscore usually answers after 2 s."""
 UNREGISTER_TIMEOUT = 5.0
 """Time limit for removing our node from the master [wall s].  Removing the node takes
-tens of calls, and each call is slow on a busy machine."""
+dozens of calls, and each call is slow on a busy machine."""
 _QUIET = 0.05
 """Time for which the node must remain unregistered before its removal is complete [wall
 s]."""
@@ -92,7 +92,7 @@ class Master:
         return True
 
     def uri_of(self, node: str) -> str | None:
-        """Return the address of a running node; None if the node is not running."""
+        """Return the address of a node; None if the node is not running."""
         try:
             uri = str(self.call("lookupNode", node))
             code, _, _ = self._call(uri, "getPid")
@@ -153,8 +153,7 @@ def running_master(master: Master, *, start: bool) -> Iterator[None]:
     """Provide a running master or our own roscore within the context.
 
     Raises:
-        RosUnavailableError: If no master answers, and if a master cannot or must not be
-            started.
+        RosUnavailableError: If no master answers and no master can or may be started.
     """
     if master.is_up:
         yield

@@ -164,7 +164,7 @@ def generated_packages(packages: tuple[str, ...]) -> Path:
 
     Raises:
         RosUnavailableError: If genpy cannot generate the packages.
-        OSError: If the folder does not exist, and if the cache cannot be written.
+        OSError: If the folder does not exist and the cache cannot be written.
     """
     folder = _cache() / _key(packages)
     if folder.is_dir():

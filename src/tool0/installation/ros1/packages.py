@@ -36,7 +36,7 @@ class RosComponent:
 
     name: str
     purpose: str
-    """Purpose of the part, as a text for users."""
+    """Purpose of the part, as text for users."""
     modules: tuple[str, ...] = ()
     """Python modules to import.  Each module is in a package of the same name."""
     programs: tuple[str, ...] = ()
@@ -197,7 +197,7 @@ class Ros1Status:
         return self.rospy is not None and self.missing.keys().isdisjoint(needed)
 
     def why_not(self, names: Iterable[str]) -> str | None:
-        """Return the reason why a component cannot be used; None if all can be used."""
+        """Return why a component cannot be used; None if all components can be used."""
         absent = [name for name in names if name in self.missing]
         gaps = [f"no {', '.join(self.missing[name])}" for name in absent]
         return "; ".join([*gaps, *self.remedies]) if gaps else None

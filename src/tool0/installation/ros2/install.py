@@ -116,7 +116,11 @@ def install_ros2(progress: ProgressCallback) -> Ros2:
 
 
 def uninstall_ros2() -> int:
-    """Remove all installations of tool0's own ROS 2; return the freed bytes."""
+    """Remove all installations of tool0's own ROS 2.
+
+    Returns:
+        The freed disk space [bytes].
+    """
     return removed(own_folder(), "ROS 2", RosUnavailableError)
 
 
@@ -147,7 +151,7 @@ def _select(prefix: Path) -> None:
 
 
 def why_not_installable() -> str | None:
-    """Return the reason why no wheels fit this machine; None if there are wheels."""
+    """Return why no wheels fit this machine; None if suitable wheels are available."""
     version = sys.version_info[:2]
     advice = (
         "install ROS 2 another way, and source its setup file (docs/how-to/ros2.md)"

@@ -69,7 +69,7 @@ class Ros2:
 
     @property
     def origin(self) -> str:
-        """Origin of this ROS 2, as a text for users."""
+        """Origin of this ROS 2, as text for users."""
         return {"system": "the system's", "own": "tool0's own"}.get(
             self.kind, "sourced"
         )
@@ -202,7 +202,7 @@ def current_link() -> Path:
 
 
 def find_own(environ: Mapping[str, str] | None = None) -> Ros2 | None:
-    """Return the ROS 2 that ``tool0 ros2 install`` installed; None if incomplete."""
+    """Return the ROS 2 from ``tool0 ros2 install``; None if it is incomplete."""
     prefix = current_link().resolve()
     return _own(prefix, os.environ if environ is None else environ)
 

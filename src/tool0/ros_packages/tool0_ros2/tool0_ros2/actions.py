@@ -102,7 +102,7 @@ class SimulatedAction:
     def publish(self, now: float, feedback: Callable[[ActiveGoal], Any]) -> None:
         """Publish feedback if it is due.  ``now`` is simulated time [s].
 
-        The rate of feedback refers to wall time, like in ROS.
+        The rate of feedback refers to wall time, as in ROS.
         """
         if not self._active or not self._rate.is_due(time.monotonic()):
             return

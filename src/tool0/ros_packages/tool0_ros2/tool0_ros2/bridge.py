@@ -143,8 +143,8 @@ class Context:
     the change is detected within half a second."""
     new_node: Callable[[str], Any]
     """Function that returns another rclpy.Node with the given name in the namespace.
-    The node is for services that may take long, and the node's callbacks run in a
-    separate thread."""
+    The node is for services that may take a long time, and the node's callbacks run in
+    a separate thread."""
     description: DescriptionInfo
     """The response to ``read_description``."""
     info: SimulationInfo
@@ -153,7 +153,7 @@ class Context:
     """Command-line options, such as ``tf_rate`` and ``camera_rate`` [Hz]."""
 
     def ask(self, request: Request[T], use: str) -> T | None:
-        """Return the response to a request; None if the robot does not offer it.
+        """Return the response to a request; None if the robot lacks the request.
 
         Not every robot offers every request.  If the robot does not offer the
         request, a warning

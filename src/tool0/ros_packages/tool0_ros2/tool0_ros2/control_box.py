@@ -1,4 +1,4 @@
-"""The control box of an arm, with its state and with requests to it."""
+"""The control box of an arm: the state of the box, and requests to the box."""
 
 import math
 
@@ -81,9 +81,9 @@ def read_boxes(context: Context) -> list[ControlBoxState]:
 
 
 def flange_of(context: Context, name: str) -> str:
-    """Return the full name of the ``tool0`` of the arm with the prefix of ``name``.
+    """Return the full name of the link ``tool0`` of an arm.
 
-    ``name`` is a full name.
+    ``name`` is any full name with the arm's prefix.
 
     Raises:
         RequestFailedError: If no arm has the prefix of ``name``.

@@ -32,7 +32,7 @@ class _Loaded:
 class Controllers:
     """Follows the loaded controllers in a namespace, whichever client loads them.
 
-    Like in ROS, a controller has a node while it is loaded, and topics while it is
+    As in ROS, a controller has a node while it is loaded, and topics while it is
     configured.
     """
 

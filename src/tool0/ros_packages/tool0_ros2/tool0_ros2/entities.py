@@ -59,8 +59,8 @@ class Entities:
         self._tree = LinkTree(urdf)
         self._robot = ElementTree.fromstring(urdf).get("name") or "robot"
         self._spawned: dict[str, Transform] = {}
-        """Pose of the object in its model's frame, for each entity that was spawned
-        here, by name."""
+        """Pose of the object in its model's frame, for each entity that these services
+        spawned, by name."""
 
     def list_names(self, request: Any, response: Any) -> None:
         response.entities = self._matching(request.filters, self._snapshot())
@@ -108,7 +108,7 @@ class Entities:
         self._spawned.pop(request.entity, None)
 
     def delete_spawned(self) -> None:
-        """Remove the entities that were spawned here and that still exist."""
+        """Remove the entities that these services spawned and that still exist."""
         present = _objects(self._snapshot())
         for name in self._spawned:
             if name in present:

@@ -18,8 +18,8 @@ _SMALLEST, _LARGEST = 1e-6, 100.0
 """Range of the limits in requests [m/s, rad/s, m, rad].  A limit of 0 is replaced by
 the smallest limit."""
 _NO_TURN = 1e-6
-"""Absolute value below which a component of a quaternion is zero.  A zero quaternion is
-refused."""
+"""Absolute value below which a component of a quaternion is treated as zero.  A zero
+quaternion is refused."""
 
 
 class ForceModePart:

@@ -14,7 +14,7 @@ from tool0_ros2.requests import Request
 
 
 class FreedrivePart:
-    """Topic ``~/enable_freedrive_mode``, in which repeated messages free the arm.
+    """Topic ``~/enable_freedrive_mode``, on which repeated messages free the arm.
 
     The messages must have the value true.
     """
@@ -28,7 +28,7 @@ class FreedrivePart:
         self._subscription = node.create_subscription(
             Bool, "~/enable_freedrive_mode", self._take, QoSProfile(depth=10)
         )
-        # The timer uses wall time, like in UR's driver, because a publisher may not use
+        # The timer uses wall time, as in UR's driver, because a publisher may not use
         # simulated time.
         self._timer = node.create_timer(
             float(self._timeout),
@@ -36,7 +36,7 @@ class FreedrivePart:
             clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
         self._timer.cancel()
-        self._end()  # ends a freedrive that an earlier node has left active
+        self._end()  # ends freedrive if an earlier node left it active
 
     def wants(self) -> Sequence[str]:
         return ()

@@ -113,7 +113,7 @@ class ParallelGripperPart:
     def _result(self, outcome: Outcome) -> Any:
         """Return the state at the goal's end.
 
-        Like in ROS, the state has no velocity.
+        As in ROS, the state has no velocity.
         """
         message = action.ParallelGripperCommand.Result()
         message.state.name = [self._own_joint]

@@ -63,7 +63,7 @@ def manager_node(context: Context, update_rate: float, urdf: str) -> Any:
 
 
 class ControllerManager:
-    """Answers requests like ros2_control's controller_manager does."""
+    """Answers requests as ros2_control's controller_manager does."""
 
     def __init__(self, context: Context, follow: Callable[[], None]) -> None:
         """Offer the services on the context's node, which ``manager_node`` created.
@@ -243,8 +243,8 @@ class ControllerManager:
     def _reload(self, request: Any) -> None:
         """Unload all controllers if ``force_kill`` is set.  No libraries are reloaded.
 
-        Without ``force_kill``, the request is refused if a controller is loaded, like
-        in ROS.
+        Without ``force_kill``, the request is refused if a controller is loaded, as in
+        ROS.
         """
         controllers = self._controllers()
         loaded = [item["name"] for item in controllers]

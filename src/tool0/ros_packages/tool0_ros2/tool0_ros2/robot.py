@@ -14,7 +14,7 @@ from tool0_ros2.kinematics import Joint, read_joints
 from tool0_ros2.messages import fill_frame
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""Quality of service in which subscribers that connect later also get the last
+"""Quality of service with which subscribers that connect later also get the last
 message."""
 PUBLISHER = "robot_state_publisher"
 STATIC_FRAMES = "/tf_static"
@@ -23,7 +23,7 @@ STATIC_FRAMES = "/tf_static"
 class RobotPart:
     """Topics ``/robot_description``, ``/tf`` and ``/tf_static``.
 
-    Frames are published while a joint_state_broadcaster is active, like with a
+    Frames are published while a joint_state_broadcaster is active, as with a
     robot_state_publisher.  Frames are not published while a robot_state_publisher runs.
     """
 

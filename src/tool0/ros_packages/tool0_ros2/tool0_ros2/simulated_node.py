@@ -11,9 +11,9 @@ _CLOCK = "/clock"
 
 
 class SimulatedNode(Node):  # type: ignore[misc]  # rclpy has no types
-    """A node whose parameter ``use_sim_time`` is true, like in gz_ros2_control.
+    """A node whose parameter ``use_sim_time`` is true, as in gz_ros2_control.
 
-    The states already contain stamps, so that the node does not subscribe to /clock.
+    The states already contain stamps, so the node does not subscribe to /clock.
     With rclpy's own subscription, every node of the manager would receive all clock
     messages.
     """

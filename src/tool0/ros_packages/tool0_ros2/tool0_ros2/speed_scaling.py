@@ -13,7 +13,7 @@ DEFAULT_RATE = 100.0
 
 
 class SpeedScalingPart:
-    """Topic ``~/speed_scaling`` with the factor of scaled trajectories [%]."""
+    """Topic ``~/speed_scaling`` with the speed scaling factor of trajectories [%]."""
 
     def __init__(self, context: ControllerContext) -> None:
         self._context = context

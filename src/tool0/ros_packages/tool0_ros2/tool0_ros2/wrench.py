@@ -37,7 +37,7 @@ class WrenchPart:
     """
 
     def __init__(self, context: ControllerContext) -> None:
-        """Offer ``~/ft_data`` like in UR's driver, or ``~/wrench`` like in ROS."""
+        """Offer ``~/ft_data`` as in UR's driver, or ``~/wrench`` as in ROS."""
         self._context = context
         parameters = context.parameters
         self._frame = context.names.frame(

@@ -1,4 +1,4 @@
-"""Finds controllers and controller managers, like ros_control's module of this name.
+"""Finds controllers and controller managers, as ros_control's module ``utils`` does.
 
 rqt_joint_trajectory_controller and rqt_controller_manager import this module.
 """
