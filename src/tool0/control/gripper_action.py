@@ -35,7 +35,7 @@ class DriveSettings:
 
     gripper: ParallelGripper | None
     """The gripper; None if the description does not specify how the opening depends on
-    the joint.  Without a gripper, the drive has no speed and effort settings."""
+    the joint.  Without a gripper, the drive has no speed or effort settings."""
     effort_interface: str
     """Interface for the effort; empty if the effort is not set.  ``velocity_interface``
     is the corresponding interface for the speed."""
@@ -269,9 +269,10 @@ class GripperActionController:
         *,
         has_goal: bool,
     ) -> None:
-        """Continue with a goal that the kernel started at ``now`` [s], or completed.
+        """Continue with a goal that the kernel started at ``now`` [s].
 
-        Clients have no handle of a goal that the kernel started.
+        The kernel may also have completed the goal.  Clients have no handle for a goal
+        that the kernel started.
         """
         self._finish(GoalStatus.PREEMPTED)
         self._goal = Goal(self.spec.name) if has_goal else None
@@ -344,7 +345,8 @@ def read_gripper_action(
 ) -> GripperActionSpec:
     """Return the parameters of a gripper controller.
 
-    Gains and stall settings are read from ``parameters``; other values are arguments.
+    Gains and stall settings are read from ``parameters``; other values are passed as
+    arguments.
 
     ``delay`` [s] is added to the stall timeout, since the state is delayed by
     ``delay``.

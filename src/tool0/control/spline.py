@@ -111,7 +111,7 @@ class Segment:
         return resting(self.sample(self.end).position)
 
     def is_bounded(self, bound: float = IMPLAUSIBLE) -> bool:
-        """Return whether ``bound`` limits both the position and the speed.
+        """Return whether neither the position nor the speed exceeds ``bound``.
 
         The absolute values of the terms are summed, so that NaN and overflow are
         treated as unbounded.

@@ -41,7 +41,8 @@ from tool0.protocol.goals import Goal, GoalResult, GoalStatus
 STOP_DECELERATION: Final = 4.0
 """Deceleration of each joint after a cancellation [rad/s²]."""
 MOST_JUMP: Final = 0.05
-"""Largest deviation of a joint from a first point at time 0 [rad]."""
+"""Largest deviation of a joint from the first point of a goal if the time of this point
+is 0 [rad]."""
 _NUMBERS: Final = ("positions", "velocities", "accelerations")
 _DEACTIVATED: Final = GoalResult(
     status=GoalStatus.ABORTED,
