@@ -103,7 +103,7 @@ class Part:
         self._requests.write_new()
 
     def flush(self) -> None:
-        """Write all data to the operating system, so a process crash loses no data."""
+        """Pass all data to the operating system, where it survives a process crash."""
         self._file.flush()
 
     def finish(self) -> None:

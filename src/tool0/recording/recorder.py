@@ -187,7 +187,7 @@ class Recorder:
         )
 
     def _is_wanted(self, snapshot: Snapshot) -> bool:
-        """Return whether to write a snapshot, because it is due or contains changes.
+        """Return whether a snapshot is due, or contains changes that must be written.
 
         Additional snapshots are published after requests and for faster subscribers.
         """

@@ -117,7 +117,7 @@ class Loop:
 
     @property
     def max_drift(self) -> float:
-        """Largest deviation of an uncommanded joint from its start [rad | m]."""
+        """Largest drift of an uncommanded joint from its start position [rad | m]."""
         return self._publisher.max_drift
 
     @property
@@ -379,7 +379,7 @@ class Loop:
             self.when_observed(snapshot)
 
     def _attempt(self, action: Callable[[], None]) -> None:
-        """Call an action, outside the tick, that uses the engine and may fail."""
+        """Call, outside the tick, an action that uses the engine and may fail."""
         if self.fault is not None:
             return
         try:

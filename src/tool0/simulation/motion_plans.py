@@ -75,7 +75,7 @@ _ROWS: Final = 200
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeptPlan:
-    """A stored plan, with data of its request."""
+    """A stored plan, with data from its request."""
 
     plan: Plan
     may_touch: frozenset[str]

@@ -94,7 +94,7 @@ class Arms:
         return all(arm.is_idle for arm in self._arms)
 
     def tick(self, state: JointState, period: float) -> None:
-        """Advance speed scaling and returning arms by one tick of ``period`` [s]."""
+        """Advance all arms that are not idle by one tick of ``period`` [s]."""
         for arm in self._arms:
             if not arm.is_idle:
                 arm.tick(state, period)

@@ -175,7 +175,7 @@ class ControllerMode:
         return self._controller
 
     def _companion(self) -> PassthroughTrajectoryController:
-        """Return the host, which is not the mode's controller."""
+        """Return the host, which must not be the mode's controller itself."""
         from tool0.control.ros2.passthrough_trajectory import (
             PassthroughTrajectoryController,
         )
