@@ -70,8 +70,8 @@ class Dialect:
     common: frozenset[str]
     """Names of the parameters that every controller has."""
     sample: str
-    """YAML of a controller for the joint ``*``.  The YAML contains no type, but every
-    parameter that any type requires."""
+    """YAML of a controller for the joint ``*``.  The YAML contains every parameter that
+    any type requires, but no ``type``."""
     linter: str
     """The module that defines ``lint(tree, joints)``."""
     is_configured_when_loaded: bool

@@ -341,7 +341,7 @@ class ControllerManager:
     ) -> tuple[list[str], list[str]]:
         """Return the controllers to stop and to start.
 
-        The checks have the same order as in ROS.
+        The checks are performed in the same order as in ROS.
         """
 
         def refuse(message: str) -> None:

@@ -331,7 +331,7 @@ class JointSpline(NamedTuple):
         return self.active(time)[1].sample(time)
 
     def with_goal(self, goal: Goal | None) -> JointSpline:
-        """Return a copy of the motion that is part of ``goal``."""
+        """Return a copy of the motion, with all sections assigned to ``goal``."""
         return JointSpline(
             tuple(section._replace(goal=goal) for section in self.sections)
         )

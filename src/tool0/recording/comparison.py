@@ -48,7 +48,7 @@ class DivergedError(Exception):
 
 @final
 class Frames:
-    """The recorded frames, and the number of them that were reproduced."""
+    """The recorded frames, and the number of frames that were reproduced."""
 
     def __init__(self, recording: RecordingFile) -> None:
         self.done = 0

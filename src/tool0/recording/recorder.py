@@ -230,7 +230,7 @@ class Recorder:
         return part
 
     def _fail(self, error: Exception) -> None:
-        """End the recording after an error without stopping the simulation."""
+        """After an error, end the recording without stopping the simulation."""
         if isinstance(error, OSError):
             reason = f"{self._part.path}: {error.strerror}"
         elif isinstance(error, Tool0Error):

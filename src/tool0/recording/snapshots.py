@@ -27,8 +27,8 @@ _DEFAULTS: Final[Mapping[str, Any]] = {
     "real_time_factor": 0.0,
     "overruns": 0,
 }
-"""Values of the state before the first record of the state.  These values are used for
-truncated files."""
+"""Values of the state for snapshots before the first state record, which may be missing
+in a truncated file."""
 
 
 class Arrays(Protocol):

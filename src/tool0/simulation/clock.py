@@ -84,7 +84,7 @@ class FollowedClock:
 
 @final
 class SpeedMeter:
-    """Measures the ratio of simulated to wall time, and late ticks.
+    """Measures the ratio of simulated time to wall time, and counts late ticks.
 
     The measurement covers about the last second.
     """

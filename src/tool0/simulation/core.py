@@ -47,7 +47,7 @@ class SavedCore:
 
 @final
 class Core:
-    """The core, which the loop ticks.
+    """The core of a simulation, whose ticks the loop executes.
 
     An Executor moves the robot of the core.
 

@@ -54,7 +54,7 @@ class Executed(Struct, frozen=True, gc=False):
 
 @final
 class Journal:
-    """Stores requests in the order in which they ended.
+    """Stores requests in the order in which they were completed.
 
     Any thread may read the requests.
     """

@@ -169,7 +169,7 @@ class Loop:
     def post(
         self, operation: Callable[[], object], when_failed: Callable[[Exception], None]
     ) -> None:
-        """Execute ``operation`` before the next tick, without waiting for its end.
+        """Queue ``operation`` for execution before the next tick, without waiting.
 
         If the operation raises an exception, ``when_failed`` is called with the
         exception in the thread of the tick.

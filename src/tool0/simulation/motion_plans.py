@@ -250,8 +250,8 @@ class MotionPlans:
     ) -> Checked:
         """Return whether a motion is free of collisions.
 
-        ``line`` is the path of a motion along a straight line of the tool; None for
-        other motions.
+        ``line`` is the path of the joints if the tool moves in a straight line; None
+        for other motions.
         """
         moving = self._moving((request.target,), positions, {})
         path = line

@@ -68,8 +68,8 @@ class JointBounds:
     ) -> list[tuple[float, float]]:
         """Return the smallest and largest velocity of each joint after a tick.
 
-        With a velocity in the returned range, a joint can still stop before its
-        position limit, with the acceleration limit of planned motions.  ``scale``
+        At a velocity in the returned range, a joint can still stop before its position
+        limit without exceeding the acceleration limit of planned motions.  ``scale``
         scales the largest velocity.
         """
         found = []

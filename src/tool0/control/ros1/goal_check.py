@@ -36,8 +36,8 @@ from tool0.protocol.trajectories import TrajectoryPoint
 logger = logging.getLogger(__name__)
 
 INSTANT = 1e-6
-"""Time until a point below which the point is considered reached [s].  The time is
-shorter than any tick, but longer than the rounding errors of sums of times."""
+"""Remaining time to a point below which the point is considered reached [s].  The time
+is shorter than any tick, but longer than the rounding errors of sums of times."""
 
 
 def check_names(

@@ -133,7 +133,7 @@ class JointTrajectoryController:
       jumping to the angle that the point specifies;
     * goals are also rejected for the reasons that ``trajectory_check`` describes.
 
-    Plans for motions of the simulator start from the desired motion.
+    Motions that the simulator plans start from the desired motion.
     """
 
     def __init__(

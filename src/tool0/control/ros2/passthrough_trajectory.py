@@ -1,4 +1,4 @@
-"""PassthroughTrajectoryController of Universal Robots: the arm executes the points.
+"""PassthroughTrajectoryController from Universal Robots: the arm follows the points.
 
 Like JointTrajectoryController, PassthroughTrajectoryController commands positions and
 follows splines.  The splines are quintic between points with accelerations, and cubic
@@ -175,7 +175,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
                 )
 
     def _tolerances_of(self, goal: TrajectoryGoal) -> TrajectoryTolerances:
-        """Return the tolerances of the goal at its end.
+        """Return the tolerances of the goal for the end of the trajectory.
 
         The controller has no default tolerances.
         """

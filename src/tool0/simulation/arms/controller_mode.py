@@ -185,7 +185,7 @@ class ControllerMode:
         return running
 
     def _return_joints(self, now: JointState) -> None:
-        """Return the joints to the companion at their current positions."""
+        """Hand the joints back to the companion, at their current positions."""
         self._companion().stop_where_it_is(now, ENDED)
         self._release(now)
 

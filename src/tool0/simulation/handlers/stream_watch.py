@@ -133,7 +133,7 @@ class StreamWatch:
         return found
 
     def _remaining(self) -> float | None:
-        """Return the wall time until a stream ends [s]; None if there are no streams."""
+        """Return the wall time until a stream ends [s]; None if no stream is active."""
         now = time.monotonic()
         ends = [
             max(0.0, stream.last + stream.timeout - now) + 1e-3
