@@ -252,7 +252,7 @@ def _postures(limits: Sequence[JointLimits], *, is_upright: bool) -> Matrix:
 def _loaded(
     model: RobotModel, bodies: Sequence[MovingBody], payload: float
 ) -> list[MovingBody]:
-    """Return the bodies, with the payload less the mounted mass added at the flange."""
+    """Return the bodies, plus the payload (minus the mounted mass) at the flange."""
     *inner, last = bodies
     flange = next(
         ((name, at) for name, at in last.links if name.endswith(FLANGE)), None

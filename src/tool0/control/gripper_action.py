@@ -132,9 +132,9 @@ class GripperActionController:
 
     A goal succeeds when the error is below ``goal_tolerance``.  If the joint stalls
     with a larger error, the goal is aborted or, if ``allow_stalling`` is set, succeeds.
-    After a success and after an abort, the command remains in effect: a gripper
-    continues to squeeze with the goal's effort.  The controller behaves like the ROS
-    controllers of the same name, with these improvements:
+    After a success or an abort, the command remains in effect: a gripper continues to
+    squeeze with the goal's effort.  The controller behaves like the ROS controllers of
+    the same name, with these improvements:
 
     * a stall is a *change of position* of less than ``stall_velocity_threshold *
       stall_timeout`` during ``stall_timeout``: in ROS, the velocity of a simulated grip

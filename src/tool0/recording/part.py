@@ -35,7 +35,8 @@ class Part:
         first: Path,
         overwrite: bool,
     ) -> None:
-        """Create the file with this number in the recording that began with ``first``.
+        """Create the file with this number; the first file of the recording is
+        ``first``.
 
         Raises:
             RecordingError: If the file cannot be written.

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 FLUSH_PERIOD: Final = 0.4
-"""Wall time between chunks [s].  If the process is killed, the data of at most 0.4 s is
+"""Wall time between chunks [s].  If the process is killed, at most 0.4 s of data is
 lost."""
 FORCES_PERIOD: Final = 0.032
 """Simulated time between two samples of contacts and wrenches [s].  The engine computes

@@ -102,7 +102,7 @@ class Executor:
     ) -> tuple[Goal, ...]:
         """Start goals of several controllers at the same time.
 
-        If one goal is rejected, no goals are started.
+        If any goal is rejected, no goals are started.
 
         The motions stop at a new contact of a moved link or of an object in
         ``carried``, unless the contact is with a link or an object in ``may_touch``.
@@ -146,7 +146,7 @@ class Executor:
 
         All motions are planned before the first motion starts.
 
-        If one motion is rejected, no motions are started.
+        If any motion is rejected, no motions are started.
 
         If ``controller`` is None, the controllers that claim the joints move them.
         """

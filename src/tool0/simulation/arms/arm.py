@@ -98,7 +98,7 @@ class Arm(abc.ABC):
 
     @property
     def is_idle(self) -> bool:
-        """Whether a call of ``tick`` has no effect."""
+        """Whether a call to ``tick`` has no effect."""
         motion = self.motion
         return (
             self.box.is_steady

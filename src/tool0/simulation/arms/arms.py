@@ -90,7 +90,7 @@ class Arms:
 
     @property
     def is_idle(self) -> bool:
-        """Whether a call of ``tick`` has no effect."""
+        """Whether a call to ``tick`` has no effect."""
         return all(arm.is_idle for arm in self._arms)
 
     def tick(self, state: JointState, period: float) -> None:

@@ -65,7 +65,7 @@ class ControllerMode:
 
     @property
     def is_idle(self) -> bool:
-        """Whether a call of ``tick`` has no effect."""
+        """Whether a call to ``tick`` has no effect."""
         return self._compliance is None
 
     def start(self, controller: str, task: ComplianceTask, now: JointState) -> None:

@@ -55,7 +55,7 @@ class RealArm(Arm):
         hardware: RobotHardware,
         manager: ControllerManager,
     ) -> None:
-        """Create the arm of ``drives``.
+        """Create the arm that has the real robot's ``drives``.
 
         The gripper of the arm may move only while the arm may move.
         """
