@@ -35,8 +35,7 @@ class Part:
         first: Path,
         overwrite: bool,
     ) -> None:
-        """Create the file with this number; the first file of the recording is
-        ``first``.
+        """Create file ``number`` of the recording that begins with the file ``first``.
 
         Raises:
             RecordingError: If the file cannot be written.
