@@ -69,7 +69,7 @@ class ControllerSpec(Protocol):
 
     @property
     def interface(self) -> Interface | None:
-        """The command interface to claim for each joint, or None if read-only."""
+        """Command interface to claim for each joint; None for read-only controllers."""
 
     @property
     def further_interfaces(self) -> tuple[str, ...]:
@@ -85,7 +85,7 @@ class ControllerSpec(Protocol):
 
     @property
     def waits_for_command(self) -> bool:
-        """Whether the brakes stay engaged between start and first command."""
+        """Whether the brakes stay engaged between the start and the first command."""
 
     def start(self, indices: Sequence[int], state: JointState) -> Controller:
         """Return a running controller that holds the measured ``state``.
@@ -148,7 +148,9 @@ class TrajectoryFollower(Controller, Protocol):
         is_first: bool,
         has_points: bool,
     ) -> None:
-        """Continue with joint motions, by joint index, that the kernel started.
+        """Continue with the joint motions that the kernel started.
+
+        ``splines`` contains the motions by joint index.
 
         ``is_first`` specifies whether the next tick is the first tick of the motions.
         ``has_points`` specifies whether the motions have several points, for
@@ -210,7 +212,10 @@ class GripperDriver(Controller, Protocol):
         *,
         has_goal: bool,
     ) -> None:
-        """Continue with a goal that the kernel started at ``now`` [s], or completed."""
+        """Continue with a goal that the kernel started at ``now`` [s].
+
+        The kernel may also have completed the goal.
+        """
 
     def cancel(self, goal: Goal, now: float) -> None:
         """Stop if ``goal`` is the active goal, and end it with the status PREEMPTED."""
@@ -229,4 +234,4 @@ class Adjustable(Controller, Protocol):
     """A running controller with parameters that can change."""
 
     def adjust(self, spec: Any) -> None:
-        """Continue with ``spec`` of the same class."""  # hence Any; the PID has gains
+        """Use other parameters of the same class."""  # hence Any; the PID has gains

@@ -59,8 +59,8 @@ class Dialect:
     """Function that returns the controllers in a YAML tree, by name.  The types of the
     controllers need not exist."""
     parameters: Callable[[YamlEntry, str], YamlEntry | None]
-    """Function that returns the parameters in a YAML tree for a controller's name, even
-    if the type is missing."""
+    """Function that returns the parameters of a controller from a YAML tree, given the
+    controller's name, even if the type is missing."""
     joint_limits: Callable[[YamlEntry], Namespace | None]
     """Function that returns the limits that override the limits of the URDF, by
     joint."""
@@ -70,8 +70,8 @@ class Dialect:
     common: frozenset[str]
     """Names of the parameters that every controller has."""
     sample: str
-    """YAML of a controller for the joint ``*``.  The YAML contains no type, but every
-    parameter that any type requires."""
+    """YAML of a controller for the joint ``*``.  The YAML contains every parameter that
+    any type requires, but no ``type``."""
     linter: str
     """The module that defines ``lint(tree, joints)``."""
     is_configured_when_loaded: bool
@@ -133,7 +133,7 @@ class Dialect:
         return _sample_of(self, type_name).read_values()
 
     def readers_of(self, parameter: str) -> tuple[str, ...]:
-        """Return the types that read a parameter, without package names."""
+        """Return the names, without packages, of the types that read a parameter."""
         types = sorted(self.types)
         readers = {name for name in types if parameter in self.parameters_of(name)}
         return tuple(sorted({name.partition("/")[2] for name in readers}))

@@ -18,7 +18,7 @@ from tool0.protocol.controllers import Gains
 
 
 class CommandWording(NamedTuple):
-    """Messages of a dialect for rejected commands, as format strings."""
+    """A dialect's messages for rejected commands, as format strings."""
 
     wrong_size: str
     """Message for a wrong number of values, with the fields ``size``, ``n_joints``,

@@ -252,7 +252,7 @@ def _postures(limits: Sequence[JointLimits], *, is_upright: bool) -> Matrix:
 def _loaded(
     model: RobotModel, bodies: Sequence[MovingBody], payload: float
 ) -> list[MovingBody]:
-    """Return the bodies with the payload, minus the mounted mass, at the flange."""
+    """Return the bodies, plus the payload (minus the mounted mass) at the flange."""
     *inner, last = bodies
     flange = next(
         ((name, at) for name, at in last.links if name.endswith(FLANGE)), None
@@ -288,10 +288,10 @@ def _largest_eigenvalue(matrices: Matrix, factors: Matrix) -> float:
 
 
 def _within_drives(heavy: SampledDynamics, effort: Matrix, wanted: Matrix) -> Matrix:
-    """Return accelerations, up to ``wanted``, that the drives can produce everywhere.
+    """Return accelerations, up to ``wanted``, that drives can produce in any posture.
 
     All joints may accelerate at the same time.  The required efforts are combined as
-    the root of the sum of squares, like independent random numbers, since joints that
+    the root of the sum of squares, as for independent random numbers, since joints that
     accelerate simultaneously do not necessarily act against each other.
     """
     left = np.maximum(DRIVE_SHARE * (effort - np.abs(heavy.loads)), 1e-3 * effort)

@@ -35,7 +35,7 @@ class DriveSettings:
 
     gripper: ParallelGripper | None
     """The gripper; None if the description does not specify how the opening depends on
-    the joint.  Without a gripper, the drive has no speed and effort settings."""
+    the joint.  Without a gripper, the drive has no speed or effort settings."""
     effort_interface: str
     """Interface for the effort; empty if the effort is not set.  ``velocity_interface``
     is the corresponding interface for the speed."""
@@ -132,9 +132,9 @@ class GripperActionController:
 
     A goal succeeds when the error is below ``goal_tolerance``.  If the joint stalls
     with a larger error, the goal is aborted or, if ``allow_stalling`` is set, succeeds.
-    After a success and after an abort, the command remains in effect: a gripper
-    continues to squeeze with the goal's effort.  The controller behaves like the ROS
-    controllers of the same name, with these improvements:
+    After a success or an abort, the command remains in effect: a gripper continues to
+    squeeze with the goal's effort.  The controller behaves like the ROS controllers of
+    the same name, with these improvements:
 
     * a stall is a *change of position* of less than ``stall_velocity_threshold *
       stall_timeout`` during ``stall_timeout``: in ROS, the velocity of a simulated grip
@@ -269,9 +269,10 @@ class GripperActionController:
         *,
         has_goal: bool,
     ) -> None:
-        """Continue with a goal that the kernel started at ``now`` [s], or completed.
+        """Continue with a goal that the kernel started at ``now`` [s].
 
-        Clients have no handle of a goal that the kernel started.
+        The kernel may also have completed the goal.  Clients have no handle for a goal
+        that the kernel started.
         """
         self._finish(GoalStatus.PREEMPTED)
         self._goal = Goal(self.spec.name) if has_goal else None
@@ -344,7 +345,8 @@ def read_gripper_action(
 ) -> GripperActionSpec:
     """Return the parameters of a gripper controller.
 
-    Gains and stall settings are read from ``parameters``; other values are arguments.
+    Gains and stall settings are read from ``parameters``; other values are passed as
+    arguments.
 
     ``delay`` [s] is added to the stall timeout, since the state is delayed by
     ``delay``.

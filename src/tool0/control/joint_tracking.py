@@ -64,7 +64,10 @@ class JointTracking:
         self.sampler = TrajectorySampler(splines, time)
 
     def merged(self, splines: Mapping[int, JointSpline]) -> list[JointSpline]:
-        """Return the splines of all joints; ``splines`` replaces some, by index."""
+        """Return the splines of all joints.
+
+        ``splines`` replaces the splines of some joints, by index.
+        """
         return [splines.get(k, old) for k, old in enumerate(self.sampler.splines)]
 
     def errors(self, time: float) -> tuple[list[float], list[float]]:

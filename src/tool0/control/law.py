@@ -45,7 +45,7 @@ REAL_CLOCK = TrajectoryClock()
 
 
 class TrajectoryStart(NamedTuple):
-    """The rules of ROS 2 for starting a trajectory without a goal in the next tick."""
+    """The ROS 2 rules for starting, in the next tick, a trajectory that has no goal."""
 
     is_spliced: bool
     """Whether the trajectory continues the desired motion if the desired motion has

@@ -49,7 +49,7 @@ class SavedController(NamedTuple):
 
 
 class Strictness(enum.Enum):
-    """Handling of requests that a switch cannot fulfill, with the values of ROS."""
+    """Handling of requests that a switch cannot fulfill; the values are from ROS."""
 
     BEST_EFFORT = 1
     """Skip requests that cannot be fulfilled, and fulfill the other requests."""
@@ -272,7 +272,7 @@ class ControllerManager:
         *,
         with_rotors: bool = False,
     ) -> None:
-        """Drive a running controller's joints with a law instead of its commands.
+        """Drive a running controller's joints with a law, not with its commands.
 
         If ``law`` is None, the joints follow the commands again.
         ``RobotHardware.claim_efforts`` documents ``with_rotors``.
@@ -341,7 +341,7 @@ class ControllerManager:
     ) -> tuple[list[str], list[str]]:
         """Return the controllers to stop and to start.
 
-        The checks have the same order as in ROS.
+        The checks are performed in the same order as in ROS.
         """
 
         def refuse(message: str) -> None:
@@ -409,7 +409,7 @@ class ControllerManager:
         self._refresh()
 
     def _why_blocked(self, item: LoadedController) -> str:
-        """Return the reason why a controller cannot be started, or an empty text."""
+        """Return the reason why a controller cannot be started, or an empty string."""
         return next(filter(None, map(self._blocked.get, item.claims)), "")
 
     def _check_claims(self, running: Sequence[str]) -> None:
@@ -514,7 +514,10 @@ class ControllerManager:
         return found
 
     def check_saved(self, saved: Mapping[str, SavedController]) -> None:
-        """Raise ControlError if the running controllers or parameters differ."""
+        """Raise ControlError unless the running controllers match ``saved``.
+
+        The parameters of the controllers must also match.
+        """
         specs = {name: self._loaded[name].configured for name in self._names_running()}
         if specs != {name: one.spec for name, one in saved.items()}:
             raise ControlError(
@@ -677,7 +680,10 @@ class ControllerManager:
 
 
 def _copied(item: LoadedController) -> Controller:
-    """Return a copy of a running controller; raise ControlError if it has a goal."""
+    """Return a copy of a running controller.
+
+    ControlError is raised if the controller has a goal.
+    """
     assert item.controller is not None
     try:
         return _copied_controller(item.controller, item.configured)

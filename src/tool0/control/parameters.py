@@ -24,7 +24,9 @@ from tool0.protocol.goals import Tolerance
 
 @final
 class Pid:
-    """PID law per joint: ``p e + clamp(i ∫e dt) + d de/dt``, limited, without a filter.
+    """PID law per joint: ``p e + clamp(i ∫e dt) + d de/dt``, without a filter.
+
+    The command is limited.
 
     If the period is 0, the command is 0 and the integral is unchanged.  The errors must
     be finite, which the engine (DivergenceError) and the checks of goals and commands
@@ -44,7 +46,7 @@ class Pid:
         self.integrals[joint] = 0.0
 
     def set_contribution(self, joint: int, command: float) -> None:
-        """Set a joint's integral to contribute ``command``, within its clamp."""
+        """Make a joint's integral contribute ``command``, within the clamp."""
         _, _, i, _, i_min, i_max, *_ = self.rows[joint]
         term = min(max(command, i_min), i_max)
         self.integrals[joint] = term / i if i else 0.0

@@ -9,8 +9,8 @@ _ROUNDING = 1e-9
 """Tolerance for differences between sums of periods and multiples of the tick [s]."""
 
 _PAUSE = 0.5
-"""Pause after which missed publications are dropped, since the publisher did not run
-[s]. ros_control drops missed publications at every start."""
+"""Length of a pause after which missed publications are dropped, since the publisher
+was not running [s]. ros_control drops missed publications at every start."""
 
 
 @final

@@ -111,7 +111,7 @@ class Segment:
         return resting(self.sample(self.end).position)
 
     def is_bounded(self, bound: float = IMPLAUSIBLE) -> bool:
-        """Return whether ``bound`` limits both the position and the speed.
+        """Return whether neither the position nor the speed exceeds ``bound``.
 
         The absolute values of the terms are summed, so that NaN and overflow are
         treated as unbounded.
@@ -331,7 +331,7 @@ class JointSpline(NamedTuple):
         return self.active(time)[1].sample(time)
 
     def with_goal(self, goal: Goal | None) -> JointSpline:
-        """Return a copy of the motion that is part of ``goal``."""
+        """Return a copy of the motion, with all sections assigned to ``goal``."""
         return JointSpline(
             tuple(section._replace(goal=goal) for section in self.sections)
         )

@@ -47,13 +47,14 @@ _TERMS = 256.0
 """Factor of the terms in a fast version of ``Segment.is_bounded``.  The terms in
 ``is_bounded`` add at most 32 |d| + 32 |v| T + 6 |a| T² to the position.  For T times
 the speed, the sum of the terms is at most 120 |d| + 121 |v| T + 22 |a| T².  The symbol
-d is the distance, and v and a are the larger velocity and acceleration of both ends.
-The factor is about twice the largest coefficient, which leaves a margin for rounding.
-Half the bound (MARGIN) leaves a margin for a rounded T and for whole turns of a
-continuous joint."""
+d is the distance, and v and a are the larger velocity and the larger acceleration at
+the two ends.  The factor is about twice the largest coefficient, which leaves a margin
+for rounding.  Half the bound (MARGIN) leaves a margin for a rounded T and for whole
+turns of a continuous joint."""
 
 MARGIN = IMPLAUSIBLE / 2.0
-"""Largest shift of positions up to which not every point has to be examined [rad]."""
+"""Largest shift of positions for which it is sufficient to examine only some of the
+points [rad]."""
 
 
 _set = object.__setattr__  # sets the fields of frozen instances
@@ -62,7 +63,7 @@ _set = object.__setattr__  # sets the fields of frozen instances
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrajectoryGoal:
-    """A trajectory with its tolerances, like control_msgs/FollowJointTrajectoryGoal.
+    """A trajectory and its tolerances, as in control_msgs/FollowJointTrajectoryGoal.
 
     A goal without points is a request to stop.
 

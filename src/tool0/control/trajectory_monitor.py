@@ -41,7 +41,7 @@ class TrajectoryMonitor:
         goal_time: float,
         timeout: float,
     ) -> None:
-        """Monitor a trajectory until its ``end`` [s] and the arrival at its end.
+        """Monitor a trajectory until it has ended and all joints have arrived.
 
         Args:
             goal: Goal of the trajectory; None for a command from the topic.

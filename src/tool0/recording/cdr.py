@@ -1,4 +1,4 @@
-"""Messages of constant layout in CDR, each packed and unpacked by one ``struct``.
+"""CDR messages with a constant layout, each packed and unpacked by one ``struct``.
 
 Only the numbers change within a stream, so constant data, such as names, is packed
 once.  Packing a message takes 2 to 5 µs, compared with 50 µs for a general serializer.

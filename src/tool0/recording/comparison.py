@@ -26,8 +26,8 @@ class Divergence:
     what: str
     """Name of the quantity, such as ``position of elbow_joint``."""
     recorded: float | str
-    """Recorded value [rad | m], [rad/s | m/s], [N·m | N] or [m]; it is a text for the
-    outcome of a request."""
+    """Recorded value [rad | m], [rad/s | m/s], [N·m | N] or [m]; for the outcome of a
+    request, the value is text."""
     found: float | str
 
     def __str__(self) -> str:
@@ -48,7 +48,7 @@ class DivergedError(Exception):
 
 @final
 class Frames:
-    """The recorded frames, and the number of them that were reproduced."""
+    """The recorded frames, and the number of frames that were reproduced."""
 
     def __init__(self, recording: RecordingFile) -> None:
         self.done = 0

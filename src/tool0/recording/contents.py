@@ -57,12 +57,12 @@ class RecordingInfo(Struct, frozen=True, kw_only=True):
     control_period: float
     """Duration of a tick in simulated time [s]."""
     root: str
-    """The root link of the robot; poses of objects are in its frame."""
+    """The root link of the robot; the poses of objects are in this link's frame."""
     joint_names: tuple[str, ...]
     """Names of the joints, in the order of the arrays' columns."""
 
     def metadata(self) -> dict[str, str]:
-        """Return the content as MCAP metadata, which are texts by name."""
+        """Return the content as MCAP metadata, which maps names to strings."""
         plain = msgspec.to_builtins(self)
         return {
             key: value
@@ -144,7 +144,7 @@ def attach_meshes(file: McapFile, meshes: Mapping[str, Path], first: int = 0) ->
 
 
 def object_meshes(objects: Iterable[SceneObject]) -> dict[str, Path]:
-    """Return the mesh files of objects, by the URIs in the shapes that were sent."""
+    """Return the mesh files of objects, by the URIs in the shapes of the objects."""
     parts = (part for item in objects for part, _ in placed_geometries(item.geometry))
     return {str(path): path for path in _meshes(parts).values()}
 

@@ -1,4 +1,4 @@
-"""Conversion of all errors that a damaged recording can cause to RecordingError."""
+"""Conversion to RecordingError of all errors that a damaged recording can cause."""
 
 from __future__ import annotations
 

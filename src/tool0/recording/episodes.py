@@ -1,8 +1,9 @@
 """Demonstrations: a folder with one recording per episode, and an index.
 
-A user or a program moves the robot, starts each episode and specifies its outcome by a
-key in the terminal or the panel, or by a request.  ``episodes.jsonl`` has a line for
-each episode that was kept, in the order of the episode numbers.
+A user or a program moves the robot, starts each episode and specifies the episode's
+outcome by pressing a key in the terminal or the panel, or by sending a request.
+``episodes.jsonl`` has a line for each episode that was kept, in the order of the
+episode numbers.
 """
 
 from __future__ import annotations
@@ -117,7 +118,7 @@ class Episodes:
         """Open a folder for episodes, which may already contain episodes.
 
         Raises:
-            RecordingError: If the folder contains other files, or cannot be written.
+            RecordingError: If the folder contains other files or is not writable.
             ControlError: If an episode is being recorded.
         """
         with self._lock:
@@ -140,7 +141,9 @@ class Episodes:
             return self._status()
 
     def start(self) -> EpisodesStatus:
-        """Start an episode, after a reset if the folder was opened with ``resets``.
+        """Start an episode.
+
+        If the folder was opened with ``resets``, the robot is reset first.
 
         Raises:
             ControlError: If no folder is open, or a recording is in progress.
@@ -207,7 +210,7 @@ class Episodes:
 
     @property
     def _recording(self) -> RecordingStatus | None:
-        """The status of the current episode's recording, or None without an episode."""
+        """Status of the episode's recording; None if there is no current episode."""
         if self._wall_start is None:
             return None
         return self._simulation.service(Recordings).status

@@ -27,12 +27,12 @@ def image_topic(camera: str) -> str:
 
 @final
 class ImageWriter:
-    """Writer of color images from some cameras to one file, at a constant rate."""
+    """Writer of color images from selected cameras to one file, at a constant rate."""
 
     def __init__(
         self, file: McapFile, cameras: Cameras, names: Sequence[str], period: float
     ) -> None:
-        """Prepare to write an image of each camera per ``period`` [simulated s]."""
+        """Prepare to write one image per camera in each ``period`` [simulated s]."""
         self._file, self._cameras = file, cameras
         self._names, self._period = names, period
         self._next = -math.inf

@@ -120,7 +120,7 @@ class McapFile:
         self._written = self.size
 
     def flush(self) -> None:
-        """Write the messages that have been added as one chunk."""
+        """Write all pending messages as one chunk."""
         self._writer.flush()
         self._written = self.size
 

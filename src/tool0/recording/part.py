@@ -35,7 +35,7 @@ class Part:
         first: Path,
         overwrite: bool,
     ) -> None:
-        """Create the file with this number in the recording that began with ``first``.
+        """Create file ``number`` of the recording that begins with the file ``first``.
 
         Raises:
             RecordingError: If the file cannot be written.
@@ -103,7 +103,7 @@ class Part:
         self._requests.write_new()
 
     def flush(self) -> None:
-        """Write all data to the operating system, so a process crash loses no data."""
+        """Pass all data to the operating system, where it survives a process crash."""
         self._file.flush()
 
     def finish(self) -> None:

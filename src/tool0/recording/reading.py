@@ -174,7 +174,8 @@ class RecordingFile:
     def desired_position(self) -> Array:
         """Desired positions [rad | m], shape (n, n_joints).
 
-        A desired position is NaN if no controller moves the joint by position.
+        A desired position is NaN if no controller has a position setpoint for the
+        joint.
         """
         return self._commands[0]
 
@@ -182,7 +183,8 @@ class RecordingFile:
     def desired_velocity(self) -> Array:
         """Desired velocities [rad/s | m/s], shape (n, n_joints).
 
-        A desired velocity is NaN if no controller moves the joint by position.
+        A desired velocity is NaN if no controller has a position setpoint for the
+        joint.
         """
         return self._commands[1]
 
@@ -280,8 +282,8 @@ class RecordingFile:
     def gripping(self) -> Iterator[tuple[int, tuple[str, ...]]]:
         """Changes of the grippers that hold an object by pressing on it from two sides.
 
-        Each change is the number of a snapshot and the grippers that grip starting at
-        this snapshot.
+        Each change consists of the number of a snapshot and the grippers that hold an
+        object from this snapshot until the next change.
         """
         for frame, fields in self._changes.items():
             if "gripping" in fields:
@@ -382,7 +384,7 @@ class RecordingFile:
     @cached_property
     @reads(STATE)
     def _changes(self) -> Mapping[int, Mapping[str, Any]]:
-        """Changed fields of the snapshot, by number of the frame."""
+        """Changed fields of the snapshots, by frame number."""
         stream = self._stream(STATE)
         pairs = zip(stream.frames, stream.messages, strict=True)
         return {frame: decode_change(decode_text(text)) for frame, text in pairs}

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 FLUSH_PERIOD: Final = 0.4
-"""Wall time between chunks [s].  If the process is killed, the data of at most 0.4 s is
+"""Wall time between chunks [s].  If the process is killed, at most 0.4 s of data is
 lost."""
 FORCES_PERIOD: Final = 0.032
 """Simulated time between two samples of contacts and wrenches [s].  The engine computes
@@ -187,7 +187,7 @@ class Recorder:
         )
 
     def _is_wanted(self, snapshot: Snapshot) -> bool:
-        """Return whether to write a snapshot, because it is due or contains changes.
+        """Return whether a snapshot is due, or contains changes that must be written.
 
         Additional snapshots are published after requests and for faster subscribers.
         """
@@ -230,7 +230,7 @@ class Recorder:
         return part
 
     def _fail(self, error: Exception) -> None:
-        """End the recording after an error without stopping the simulation."""
+        """After an error, end the recording without stopping the simulation."""
         if isinstance(error, OSError):
             reason = f"{self._part.path}: {error.strerror}"
         elif isinstance(error, Tool0Error):

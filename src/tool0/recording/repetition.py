@@ -28,7 +28,7 @@ class Repetition:
     """Repetition of recorded requests in a simulation without other clients."""
 
     def __init__(self, simulation: Simulation, meshes: Mapping[str, Path]) -> None:
-        """Prepare to repeat requests, with the current mesh files by URI."""
+        """Prepare to repeat requests; ``meshes`` are the current mesh files by URI."""
         self._simulation = simulation
         self._meshes = meshes
         self.n_requests = 0

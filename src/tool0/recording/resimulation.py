@@ -66,8 +66,8 @@ def resimulate(
     Raises:
         RecordingError: If the file is not a recording, or does not contain the data
             that is needed to repeat it.
-        Tool0Error: If the robot cannot be brought up, such as when its engine is not
-            installed.
+        Tool0Error: If the robot cannot be brought up, for example because its engine is
+            not installed.
     """
     if not isinstance(recording, RecordingFile):
         recording = open_recording(recording)

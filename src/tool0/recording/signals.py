@@ -120,7 +120,7 @@ def thinned(
     """Return at most about ``points`` samples of signals, which include all peaks.
 
     In each group of consecutive samples, the smallest and the largest samples are kept
-    in their order.  NaN is replaced by None.
+    in their original order.  NaN is replaced by None.
     """
     n = len(time)
     bucket = math.ceil(n / max(1, points // 2))

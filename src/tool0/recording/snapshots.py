@@ -27,7 +27,8 @@ _DEFAULTS: Final[Mapping[str, Any]] = {
     "real_time_factor": 0.0,
     "overruns": 0,
 }
-"""Values of the state before its first record, which are used for a truncated file."""
+"""Values of the state for snapshots before the first state record, which may be missing
+in a truncated file."""
 
 
 class Arrays(Protocol):
@@ -84,7 +85,7 @@ class Snapshots(Sequence[Snapshot]):
     def __init__(
         self, recording: Arrays, changes: Mapping[int, Mapping[str, Any]]
     ) -> None:
-        """Use ``changes``, the changed fields at snapshots by snapshot number."""
+        """Store ``changes``, which maps snapshot numbers to changed fields."""
         self._recording = recording
         state = _State(_DEFAULTS, (), {}, {})
         self._starts = [0]

@@ -31,8 +31,8 @@ class StateChange(RareChanges, frozen=True, kw_only=True):
     """The fields of a snapshot that changed since the last snapshot in the file."""
 
     targets: Mapping[str, float] | UnsetType = UNSET
-    """End positions of the current motions [rad | m], by joint, for joints that are
-    moved by position."""
+    """End positions of the current motions [rad | m], by joint, for joints with
+    position setpoints."""
     modes: Mapping[str, MotionMode] | UnsetType = UNSET
     """Modes of motion, by arm."""
     bodies: tuple[str, ...] | UnsetType = UNSET

@@ -1,4 +1,4 @@
-"""Output of a recording as a video of any camera, at any size and speed."""
+"""Output of a recording as a video from any camera, at any size and speed."""
 
 from __future__ import annotations
 

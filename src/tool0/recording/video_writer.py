@@ -1,4 +1,4 @@
-"""Writer of MP4 files with H.264, which every browser plays, based on PyAV."""
+"""Writer of MP4 files, based on PyAV.  Every browser can play the H.264 videos."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ENCODERS: Final = ("libx264", "libopenh264")
 """H.264 encoders in order of preference; PyAV's wheels include both encoders."""
 _OPTIONS: Final = {"libx264": {"crf": "20", "preset": "fast"}}
 _BITS_PER_PIXEL: Final = 0.15
-"""Number of bits per pixel for the encoder without a quality option, which is
+"""Number of bits per pixel for the encoder that has no quality option.  This number is
 sufficient for smooth surfaces."""
 
 

@@ -57,7 +57,7 @@ class AppliedWrenches:
         return not self._waiting and not self._acting
 
     def add(self, wrench: AppliedWrench) -> None:
-        """Apply a wrench, starting in the next tick or at its later start time.
+        """Apply a wrench at its start time, or in the next tick if that is later.
 
         Raises:
             EngineError: If the link or object does not exist or cannot move.
@@ -107,7 +107,7 @@ class AppliedWrenches:
         return most if quiet >= most else max(0, math.floor(quiet))
 
     def contacts(self) -> tuple[Contact, ...]:
-        """Return the active wrenches in the form of contacts, which sensors use."""
+        """Return the active wrenches as contacts, since sensors use contacts."""
         return tuple(
             Contact("", name, self._world.center_of_mass(name), *wrench)
             for _, name, wrench in self._acting

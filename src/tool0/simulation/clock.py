@@ -24,7 +24,7 @@ class Pacer:
         speed: float = 1.0,
         now: Callable[[], float] = time.perf_counter,
     ) -> None:
-        """Start with a due tick.
+        """Start with a tick that is due immediately.
 
         ``period`` is in simulated time [s], and ``now`` returns wall time [s].
         """
@@ -84,7 +84,7 @@ class FollowedClock:
 
 @final
 class SpeedMeter:
-    """Measures the ratio of simulated to wall time, and late ticks.
+    """Measures the ratio of simulated time to wall time, and counts late ticks.
 
     The measurement covers about the last second.
     """
@@ -105,7 +105,7 @@ class SpeedMeter:
     def measure(
         self, sim_time: float, overruns: int = 0, *, window: float = 1.0
     ) -> bool:
-        """Update the measurement with ``sim_time`` [s] and the total of late ticks.
+        """Update the measurement with ``sim_time`` [s] and the total ``overruns``.
 
         The result is True if a measurement window ended.
         """
@@ -126,7 +126,7 @@ class SpeedMeter:
 BEHIND = 0.95
 """Fraction of the requested speed below which a second is counted as slow."""
 SLOW_WINDOWS = 3
-"""Number of slow seconds in excess of other seconds at which the simulation is
+"""Number by which slow seconds must exceed other seconds for the simulation to be
 considered to be behind."""
 
 

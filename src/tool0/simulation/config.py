@@ -12,7 +12,7 @@ from tool0.description.scene import Scene
 from tool0.description.units import Metres
 
 Names = str | Sequence[str]
-"""Names in a sequence, or in one text with spaces between them."""
+"""Names in a sequence, or in one string, separated by spaces."""
 
 
 @final

@@ -33,7 +33,7 @@ DEFAULT_STOPPED_CONTROLLERS = (
     "joint_group_eff_controller",
     "joint_group_pos_controller",
 )
-"""Controllers of ROS 1 that are loaded but not started, as in the launch file
+"""ROS 1 controllers that are loaded but not started, as in the launch file
 ``ur5_bringup.launch``, if the YAML defines these controllers.  In a cell, each robot
 has its own controllers, with names that start with the robot's name."""
 

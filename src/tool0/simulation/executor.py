@@ -70,7 +70,10 @@ class Executor:
         goal: TrajectoryGoal,
         bounds: Mapping[str, DriveLimits] | None = None,
     ) -> Goal:
-        """Start a trajectory goal; ``bounds`` apply until the next goal of a joint."""
+        """Start a trajectory goal.
+
+        ``bounds`` apply to the drive of a joint until the joint's next goal.
+        """
         trajectory = self._follower(controller)
         accepted = trajectory.follow(goal, self._start([trajectory]))
         self._note_command(controller, goal.joint_names, bounds)
@@ -82,7 +85,7 @@ class Executor:
         goal: TrajectoryGoal,
         bounds: Mapping[str, DriveLimits] | None = None,
     ) -> None:
-        """Follow a trajectory without a goal, like a command from the ROS topic.
+        """Follow a trajectory without a goal, as for a command from the ROS topic.
 
         ``bounds`` have the same meaning as for ``follow``.
         """
@@ -99,7 +102,7 @@ class Executor:
     ) -> tuple[Goal, ...]:
         """Start goals of several controllers at the same time.
 
-        If one goal is rejected, no goals are started.
+        If any goal is rejected, no goals are started.
 
         The motions stop at a new contact of a moved link or of an object in
         ``carried``, unless the contact is with a link or an object in ``may_touch``.
@@ -143,7 +146,7 @@ class Executor:
 
         All motions are planned before the first motion starts.
 
-        If one motion is rejected, no motions are started.
+        If any motion is rejected, no motions are started.
 
         If ``controller`` is None, the controllers that claim the joints move them.
         """
@@ -331,7 +334,7 @@ class Executor:
         duration: float | None,
         lever: Array,
     ) -> None:
-        """Move a point with a twist, like ``speed_joints``.
+        """Move a point with a twist [m/s, rad/s]; see also ``speed_joints``.
 
         ``lever`` is the position of the point in the flange frame [m].
         """
@@ -514,7 +517,7 @@ class Executor:
         joints: Collection[str] | None = None,
         bounds: Mapping[str, DriveLimits | None] | None = None,
     ) -> None:
-        """Record a command, and set the limits of the drives that it moves.
+        """Record a command, and set the limits of the drives that it affects.
 
         ``joints`` are the joints that the goal lists; None stands for all joints of the
         controller.  Drives that have no entry in ``bounds`` are not limited.

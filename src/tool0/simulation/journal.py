@@ -2,7 +2,7 @@
 
 Each request is recorded with its step.  Between two requests, a simulation is
 deterministic.  The data of a session's start (``simulation/handlers/reproduction``) and
-its journal are therefore sufficient for an exact repetition of the session.
+the session's journal are therefore sufficient for an exact repetition of the session.
 """
 
 from __future__ import annotations
@@ -47,14 +47,14 @@ class Executed(Struct, frozen=True, gc=False):
     request: Struct
     """Request that was executed."""
     error: str | None
-    """Error of the request; None if it succeeded."""
+    """Error of the request; None if the request succeeded."""
     n_items: int
     """Size of the request: 1 plus the total length of the request's sequences."""
 
 
 @final
 class Journal:
-    """Stores requests in the order in which they ended.
+    """Stores requests in the order in which they were completed.
 
     Any thread may read the requests.
     """
@@ -86,7 +86,7 @@ class Journal:
         return end
 
     def after(self, number: int = -1) -> tuple[Executed, ...]:
-        """Return entries after ``number``, in order.
+        """Return the entries with numbers above ``number``, in order.
 
         The result contains at most ``AT_ONCE`` entries.
         """

@@ -117,7 +117,7 @@ class Loop:
 
     @property
     def max_drift(self) -> float:
-        """Largest deviation of an uncommanded joint from its start [rad | m]."""
+        """Largest drift of an uncommanded joint from its start position [rad | m]."""
         return self._publisher.max_drift
 
     @property
@@ -169,7 +169,7 @@ class Loop:
     def post(
         self, operation: Callable[[], object], when_failed: Callable[[Exception], None]
     ) -> None:
-        """Execute ``operation`` before the next tick, without waiting for its end.
+        """Queue ``operation`` for execution before the next tick, without waiting.
 
         If the operation raises an exception, ``when_failed`` is called with the
         exception in the thread of the tick.
@@ -379,7 +379,7 @@ class Loop:
             self.when_observed(snapshot)
 
     def _attempt(self, action: Callable[[], None]) -> None:
-        """Call an action, outside the tick, that uses the engine and may fail."""
+        """Call, outside the tick, an action that uses the engine and may fail."""
         if self.fault is not None:
             return
         try:

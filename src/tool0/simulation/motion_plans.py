@@ -75,7 +75,7 @@ _ROWS: Final = 200
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeptPlan:
-    """A stored plan, with data of its request."""
+    """A stored plan, with data from its request."""
 
     plan: Plan
     may_touch: frozenset[str]
@@ -250,8 +250,8 @@ class MotionPlans:
     ) -> Checked:
         """Return whether a motion is free of collisions.
 
-        ``line`` is the path of a motion along a straight line of the tool; None for
-        other motions.
+        ``line`` is the path of the joints if the tool moves in a straight line; None
+        for other motions.
         """
         moving = self._moving((request.target,), positions, {})
         path = line

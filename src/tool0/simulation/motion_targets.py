@@ -115,7 +115,7 @@ def within(joint: Joint, wanted: tuple[float, float] | None) -> Joint:
 
 
 def _turns(axis: str | None) -> list[Array]:
-    """Return the rotations about a tool axis to try, each of shape (4, 4)."""
+    """Return the rotations to try about a tool axis, each of shape (4, 4)."""
     if axis is None:
         return [np.eye(4)]
     turns = []

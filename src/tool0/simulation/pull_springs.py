@@ -70,7 +70,7 @@ class PullSprings:
 
     @property
     def is_idle(self) -> bool:
-        """Whether a call of ``tick`` has no effect."""
+        """Whether a call to ``tick`` has no effect."""
         return not self._pulls
 
     def pull(self, spring: PullSpring, now: JointState) -> None:

@@ -7,11 +7,11 @@ dampers, scaled by the inertia, make the tool follow its nominal motion.
 The springs, the commanded force and the damping are combined into one wrench on the
 tool.  At rest, therefore, only the commanded force acts along the compliant axes.  The
 force on the environment equals the commanded force, regardless of the friction along
-the stiff axes and the stiffness of the environment, and no force measurement is needed.
-If the full mass matrix converted accelerations to efforts, its off-diagonal terms would
-also cause forces along the compliant axes.  The wrench that accelerates the tool along
-some axes only is therefore computed from the block of J M⁻¹ Jᵀ for these axes.  The
-matrix J M⁻¹ Jᵀ is the inverse of the task-space inertia (Khatib 1987,
+the stiff axes and of the stiffness of the environment.  No force measurement is needed.
+If the full mass matrix were used to convert accelerations to efforts, its off-diagonal
+terms would also cause forces along the compliant axes.  Therefore, a wrench that
+accelerates the tool along only some axes is computed from the block of J M⁻¹ Jᵀ for
+these axes.  The matrix J M⁻¹ Jᵀ is the inverse of the task-space inertia (Khatib 1987,
 https://doi.org/10.1109/JRA.1987.1087068).
 """
 
@@ -39,14 +39,15 @@ BANDWIDTH: Final = 60.0
 """Natural frequency of the virtual springs [rad/s].  The frequency is reduced if the
 physics step is too long."""
 LARGEST_STEP: Final = 0.2
-"""Largest product of a rate and the physics step at which the springs remain stable."""
+"""Largest product of the physics step [s] and a natural frequency or decay rate [1/s]
+at which the springs remain stable."""
 DAMPING_RANGE: Final = (10.0, 200.0)
 """Decay rates of undriven motion for damping parameters of 0 and 1 [1/s]."""
 FREEDRIVE_DAMPING: Final = 8.0
 """Damping in freedrive [1/s]."""
 JOINT_DAMPING: Final = 1.0
-"""Damping rate of the joints' deviation from the nominal motion, which is needed in
-singular postures [1/s]."""
+"""Damping rate of the joints' deviation from the nominal motion [1/s].  This damping is
+needed in singular postures."""
 RIDGE: Final = SINGULAR**2
 """Fraction by which the mobility along each axis is increased in a singular posture, so
 that the spring forces remain finite."""
@@ -56,7 +57,7 @@ of the limit."""
 SLOWEST: Final = 1e-9
 """Lower bound of the speed limits in the computation of the fade-out [m/s, rad/s]."""
 UNLIMITED: Final = 100.0
-"""Finite value that replaces infinite limits of speeds and deviations [m/s, rad/s, m,
+"""Finite value that replaces infinite speed and deviation limits [m/s, rad/s, m,
 rad]."""
 SLOW: Final = 1e-3
 """Speed of the TCP below which its direction of motion is considered undefined
@@ -78,8 +79,8 @@ class ComplianceTask:
     """Wrench on the environment along the compliant axes [N, N·m], shape (6,)."""
     kind: int = 2
     """Type of the task frame.  1: the y axis points from the TCP to the frame's origin.
-    2: the frame is fixed.  3: the x axis is the TCP's velocity, projected onto the
-    frame's xy plane."""
+    2: the frame is fixed.  3: the x axis points in the direction of the TCP's velocity,
+    projected onto the frame's xy plane."""
     limits: Array
     """Limits of shape (6,): the largest speeds along the compliant axes [m/s, rad/s],
     and the deviations along the stiff axes beyond which the spring force no longer
@@ -91,7 +92,7 @@ class ComplianceTask:
     is_freedrive: bool = False
 
     def stiffened(self) -> ComplianceTask:
-        """Return a copy of the task without compliant axes."""
+        """Return a copy of the task that has no compliant axes."""
         none, most = np.zeros(6, dtype=bool), np.full(6, UNLIMITED)
         return replace(self, free=none, limits=most, is_freedrive=False)
 
@@ -137,7 +138,8 @@ class _Inertias(NamedTuple):
     drag: Array
     """Wrench per velocity along the compliant axes, computed from the inertia along
     these axes while the stiff axes are held.  The inertia with held stiff axes can be
-    much larger than the inertia with free stiff axes, which limits the decay rate."""
+    much larger than the inertia with free stiff axes.  This difference limits the decay
+    rate."""
 
 
 @final
@@ -212,11 +214,11 @@ class Compliance:
         return np.clip(left / np.maximum(EASE * task.limits, SLOWEST), 0.0, 1.0)
 
     def _inertias(self, masses: Array, along: Array, R: Array, dt: float) -> _Inertias:
-        """Return the inertias for the masses and the axes ``R``.
+        """Return the inertias for the mass matrix ``masses`` and the axes ``R``.
 
-        ``along`` is the tool's Jacobian in the axes ``R``.  The inertias are reused as
-        long as the mass matrix and the axes are unchanged.  Near singular postures,
-        where the inertias change quickly, they are always recomputed.
+        ``along`` is the tool's Jacobian, expressed in the axes ``R``.  The inertias are
+        reused as long as the mass matrix and the axes are unchanged.  Near singular
+        postures, where the inertias change quickly, the inertias are always recomputed.
         """
         known = self._weighed
         if known is not None and known[0] is masses and np.array_equal(known[1], R):

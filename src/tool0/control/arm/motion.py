@@ -34,12 +34,12 @@ MOST_SAG: Final = 0.05
 """Largest deviation of a joint at rest from its setpoint [rad]."""
 ARRIVED: Final = 0.01
 """Distance from the end of a path within which a joint is considered to have arrived
-[rad].  Measurements with a UR3e, a UR5e and a UR30 showed 1.6 mrad at the end of a
-path, and up to 0.1 rad if the declared payload was wrong (0 instead of the rated
-payload, or vice versa)."""
+[rad].  Measurements with a UR3e, a UR5e and a UR30 showed an error of 1.6 mrad at the
+end of a path, and of up to 0.1 rad if the declared payload was wrong (0 instead of the
+rated payload, or vice versa)."""
 STEEPEST: Final = 1000.0
 """Largest deceleration of the leading joint that is used to keep a joint within its
-range [rad/s²].  Requests accept no larger deceleration."""
+range [rad/s²].  Requests with a larger deceleration are rejected."""
 SETTLING: Final = 1.0
 """Time that the joints may take to arrive at the end of a path after the setpoint has
 reached the end [s].  In the measurements for ``ARRIVED``, the error after half of the
@@ -75,7 +75,7 @@ class ArmMotionSpec:
 
 @final
 class ArmMotionController:
-    """Commands the positions of an arm's joints at the end of each tick.
+    """Commands, in each tick, the positions of an arm's joints at the end of the tick.
 
     Requests are handled between ticks; the argument ``now`` of a request is the
     simulated time of the next tick [s].  Holding, paths and ramps to rest have a law,
@@ -216,7 +216,7 @@ class ArmMotionController:
 
     @property
     def is_compliant(self) -> bool:
-        """Whether forces or torques move the joints, instead of the setpoint."""
+        """Whether forces or torques, rather than the setpoint, move the joints."""
         return self._compliance is not None or self.torques is not None
 
     def motion(self, now: float) -> ArmSetpoint:
@@ -265,7 +265,7 @@ class ArmMotionController:
         return is_on_path and self._stream is None and not self.is_compliant
 
     def is_overdue(self, distance: float, now: float) -> bool:
-        """Return whether the joints have not reached the end of a path in time.
+        """Return whether the joints have failed to reach the end of a path in time.
 
         The supervisor of the motion calls ``is_overdue`` at regular intervals, with the
         largest ``distance`` of a joint from its setpoint [rad].
@@ -463,7 +463,7 @@ class ArmMotionController:
 
 
 def _tangents(setpoint: ArmSetpoint, time: float) -> tuple[JointSpline, ...]:
-    """Return splines that have the motion of ``setpoint`` at ``time`` [s]."""
+    """Return splines whose motion at ``time`` [s] is equal to ``setpoint``."""
     return tuple(
         along(
             Segment.of(time, math.nextafter(time, math.inf), (q, v, 0.5 * a, 0, 0, 0))

@@ -68,8 +68,8 @@ class JointBounds:
     ) -> list[tuple[float, float]]:
         """Return the smallest and largest velocity of each joint after a tick.
 
-        With a velocity in the returned range, a joint can still stop before its
-        position limit, with the acceleration limit of planned motions.  ``scale``
+        At a velocity in the returned range, a joint can still stop before its position
+        limit without exceeding the acceleration limit of planned motions.  ``scale``
         scales the largest velocity.
         """
         found = []
@@ -84,9 +84,9 @@ class JointBounds:
 def _fastest_before(distance: float, a: float, period: float) -> float:
     """Return the largest velocity after a tick that allows a stop within ``distance``.
 
-    From velocity v, a joint that decelerates with ``a`` in each tick comes to rest
-    within v² / 2a + a period² / 8.  The sum of the stopping distance and of the
-    distance during the tick, v period / 2, must equal ``distance``.
+    A joint with velocity v that decelerates at ``a`` in each tick comes to rest within
+    v² / 2a + a period² / 8.  The sum of the stopping distance and of the distance
+    during the tick, v period / 2, must equal ``distance``.
     """
     if not distance > 0.0:
         return 0.0

@@ -38,11 +38,11 @@ SLOW: Final = 0.02
 """Speed below which the dry friction is reduced proportionally [rad/s]."""
 DRY_FRICTION: Final = 0.05
 """Dry friction of a gear, as a fraction of its joint's largest torque: 7.5 N·m in the
-shoulder of a UR5e and 1.4 N·m in its wrists.  The value is an estimate, since
+shoulder and 1.4 N·m in the wrists of a UR5e.  The value is an estimate, since
 datasheets do not specify the friction."""
 VISCOUS_FRICTION: Final = 0.08
 """Viscous friction of a gear, relative to its joint's largest torque [s]: 12 N·m·s/rad
-in the shoulder of a UR5e and 2.2 N·m·s/rad in its wrists.  The value is an estimate."""
+in the shoulder and 2.2 N·m·s/rad in the wrists of a UR5e.  The value is an estimate."""
 WARM: Final = 0.6
 """Fraction of the viscous friction that the drive's friction model covers.  The model
 must not overcompensate when the lubricant is warm.  The value is an estimate."""

@@ -1,11 +1,11 @@
 """Checks of a trajectory goal, and the splines that execute it.
 
-If joint_trajectory_controller of ROS has a message and a code for an error, the checks
-use the same message and code.  Unlike ROS, the checks also reject numbers that are not
-finite, duplicate joints, wrong numbers of positions, positions beyond a joint's limits,
-and tolerances for joints that the controller does not have.  As in ROS, the checks
-accept velocities and accelerations beyond a joint's limits: planners round velocities
-and accelerations, and the tolerances detect whether the joint can follow.
+If joint_trajectory_controller in ROS defines a message and a code for an error, the
+checks use the same message and code.  Unlike ROS, the checks also reject numbers that
+are not finite, duplicate joints, wrong numbers of positions, positions beyond a joint's
+limits, and tolerances for joints that the controller does not have.  As in ROS, the
+checks accept velocities and accelerations beyond a joint's limits: planners round
+velocities and accelerations, and the tolerances detect whether the joint can follow.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ from tool0.protocol.trajectories import TrajectoryPoint
 logger = logging.getLogger(__name__)
 
 INSTANT = 1e-6
-"""Time until a point below which the point is considered reached [s].  The time is
-shorter than any tick, but longer than the rounding errors of sums of times."""
+"""Remaining time to a point below which the point is considered reached [s].  The time
+is shorter than any tick, but longer than the rounding errors of sums of times."""
 
 
 def check_names(
@@ -249,7 +249,7 @@ class TrajectoryReplacement:
 
         If the joints follow a trajectory, the ramp starts from the desired motion, as
         it does in ROS.  If the joints do not follow a trajectory, the ramp starts from
-        the measured motion, within the joint's velocity limit.  The duration of a ramp
+        the measured motion, within the joints' velocity limits.  The duration of a ramp
         from the measured motion is proportional to the speed, so that a sagging joint
         does not continue to move for the full duration.
         """

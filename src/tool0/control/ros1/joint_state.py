@@ -91,8 +91,8 @@ def parse(
     """Return the checked parameters of a JointStateController.
 
     Without the parameter ``joints``, the controller publishes the joints with a
-    transmission, sorted by name.  ROS has the same order, since it stores the joints in
-    a map.  ``joints`` can list any movable joints, which are published in the given
+    transmission, sorted by name.  ROS uses the same order, since it stores the joints
+    in a map.  ``joints`` can list any movable joints, which are published in the given
     order.
     """
     joints = tuple(sorted(robot.interfaces))

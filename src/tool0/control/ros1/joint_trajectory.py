@@ -36,7 +36,7 @@ from tool0.protocol.trajectories import JointsMotion
 
 RELIEF = 0.005
 """Distance by which a stop backs off a joint that pushes at its effort limit [rad | m].
-The joint backs off because the contact is compressed; on Gazebo, the compression is 2
+The joint backs off because the contact is compressed; in Gazebo, the compression is 2
 mrad."""
 
 PREEMPTED = GoalResult(status=GoalStatus.PREEMPTED)
@@ -166,7 +166,7 @@ class JointTrajectoryController:
         is_first: bool,
         has_points: bool,
     ) -> None:
-        """Continue with joint motions, by joint index, that the kernel started."""
+        """Continue with the motions that the kernel started; keys are joint indices."""
         self._end_goal(PREEMPTED)
         self._tracking.follow(self._tracking.merged(splines), now)
 

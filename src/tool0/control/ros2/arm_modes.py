@@ -1,8 +1,9 @@
-"""FreedriveModeController and ForceModeController of Universal Robots.
+"""FreedriveModeController and ForceModeController from Universal Robots.
 
 Freedrive cannot be active together with any controller of the arm's joints.  Force mode
-can be active together with the passthrough controller only.  In force mode, the arm
-deviates from the trajectory that the passthrough controller executes.
+can be active together with only one controller of these joints: the passthrough
+controller.  In force mode, the arm deviates from the trajectory that the passthrough
+controller executes.
 """
 
 from __future__ import annotations

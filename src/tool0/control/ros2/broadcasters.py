@@ -43,8 +43,8 @@ def _force_torque(parameters: Namespace, robot: RobotJoints) -> Sequence[str]:
         for change, default in (("offset", 0.0), ("multiplier", 1.0)):
             parameters.number(f"{change}/{path}", default)
             parameters.mark_adjustable(f"{change}/{path}")
-    # The YAML of Universal Robots contains the last two parameters, which only the
-    # broadcaster of Universal Robots reads.
+    # The YAML from Universal Robots contains the last two parameters, which only the
+    # Universal Robots broadcaster reads.
     parameters.accept("sensor_filter_chain", "topic_name", "state_interface_names")
     states = [state for state in named if state]
     if bool(sensor) is bool(states):
@@ -59,7 +59,7 @@ def _force_torque(parameters: Namespace, robot: RobotJoints) -> Sequence[str]:
 
 
 def _force_torque_of_ur(parameters: Namespace, robot: RobotJoints) -> Sequence[str]:
-    """Read the parameters of the broadcaster of Universal Robots."""
+    """Read the parameters of the Universal Robots broadcaster."""
     parameters.text("frame_id")
     parameters.text("topic_name")
     sensor = parameters.text("sensor_name")

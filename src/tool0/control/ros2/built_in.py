@@ -1,9 +1,9 @@
 """The built-in controllers of a robot with drives from ``<ros2_control>`` tags.
 
-As for ROS 1, ``tool0_description/config`` contains a file that all arms share and a
-file that all grippers share.  The folder of an arm or a gripper may contain a separate
-file for this arm or gripper.  Each controller specifies its type; the section of the
-manager is assembled from these types.
+As it does for ROS 1, ``tool0_description/config`` contains a file that all arms share
+and a file that all grippers share.  The folder of an arm or a gripper may contain a
+separate file for this arm or gripper.  Each controller specifies its type; the section
+of the manager is assembled from these types.
 """
 
 from __future__ import annotations
@@ -60,8 +60,9 @@ class StartedControllers(NamedTuple):
     """Additional controllers that are started if the built-in controllers are used."""
     loaded: tuple[str, ...]
     """Built-in controllers that are loaded but not started.  The launch file of UR's
-    driver also loads controllers without starting them.  The actions of loaded
-    controllers respond, and ``ros2 control`` can switch to loaded controllers."""
+    driver also loads controllers without starting them.  The action servers of loaded
+    controllers respond to clients, and ``ros2 control`` can switch to loaded
+    controllers."""
 
 
 def started() -> StartedControllers:
@@ -91,7 +92,7 @@ class _Piece:
 
 
 def built_in_yaml(description: RobotDescription, period: float) -> str:
-    """Return the built-in controllers as YAML, or an empty text if none fit the robot.
+    """Return the built-in controllers as YAML, or an empty string if none fit.
 
     ``period`` is the physics step [s]; the update period is a multiple of this step.
     """

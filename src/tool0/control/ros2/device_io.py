@@ -47,7 +47,7 @@ def _prefix_of_gripper(name: str, robot: RobotJoints) -> str:
 
 
 def _box_commands() -> Iterator[str]:
-    """Yield the command interfaces of the driver of Universal Robots."""
+    """Yield the command interfaces of the Universal Robots driver."""
     for k in range(18):
         yield f"gpio/standard_digital_output_cmd_{k}"
     for k in range(2):
@@ -66,7 +66,7 @@ def _box_commands() -> Iterator[str]:
 
 
 def _box_states() -> Iterator[str]:
-    """Yield the state interfaces of the driver of Universal Robots."""
+    """Yield the state interfaces of the Universal Robots driver."""
     counts = {
         **{"digital_output": 18, "digital_input": 18},
         **{"standard_analog_output": 2, "standard_analog_input": 2},

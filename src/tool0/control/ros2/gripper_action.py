@@ -1,7 +1,7 @@
 """The parameters of the three gripper controllers of ROS 2.
 
-The ``GripperActionController`` in ``position_controllers`` and in
-``effort_controllers`` works as it does in ROS 1.  The controller in
+The two types of ``GripperActionController``, in ``position_controllers`` and in
+``effort_controllers``, work as they do in ROS 1.  The controller in
 ``parallel_gripper_action_controller`` commands positions, and sets the drive's speed
 and effort through separate command interfaces.
 """
@@ -77,7 +77,7 @@ def _settings(parameters: Namespace, robot: RobotJoints, joint: Joint) -> DriveS
 
 
 def _interface(parameters: Namespace, robot: RobotJoints, path: str) -> str:
-    """Return the command interface at ``path``, or an empty text.
+    """Return the command interface at ``path``, or an empty string.
 
     The hardware must have the command interface.
     """

@@ -124,8 +124,8 @@ class JointTrajectoryController:
     The controller behaves like the ROS 2 controller of the same name, with these
     improvements:
 
-    * a goal with a command that timed out is aborted, whereas ROS reports such a goal
-      as reached;
+    * if the command of a goal times out, the goal is aborted, whereas ROS reports such
+      a goal as reached;
     * without a goal tolerance, a joint must come within DEFAULT_GOAL_TOLERANCE;
     * if a trajectory ends with a nonzero velocity, the joints must come to rest
       afterwards;
@@ -133,7 +133,7 @@ class JointTrajectoryController:
       jumping to the angle that the point specifies;
     * goals are also rejected for the reasons that ``trajectory_check`` describes.
 
-    Plans for motions of the simulator start from the desired motion.
+    Motions that the simulator plans start from the desired motion.
     """
 
     def __init__(
@@ -372,7 +372,7 @@ class JointTrajectoryController:
         return self.spec.speed.factor(self._factor)
 
     def scale_speed(self, factor: float) -> None:
-        """Scale the speed of trajectories, like the topic ``~/speed_scaling_input``.
+        """Scale the speed of trajectories, as ``~/speed_scaling_input`` does.
 
         Raises:
             ControlError: If the factor is negative, or the topic cannot set the speed.

@@ -99,7 +99,10 @@ def _lint_controller(
 
 
 def _misnamed(root: YamlEntry) -> Iterator[Finding]:
-    """Yield findings about misnamed parameters of controllers without parameters."""
+    """Yield findings about parameters under a wrong controller name or namespace.
+
+    Only controllers that have no parameters under their exact names are considered.
+    """
     everything = [(place, declared_in(root, place)) for place in places(root)]
     known = {name for _, controllers in everything for name in controllers}
     for place, controllers in everything:

@@ -1,4 +1,4 @@
-"""PassthroughTrajectoryController of Universal Robots: the arm executes the points.
+"""PassthroughTrajectoryController from Universal Robots: the arm follows the points.
 
 Like JointTrajectoryController, PassthroughTrajectoryController commands positions and
 follows splines.  The splines are quintic between points with accelerations, and cubic
@@ -41,7 +41,8 @@ from tool0.protocol.goals import Goal, GoalResult, GoalStatus
 STOP_DECELERATION: Final = 4.0
 """Deceleration of each joint after a cancellation [rad/s²]."""
 MOST_JUMP: Final = 0.05
-"""Largest deviation of a joint from a first point at time 0 [rad]."""
+"""Largest deviation of a joint from the first point of a goal if the time of this point
+is 0 [rad]."""
 _NUMBERS: Final = ("positions", "velocities", "accelerations")
 _DEACTIVATED: Final = GoalResult(
     status=GoalStatus.ABORTED,
@@ -174,7 +175,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
                 )
 
     def _tolerances_of(self, goal: TrajectoryGoal) -> TrajectoryTolerances:
-        """Return the tolerances of the goal at its end.
+        """Return the tolerances of the goal for the end of the trajectory.
 
         The controller has no default tolerances.
         """

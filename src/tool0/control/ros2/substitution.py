@@ -26,8 +26,8 @@ def substituted(text: str, variables: Mapping[str, str], start: SourceLocation) 
     """Return a YAML text for ROS 2 in which ``$(var NAME [DEFAULT])`` is replaced.
 
     ``$(env NAME [DEFAULT])`` and ``$(find-pkg-share PACKAGE)`` are also replaced.
-    Comments and texts for ROS 1 are not changed.  ``start`` is the location of the
-    first line.
+    Comments, and YAML texts for ROS 1, are not changed.  ``start`` is the location of
+    the first line.
 
     Raises:
         ConfigError: If a substitution has neither a value nor a default.

@@ -147,8 +147,8 @@ def override_tolerances(
     """Return the tolerances of a controller, overridden by the tolerances of a goal.
 
     A positive tolerance in the goal replaces the default, -1 disables the tolerance,
-    and 0 keeps the default.  If there is any other value, an error is logged, and all
-    defaults apply.
+    and 0 keeps the default.  If the goal contains any other value, an error is logged,
+    and all defaults apply.
     """
     grace = _resolved(defaults.goal_time, goal.goal_time_tolerance or 0.0)
     if grace is None:

@@ -68,7 +68,7 @@ class Course(NamedTuple):
         return self._through(motion_at(points, column, turn), leave, origin, turn)
 
     def rest(self, position: float, leave: float, origin: Motion) -> SplineSection:
-        """Return the motion to rest of a joint that the trajectory does not contain."""
+        """Return a motion that brings a joint that is not in the trajectory to rest."""
 
         def held(number: int) -> Motion:
             point = self.goal.points[number]
@@ -209,7 +209,7 @@ def _integrated(
 
 
 def upsampled(goal: TrajectoryGoal, frequency: float) -> TrajectoryGoal:
-    """Return a goal of positions, with velocities from a smooth cubic spline.
+    """Return a goal with positions, and with velocities from a smooth cubic spline.
 
     The spline starts and ends at rest, and its accelerations are continuous.  If the
     points have no times, and ``frequency`` [Hz] is not 0, the frequency determines the

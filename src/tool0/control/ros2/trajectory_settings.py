@@ -43,7 +43,7 @@ class SpeedSource:
     """Speed factor until the topic sets another factor."""
     is_settable: bool = True
     """Whether the topic may set the factor.  The topic may set the factor only if the
-    controller commands only positions."""
+    controller has no command interfaces other than position."""
     factors: Mapping[str, float] = field(default_factory=dict)
     """Current speed factors of the arms, by prefix."""
     prefix: str | None = None

@@ -1,1 +1,1 @@
-"""The arms of a robot: power, stops, control box, and motion for programs."""
+"""The arms of a robot: power, stops, control box, and motion under program control."""

@@ -98,7 +98,7 @@ class Arm(abc.ABC):
 
     @property
     def is_idle(self) -> bool:
-        """Whether a call of ``tick`` has no effect."""
+        """Whether a call to ``tick`` has no effect."""
         motion = self.motion
         return (
             self.box.is_steady
@@ -409,8 +409,8 @@ class Arm(abc.ABC):
 
         Raises:
             ControlError: If no program controls the arm, if the arm may not move or is
-                compliant, or if a drive cannot exert the torque, which is treated as a
-                violation.
+                compliant, or if a drive cannot exert the torque.  An excessive torque
+                is treated as a violation.
         """
 
     @property

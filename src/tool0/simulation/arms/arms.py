@@ -90,11 +90,11 @@ class Arms:
 
     @property
     def is_idle(self) -> bool:
-        """Whether a call of ``tick`` has no effect."""
+        """Whether a call to ``tick`` has no effect."""
         return all(arm.is_idle for arm in self._arms)
 
     def tick(self, state: JointState, period: float) -> None:
-        """Advance speed scaling and returning arms by one tick of ``period`` [s]."""
+        """Advance all arms that are not idle by one tick of ``period`` [s]."""
         for arm in self._arms:
             if not arm.is_idle:
                 arm.tick(state, period)

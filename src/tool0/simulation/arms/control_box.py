@@ -1,4 +1,4 @@
-"""The control box of an arm, with a state that requests change.
+"""The control box of an arm, and its state, which requests can change.
 
 The speed slider and a paused program change the speed factor of scaled trajectories.  A
 payload changes the model of the drives.  The states of pins are only stored.  ``Arm``
@@ -58,7 +58,7 @@ class ControlBox:
         self._flange, self._model, self._hardware = flange, model, hardware
         self._own_drives = own_drives
         """Drives of a real robot; None for a simulated robot.  For a real robot, the
-        pins are pins of the robot's control box, and the robot's reports change the
+        pins are those of the robot's control box, and the robot's reports change the
         state."""
         self.when_changed: Callable[[], None] = lambda: None
         """Callback that is called after each change of the state."""
@@ -90,7 +90,7 @@ class ControlBox:
     # ---- operations -----------------------------------------------------------------
 
     def set_digital(self, pins: Mapping[int, bool], *, is_input: bool) -> None:
-        """Set digital outputs, or the measured levels of inputs, of pins 0 … 17."""
+        """Set outputs, or the measured levels of inputs, at digital pins 0 … 17."""
         name = "digital_inputs" if is_input else "digital_outputs"
         values = list(getattr(self.state, name))
         for pin, value in pins.items():

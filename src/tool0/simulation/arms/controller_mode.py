@@ -65,7 +65,7 @@ class ControllerMode:
 
     @property
     def is_idle(self) -> bool:
-        """Whether a call of ``tick`` has no effect."""
+        """Whether a call to ``tick`` has no effect."""
         return self._compliance is None
 
     def start(self, controller: str, task: ComplianceTask, now: JointState) -> None:
@@ -175,7 +175,7 @@ class ControllerMode:
         return self._controller
 
     def _companion(self) -> PassthroughTrajectoryController:
-        """Return the host, which is not the mode's controller."""
+        """Return the host, which must not be the mode's controller itself."""
         from tool0.control.ros2.passthrough_trajectory import (
             PassthroughTrajectoryController,
         )
@@ -185,7 +185,7 @@ class ControllerMode:
         return running
 
     def _return_joints(self, now: JointState) -> None:
-        """Return the joints to the companion at their current positions."""
+        """Hand the joints back to the companion, at their current positions."""
         self._companion().stop_where_it_is(now, ENDED)
         self._release(now)
 

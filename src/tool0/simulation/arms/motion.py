@@ -29,8 +29,8 @@ RETURN_DECELERATION: Final = 4.0
 """Smallest deceleration of motions other than paths when the arm is released [rad/s²].
 A stream of velocities uses its own acceleration if this acceleration is larger."""
 SETTLING: Final = 0.1
-"""Time from the rest of an arm's setpoint to the rest of the arm [s].  The servos of
-the arm lag by about 20 ms."""
+"""Time from when an arm's setpoint comes to rest until the arm comes to rest [s].  The
+servos of the arm lag by about 20 ms."""
 STIFFENING: Final = 10.0
 """Deceleration of a moving arm when force mode or freedrive ends, or when the arm's
 motion fails [rad/s²]."""

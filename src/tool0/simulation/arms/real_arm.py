@@ -43,7 +43,7 @@ _LOST: Final = "check power and network; tool0 tries again"
 
 @final
 class RealArm(Arm):
-    """A real arm with its own motion control, which reports power, stops and pins."""
+    """A real arm, which controls its own motion and reports power, stops and pins."""
 
     def __init__(
         self,
@@ -55,7 +55,7 @@ class RealArm(Arm):
         hardware: RobotHardware,
         manager: ControllerManager,
     ) -> None:
-        """Create the arm of ``drives``.
+        """Create the arm that has the real robot's ``drives``.
 
         The gripper of the arm may move only while the arm may move.
         """
@@ -143,7 +143,7 @@ class RealArm(Arm):
             self.motion.rest(now)
 
     def _stop(self, now: JointState) -> None:
-        with contextlib.suppress(TransportError):  # the task ended with the link
+        with contextlib.suppress(TransportError):  # a lost link ends the task
             self._end_task()
         super()._stop(now)
 

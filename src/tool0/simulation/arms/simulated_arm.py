@@ -26,7 +26,7 @@ from tool0.simulation.arms.modes import Modes
 
 @final
 class SimulatedArm(Arm):
-    """An arm with simulated drives that follow efforts, and a computed tool wrench."""
+    """An arm with a computed tool wrench, and simulated drives that follow efforts."""
 
     def __init__(
         self,
@@ -38,7 +38,7 @@ class SimulatedArm(Arm):
         hardware: RobotHardware,
         manager: ControllerManager,
     ) -> None:
-        """Create the arm of ``engine`` that consists of ``parts``."""
+        """Create the arm that consists of ``parts`` and is simulated by ``engine``."""
         box = ControlBox(name, parts.flange, model, hardware)
         super().__init__(
             name, parts, box, model=model, hardware=hardware, manager=manager

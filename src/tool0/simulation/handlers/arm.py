@@ -143,7 +143,7 @@ def _move_linear(simulation: Simulation, request: MoveLinear) -> GoalStarted:
 def line_of(
     simulation: Simulation, request: MoveLinear, positions: Mapping[str, float]
 ) -> Path:
-    """Return a straight-line motion of a tool that starts at joint ``positions``."""
+    """Return a straight-line motion of a tool, starting at joint ``positions``."""
     import numpy as np
 
     from tool0.motion.linear import plan_line

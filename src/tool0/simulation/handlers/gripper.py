@@ -96,8 +96,8 @@ def _opening(simulation: Simulation, gripper: ParallelGripper, request: Grip) ->
         raise ControlError(f"grip: give either 'opening' [m] or 'position' [{unit}]")
     if request.opening is not None:
         return request.opening
-    # When the joint is at its end stops, the opening may be slightly beyond the
-    # gripper's range.
+    # When the joint is at an end stop, the opening may be slightly beyond the gripper's
+    # range.
     position, limits = request.position or 0.0, simulation.joint_limits[gripper.joint]
     if not limits.lower <= position <= limits.upper:
         raise ModelError(

@@ -1,4 +1,4 @@
-"""Collision checks of arm motions before they begin."""
+"""Collision checks of arm motions before the motions begin."""
 
 from __future__ import annotations
 

@@ -28,7 +28,10 @@ from tool0.simulation.simulation import Simulation
 
 @handles(ListCameras)
 def _list_cameras(simulation: Simulation, _: ListCameras) -> tuple[Camera, ...]:
-    """Return the cameras without source locations, which only messages need."""
+    """Return the cameras without their source locations.
+
+    Only messages need the source locations.
+    """
     cameras = simulation.cameras.values()
     return tuple(replace(camera, location=None) for camera in cameras)
 

@@ -57,8 +57,8 @@ class StreamWatch:
             arm: Name of the arm.
             timeout: Silence after which the stream ends, in wall time [s]; None if the
                 stream never ends.
-            is_rest: Whether the command is a command to rest, which ends a stream
-                regularly and is always accepted.
+            is_rest: Whether the command is a command to come to rest, which ends a
+                stream in the normal way and is always accepted.
 
         Raises:
             ControlError: If the command continues a stream that has ended.
@@ -87,7 +87,7 @@ class StreamWatch:
                 self._changed.notify()
 
     def forget(self, arm: str) -> None:
-        """Allow a new stream after the arm was stopped, taken, or given a path."""
+        """Allow a new stream after the arm has been stopped, taken, or given a path."""
         with self._changed:
             self._streams.pop(arm, None)
 
@@ -133,7 +133,7 @@ class StreamWatch:
         return found
 
     def _remaining(self) -> float | None:
-        """Return the wall time until the next stream ends [s]; None without streams."""
+        """Return the wall time until a stream ends [s]; None if no stream is active."""
         now = time.monotonic()
         ends = [
             max(0.0, stream.last + stream.timeout - now) + 1e-3

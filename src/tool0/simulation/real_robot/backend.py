@@ -250,7 +250,7 @@ class RealRobotBackend:
 
 
 def _checked(request: Request[Response]) -> Request[Response]:
-    """Return a copy of a request in which collisions are checked before a motion."""
+    """Return the request, with collision checks enabled if it commands a motion."""
     if isinstance(request, MoveJoints | MoveTo | MoveLinear | GoToPose):
         return cast(Request[Response], replace(request, collision="refuse"))
     return request

@@ -27,8 +27,8 @@ JUMP: Final = 0.05
 """Largest distance of a joint from its position at the start of a motion [rad]."""
 _ROUNDING: Final = 1e-6
 _SPEED_ROUNDING: Final = 0.02
-"""Relative tolerance of speeds, which is needed for the speed slider and for splines
-that are slightly faster between their knots."""
+"""Relative tolerance for speeds.  The tolerance is needed because of the speed slider
+and of splines that are slightly faster between their knots."""
 
 
 @final
@@ -53,7 +53,7 @@ class PathGuard:
         self._collision(np.array([0.0, SAMPLING]), here)
 
     def __call__(self, motion: WantedMotion, now: float) -> str:
-        """Return the reason why a motion must not be sent, or an empty text.
+        """Return the reason why a motion must not be sent, or an empty string.
 
         The motion starts at ``now`` [s].
         """

@@ -135,7 +135,7 @@ class Causes:
         )
 
     def _singular_value(self, state: JointState) -> float:
-        """Return the smallest singular value of the Jacobian, 0 at a singularity."""
+        """Return the smallest singular value of the Jacobian (0 at a singularity)."""
         import numpy as np  # only for failed motions
 
         from tool0.kinematics.chain import ArmChain

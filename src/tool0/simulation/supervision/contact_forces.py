@@ -71,7 +71,7 @@ class ContactForces:
 
         The result is empty if no force is excessive.
 
-        A call of ``excess`` takes 1 µs if there are no contacts of the arm.
+        A call to ``excess`` takes 1 µs if the arm has no contacts.
         """
         passed, self._last = time - self._last, time
         if not (self._is_loaded or self._world.is_touched(self._links)):

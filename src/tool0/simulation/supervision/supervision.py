@@ -26,8 +26,9 @@ from tool0.simulation.supervision.causes import Causes, TrackedJoint
 from tool0.simulation.supervision.contact_forces import ContactForces
 
 CHECK_PERIOD: Final = 0.1
-"""Simulated time between complete checks of the joints [s].  The period is the time in
-which a UR robot detects a joint beyond its limit (user manual of the UR5/CB3, 5.1)."""
+"""Simulated time between complete checks of the joints [s].  The period is the time
+within which a UR robot detects a joint beyond its limit (user manual of the UR5/CB3,
+5.1)."""
 LIMIT_MARGIN: Final = RECOVERABLE
 """Tolerated distance beyond a joint's limit [rad].  Within the margin, an arm may rest
 and can be moved back.  The trueness of the joint positions of a UR robot is 0.02
@@ -61,8 +62,8 @@ class Supervision:
     def failures(self) -> list[Failure]:
         """Return the arms that must stop, in the order of the model.
 
-        A call of ``failures`` takes 2 µs for each monitored arm if there are no
-        failures and no contacts of the arm.
+        A call to ``failures`` takes 2 µs for each monitored arm if the arm has no
+        failures and no contacts.
         """
         found = []
         for watch in self._watches:
