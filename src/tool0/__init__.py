@@ -1,4 +1,4 @@
-"""A UR arm with a Robotiq gripper in simulation, driven by real controllers.
+"""Simulated UR arms with Robotiq grippers, which ROS controllers drive.
 
 Importing this package starts no process and imports no simulator: each name below is
 loaded on first use.

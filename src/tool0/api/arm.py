@@ -146,7 +146,7 @@ class Arm:
 
     @property
     def motion(self) -> ArmMotion:
-        """Handle that moves the arm along paths or by streams, without controllers."""
+        """Handle that moves the arm along paths or with streams of commands."""
         return ArmMotion(self.name, self._channel)
 
     def go_to_pose(
@@ -259,9 +259,9 @@ class Arm:
     ) -> GoalHandle:
         """Move the tool to ``pose`` in joint space, and return the goal.
 
-        Like ``Robot.move_joints``, the motion is as fast as ``speed`` and the limits of
-        joint velocity, acceleration and jerk allow.  The tool moves along a curve.  The
-        target is the nearest solution of ``inverse_kinematics``.
+        As with ``Robot.move_joints``, the motion is as fast as ``speed`` and the limits
+        of joint velocity, acceleration and jerk allow.  The tool moves along a curve.
+        The target is the nearest solution of ``inverse_kinematics``.
 
         Args:
             pose: The pose of the tool.
@@ -393,8 +393,8 @@ class Arm:
         Raises:
             CollisionError: If the start or the target is in collision; the message
                 contains the bodies.
-            PlanningError: If no collision-free motion is found, or if there is no
-                compiled kernel.
+            PlanningError: If no collision-free motion is found, or if the compiled
+                kernel is missing.
             UnreachableError: If no posture reaches the target.
             ControlError: If the arm does not have the kinematics of a UR.
         """
@@ -470,7 +470,8 @@ class Arm:
         relative_to: str | None = None,
         free_axis: Literal["x", "y", "z"] | None = None,
     ) -> PlanTarget:
-        """Return a target for ``Robot.plan``, with the arguments of ``plan``."""
+        """Return a target for ``Robot.plan``; the arguments are those of
+        ``Arm.plan``."""
         positions, pose = {}, None
         if isinstance(target, Mapping):
             positions = checked_value("target", "target", target, JointPositions)

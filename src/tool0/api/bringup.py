@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-import tool0.recording.episodes  # registers the handlers of episode requests
+import tool0.recording.episodes  # registers the handlers for episode requests
 import tool0.recording.requests  # noqa: F401
 from tool0.api.robot import Robot
 from tool0.description.config import (

@@ -54,7 +54,8 @@ class ControlBox:
         self._channel.call(SetIO(arm=self._arm, digital_outputs={number: value}))
 
     def set_digital_input(self, pin: int, value: bool) -> None:
-        """Set the level of an input; for the pins, see ``set_digital_output``."""
+        """Set the level of an input; for the pin numbers, see
+        ``set_digital_output``."""
         number: int = checked_value("set_digital_input", "pin", pin, int)
         self._channel.call(SetIO(arm=self._arm, digital_inputs={number: value}))
 
@@ -160,10 +161,9 @@ class ControlBox:
         """Enable motion of this real arm until ``disable_motion`` or the session ends.
 
         Args:
-            serial_number: Serial number on the nameplate of the robot that is in your
-                view.
+            serial_number: Serial number on the nameplate of the robot in front of you.
             accept_calibration: Enable motion even if the robot's calibration differs
-                from the description; poses then have errors of millimeters.
+                from the description; poses then have errors of several millimeters.
 
         Raises:
             ControlError: If motion is not allowed; the message contains all reasons.

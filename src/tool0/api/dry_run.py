@@ -135,7 +135,7 @@ def _present(snapshot: Snapshot) -> Iterator[ObjectInfo]:
 
 @final
 class _Observer:
-    """Collects new contacts, and the maximum speeds and efforts."""
+    """Collects new contacts and the maximum speeds and efforts."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -154,7 +154,7 @@ class _Observer:
         self._states = simulation.subscribe()
 
     def look(self, time: float) -> None:
-        """Check the current contacts, and the snapshots since the last check."""
+        """Check the present contacts and the snapshots since the previous check."""
         for contact in answer(self._simulation, ReadContacts()):
             pair = _pair(contact)
             if pair not in self._known and not pair.isdisjoint(self._own):

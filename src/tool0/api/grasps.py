@@ -132,7 +132,7 @@ def finger_reach(model: RobotModel, gripper: ParallelGripper) -> float:
 
 
 def _sides(name: str, box: Box, pose: Transform) -> Iterator[tuple[Transform, float]]:
-    """Yield frames with z up and y normal to two opposite sides, and the width."""
+    """Yield frames with z up and y normal to two sides, and the width between them."""
     up = _upright_axis(name, pose)
     columns = list(zip(*pose.rotation, strict=True))
     for k in range(3):
@@ -143,7 +143,7 @@ def _sides(name: str, box: Box, pose: Transform) -> Iterator[tuple[Transform, fl
 
 
 def _upright_axis(name: str, pose: Transform) -> int:
-    """Return the index of an object's vertical axis, or raise ControlError."""
+    """Return the index of the vertical axis of an object, which must be upright."""
     heights = [abs(part) for part in pose.rotation[2]]
     up = heights.index(max(heights))
     if heights[up] < _UPRIGHT:
@@ -187,7 +187,7 @@ class Bin:
 
 
 def find_bin(objects: tuple[SceneObject, ...], name: str) -> Bin:
-    """Return the bin whose parts are called ``NAME.part``.
+    """Return the bin whose parts have names of the form ``NAME.part``.
 
     Raises:
         ControlError: If there is no bin with this name.

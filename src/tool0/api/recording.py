@@ -119,7 +119,7 @@ class Recording(AbstractContextManager["Recording"]):
     def desired_position(self) -> Array:
         """Desired positions [rad | m], shape (n_samples, n_joints).
 
-        A value is NaN if no controller moves the joint by position.
+        A value is NaN if no controller commands the position of the joint.
         """
         return self._of("desired_position")
 
@@ -177,7 +177,8 @@ class Recording(AbstractContextManager["Recording"]):
     def stop(self) -> None:
         """Stop recording; further calls have no effect.
 
-        The arrays then contain all samples up to this call, also for another process.
+        The arrays then contain all samples up to this call, even if the robot runs in
+        another process.
         """
         if self._stopped.is_set():
             return

@@ -193,7 +193,7 @@ def _server(
 def _in_ros(
     robot: Robot, options: BringupOptions, stop: StopSignal
 ) -> Iterator[str | None]:
-    """Offer the robot in ROS 1 if requested; yield a line about the ROS node."""
+    """Start the node of ROS 1 if requested; yield a line of text about the node."""
     if not options.run.ros1:
         yield None
         return

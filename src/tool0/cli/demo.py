@@ -102,7 +102,7 @@ def pick(
     After the demo, Enter repeats the demo, and Ctrl-C ends the command.  With
     --headless, the demo runs as fast as possible and then ends.
 
-    Exit status: 1 if a cube is not in the bin.
+    The exit status is 1 if a cube is not in the bin.
     """
     _check_files(arguments)  # check the files first, because the picks take minutes
     from tool0.cli.demos.setup import pick_demo
@@ -143,14 +143,14 @@ def shelf(
 ) -> int:
     """Pick a cube from a shelf, and place it in a bin behind a wall.
 
-    All motions are planned around the obstacles, also while the gripper holds the cube.
-    Only friction holds the cube.  The arm must have at least the reach of a UR5.  For
-    the panel, repetitions and the exit status, see `demo pick`.
+    All motions, including those with the cube in the gripper, are planned around the
+    obstacles.  Only friction holds the cube.  The arm must have at least the reach of a
+    UR5.  For the panel, repetitions and the exit status, see `demo pick`.
 
     Args:
         second: A second robot, which blocks the space above the bin: ARM or
             ARM+GRIPPER.  The second robot moves aside while the first robot carries the
-            cube; both motions are planned together.
+            cube; the two motions are planned together.
     """
     _check_files(arguments)
     from tool0.cli.demos.setup import shelf_demo

@@ -10,7 +10,8 @@ from typing import Final, final
 from tool0.errors import ConfigError
 
 MAX_PORT_BASE: Final = 65535 - 63352
-"""Maximum port base, with which the highest port (the gripper's) is still valid."""
+"""Maximum port base for which the highest port number (that of the gripper) is still
+valid."""
 LOOPBACK: Final = ipaddress.ip_network("127.0.0.0/8")
 
 
@@ -20,17 +21,17 @@ class UrOptions:
     """Options of the UR controller."""
 
     host: str = "127.0.0.1"
-    """Address of the first arm to listen on; the other arms get the following
+    """Address on which the first arm listens; the other arms listen on the following
     addresses."""
     port_base: int = 0
-    """Number that is added to the port numbers of a real robot."""
+    """Offset that is added to the port numbers of a real UR."""
     programs: Path | None = None
     """Folder with the programs that the dashboard server can load."""
     allow_sockets: bool = False
     """Whether URScript programs may connect to other machines."""
     active_gripper: bool = False
-    """Whether grippers are already activated at the start, like after an activation on
-    the pendant."""
+    """Whether grippers are activated at the start, as after an activation on the teach
+    pendant."""
 
     def __post_init__(self) -> None:
         try:
@@ -57,7 +58,8 @@ class UrOptions:
     def host_of(self, number: int) -> str:
         """Return the address of an arm; ``number`` starts at 0.
 
-        The address 0.0.0.0 stands for all interfaces, so it can serve only one arm.
+        The address 0.0.0.0 selects all network interfaces, so it can serve only one
+        arm.
         """
         if number and self.host == "0.0.0.0":
             raise ConfigError(
@@ -78,5 +80,5 @@ class UrArm:
     """Modbus port of the arm's gripper at this address; None if there is no such
     port."""
     serial_port: str | None = None
-    """File of the serial port for the gripper's Modbus RTU; None if there is no such
-    port."""
+    """Device file of the serial port for the gripper's Modbus RTU; None if there is no
+    serial port."""
