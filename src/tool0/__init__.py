@@ -1,4 +1,4 @@
-"""Simulated UR arms with Robotiq grippers, which ROS controllers drive.
+"""Simulation of UR arms with Robotiq grippers, and of the controllers that drive them.
 
 Importing this package starts no process and imports no simulator: each name below is
 loaded on first use.

@@ -173,7 +173,7 @@ class PlanningError(ControlError):
 
 
 class ProgramError(ControlError):
-    """A program that cannot be executed; the message has the step and the reason."""
+    """A program that cannot be executed; the message states the step and the reason."""
 
 
 class RequestError(ControlError):

@@ -470,8 +470,7 @@ class Arm:
         relative_to: str | None = None,
         free_axis: Literal["x", "y", "z"] | None = None,
     ) -> PlanTarget:
-        """Return a target for ``Robot.plan``; the arguments are those of
-        ``Arm.plan``."""
+        """Return a target for ``Robot.plan``, from the same arguments as ``plan``."""
         positions, pose = {}, None
         if isinstance(target, Mapping):
             positions = checked_value("target", "target", target, JointPositions)

@@ -54,8 +54,7 @@ class ControlBox:
         self._channel.call(SetIO(arm=self._arm, digital_outputs={number: value}))
 
     def set_digital_input(self, pin: int, value: bool) -> None:
-        """Set the level of an input; for the pin numbers, see
-        ``set_digital_output``."""
+        """Set the level of an input; ``set_digital_output`` lists the pin numbers."""
         number: int = checked_value("set_digital_input", "pin", pin, int)
         self._channel.call(SetIO(arm=self._arm, digital_inputs={number: value}))
 
@@ -163,7 +162,8 @@ class ControlBox:
         Args:
             serial_number: Serial number on the nameplate of the robot in front of you.
             accept_calibration: Enable motion even if the robot's calibration differs
-                from the description; poses then have errors of several millimeters.
+                from the description; poses then have errors on the order of
+                millimeters.
 
         Raises:
             ControlError: If motion is not allowed; the message contains all reasons.

@@ -268,7 +268,7 @@ class ControllerHandle:
         *,
         max_velocity: float | None = None,
     ) -> GoalHandle:
-        """Send a goal to a GripperActionController, as the ROS action does.
+        """Send a goal to a GripperActionController, as an action client in ROS does.
 
         Args:
             position: Position of the driven joint [rad | m].

@@ -78,8 +78,7 @@ class Programs:
         self._channel.call(DeleteProgram(name=name))
 
     def check(self, program: AnyProgram) -> ProgramCheck:
-        """Check a program by planning it from the current posture; the robot does not
-        move.
+        """Check a program: plan it from the current posture without moving the robot.
 
         For a file, the problems and the warnings contain line numbers.
         """

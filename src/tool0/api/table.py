@@ -146,7 +146,7 @@ class PickTable:
 
 
 def joined(tables: Iterable[SceneObject]) -> SceneObject:
-    """Return a table that encloses several tables aligned with the root's axes."""
+    """Return a table around several tables; all are aligned with the root's axes."""
     first, *_ = boxes = [item for item in tables if isinstance(item.geometry, Box)]
     low, high = (
         [

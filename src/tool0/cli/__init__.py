@@ -74,8 +74,8 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
 In the module, the function with the command's name executes the command: the function's
 parameters are the options, and its return value is the exit status, or None for 0.
 Alternatively, a mapping with the command's name contains one such function for each
-subcommand.  A module whose options have special types provides ``READERS``, like the
-module ``options``.
+subcommand.  A module whose options have special types provides ``READERS``, as the
+module ``options`` does.
 """
 
 OK: Final = 0

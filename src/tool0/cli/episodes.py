@@ -152,7 +152,7 @@ def _keys() -> Iterator[int]:
 
 
 def _pressed(number: int, stop: StopSignal) -> Iterator[str]:
-    """Yield keys, with empty texts at intervals, until the input or process ends."""
+    """Yield keys, and empty strings at intervals, until the input or process ends."""
     while not stop.is_set:
         inputs: list[int | StopSignal] = [number, stop]
         ready, _, _ = select.select(inputs, [], [], _PERIOD)

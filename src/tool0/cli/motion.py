@@ -175,7 +175,7 @@ def _refuse(other: str, options: Mapping[str, object]) -> None:
 
 
 def _given(**options: object) -> dict[str, Any]:
-    """Return the options that were given, with values of several types."""
+    """Return the options that have values other than None, by name."""
     return {name: value for name, value in options.items() if value is not None}
 
 

@@ -176,8 +176,7 @@ class Ros2NodeOptions:
 
 
 def _own_programs() -> Path | None:
-    """Return the user's folder for UR programs; None if the folder cannot be
-    created."""
+    """Return the user's folder for UR programs; None if it cannot be created."""
     folder = data_folder() / "ur-programs"
     with contextlib.suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)

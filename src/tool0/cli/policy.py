@@ -185,7 +185,7 @@ def _on_bringup(
 
 
 def _refuse(what: str, **options: object) -> None:
-    """Raise ConfigError for a given option that applies only to ``what``."""
+    """Raise ConfigError if an option is given that applies only to ``what``."""
     for name, value in options.items():
         if value is not None:
             raise ConfigError(f"--{name} needs {what}")

@@ -120,8 +120,7 @@ def wrench(
     robot: str | None = None,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Print the force and torque that the tool exerts on `tool0`, in the axes of
-    `tool0`.
+    """Print the force and torque of the tool on the link `tool0`, in the link's axes.
 
     The measurement includes the weight and the inertia of the tool, and contact forces.
 

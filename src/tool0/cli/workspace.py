@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 READERS = options.READERS
 
 _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
-"""Repository of robotiq_2f_85_gripper_visualization, which no distribution contains."""
+"""Repository of robotiq_2f_85_gripper_visualization, a package that no ROS distribution
+contains."""
 
 
 def workspace(

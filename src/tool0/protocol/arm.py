@@ -24,7 +24,7 @@ AnyPose = Pose | tuple[Row, Row, Row, Row]
 
 Rate = Annotated[float, Meta(ge=1e-6, le=1e6)]
 """A speed or an acceleration.  The bounds are wider than the limits of every arm, but
-avoid rounding errors."""
+narrow enough to avoid rounding errors."""
 
 
 class ArmInfo(Struct, frozen=True, kw_only=True):

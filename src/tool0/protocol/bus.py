@@ -43,11 +43,11 @@ class GoalFinished:
 @final
 @dataclass(frozen=True, slots=True)
 class Overran:
-    """The simulation is behind the wall clock, or keeps up again."""
+    """The simulation is behind the wall clock, or has caught up again."""
 
     count: int
-    """Number of ticks that started late in the last second; 0 if the simulation keeps
-    up again."""
+    """Number of ticks that started late in the last second; 0 if the simulation has
+    caught up again."""
     time: float
     """Simulated time [s]."""
 

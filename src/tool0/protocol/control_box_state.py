@@ -18,8 +18,8 @@ from tool0.description.payload import Payload
 N_DIGITAL: Final = 18
 """Number of digital pins: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
 N_ANALOG: Final = 2
-"""Number of analog inputs, and of analog outputs, of the control box; the tool has two
-more inputs."""
+"""Number of the control box's analog inputs, and also of its analog outputs; the tool
+has two more inputs."""
 
 
 class AnalogDomain(IntEnum):
@@ -225,7 +225,7 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
 
     @property
     def may_move(self) -> bool:
-        """Whether the arm is powered with released brakes, and no stop is active."""
+        """Whether the arm is powered, without engaged brakes or an active stop."""
         return self.robot_mode in POWERED and self.safety_mode in UNSTOPPED
 
     @property

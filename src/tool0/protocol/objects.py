@@ -328,7 +328,7 @@ def object_of(info: ObjectInfo) -> SceneObject:
 
 
 def solid_of(shape: Shape) -> Solid:
-    """Return a shape from its sent form; raise DescriptionError without the mesh."""
+    """Return a shape from its sent form; a missing mesh raises DescriptionError."""
     if not isinstance(shape, CompoundShape):
         return _geometry_of(shape)
     return Compound(

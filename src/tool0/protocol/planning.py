@@ -133,7 +133,7 @@ class Plan(Struct, frozen=True, kw_only=True):
 
 
 class PlanMotion(Request[Plan], frozen=True):
-    """Plan a collision-free motion from the commanded posture, without moving."""
+    """Plan a collision-free motion from the commanded posture, without executing it."""
 
     targets: Annotated[tuple[PlanTarget, ...], Meta(min_length=1, max_length=4)]
     """One target for each moving arm; the arms move at the same time."""
@@ -174,11 +174,11 @@ class ExecutePlan(Request[tuple[GoalStarted, ...]], frozen=True):
 
 
 class CheckMotion(Request[Checked], frozen=True):
-    """Check whether a motion of an arm would be free of collisions, without moving."""
+    """Check whether a motion of an arm would be free of collisions; nothing moves."""
 
     target: PlanTarget
     linear: bool = False
-    """Whether the tool moves on a straight line; otherwise, the path is a straight line
+    """Whether the tool moves in a straight line; otherwise, the path is a straight line
     in joint space."""
     clearance: Annotated[float, Meta(ge=-0.01, le=0.5)] = 0.0
     """Minimum allowed distance between bodies [m]."""

@@ -33,8 +33,8 @@ Duration = Annotated[float, Meta(ge=0.0, le=1e6)]
 Pin = Annotated[int, Meta(ge=0, le=17)]
 """Pin of the control box: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
 StepPath = tuple[int, ...]
-"""Numbers of the loops around a step, starting with the outermost loop, and the number
-of the step."""
+"""Numbers of the loops around a step, starting with the outermost loop, followed by the
+number of the step."""
 
 MOST_STEPS: Final = 2000
 """Maximum number of steps in a program, including the steps in loops."""
@@ -239,8 +239,8 @@ def walk(
 def require_shallow(program: Program) -> None:
     """Raise ControlError if loops are nested too deeply for recursion.
 
-    A smaller nesting depth that is still invalid is reported, with its location, by the
-    check of the program.
+    The check of the program reports a smaller nesting depth that is still invalid, with
+    the location.
     """
     steps: Sequence[Step] = program.steps
     for _ in range(_DEEPEST + 1):

@@ -55,7 +55,7 @@ class Request(
         return ()
 
     def as_done(self) -> Request[Any]:
-        """Return a request with the effect of this request, but without its checks."""
+        """Return a request that has the same effect as this request, but no checks."""
         return self
 
 
@@ -108,7 +108,7 @@ def checked(request: RequestType) -> RequestType:
     """Return ``request`` with plain values, or raise RequestError for an invalid value.
 
     NumPy numbers and arrays are converted to Python values.  Every value is checked
-    against the type and the bounds of its field, like in requests on a connection.
+    against the type and the bounds of its field, as in requests on a connection.
 
     Raises:
         RequestError: If a value has the wrong type, is not finite, or is out of bounds.
@@ -124,7 +124,7 @@ def checked(request: RequestType) -> RequestType:
 
 
 def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
-    """Return ``value`` converted to the type ``kind``, or raise RequestError.
+    """Return ``value`` converted to the type ``kind``; raise RequestError on failure.
 
     Args:
         method: Name of the method with this parameter, for the error message.
@@ -139,7 +139,7 @@ def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
 
 
 def checked_path(method: str, name: str, value: object) -> Path:
-    """Return ``value``, a text or a path, as an absolute path, or raise RequestError.
+    """Return ``value``, a string or a path, as an absolute path, or raise RequestError.
 
     ``~`` is replaced by the user's home folder.
     """
@@ -152,7 +152,7 @@ def checked_path(method: str, name: str, value: object) -> Path:
 
 
 def problem_text(error: Exception) -> str:
-    """Return the text of an error with the type names of Python instead of JSON."""
+    """Return the text of an error, with type names from Python rather than JSON."""
     return str(error).replace("`object", "`mapping").replace("`array", "`list")
 
 
@@ -185,7 +185,7 @@ def plain(value: Any, key: object = None) -> Any:
 
 
 def _encodable(text: str) -> str:
-    """Return a text unchanged, or raise ValueError for unpaired surrogates."""
+    """Return a string unchanged, or raise ValueError if it has unpaired surrogates."""
     if not text.isascii():
         try:
             text.encode()

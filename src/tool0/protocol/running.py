@@ -26,7 +26,7 @@ class Step(Request[float], frozen=True):
 class Run(Request[None], frozen=True):
     """Advance simulated time.
 
-    Without real time, simulated time passes only on request.
+    If the simulation does not run in real time, simulated time passes only on request.
     """
 
     duration: Annotated[float, Meta(ge=0.0)]

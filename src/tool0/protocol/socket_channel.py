@@ -70,7 +70,7 @@ class SocketChannel:
     """
 
     def __init__(self, name: str = DEFAULT_NAME) -> None:
-        """Connect to a bring-up, or raise TransportError."""
+        """Connect to a bring-up; raise TransportError if this is impossible."""
         self.name = name
         self.when_refused: Callable[[Tool0Error], None] = self._give_up
         """Callback for a failed request without a reply, called in the reader's

@@ -182,7 +182,7 @@ class Snapshot(Struct, frozen=True):
         return dict(zip(self.joint_names, self.position, strict=True))
 
     def setpoints(self) -> Mapping[str, JointSetpoint]:
-        """Return the setpoint of each joint that a controller moves by position.
+        """Return the setpoint of each joint whose position a controller commands.
 
         The setpoints are computed in the calling thread.
         """
@@ -196,8 +196,8 @@ class Snapshot(Struct, frozen=True):
     def desired_and_target(self, joint: str) -> tuple[float, float] | None:
         """Return the desired and the final position of one joint [rad | m].
 
-        The result is None if no controller moves the joint by position.  This method is
-        much faster than ``setpoints``.
+        The result is None if no controller commands the joint's position.  This method
+        is much faster than ``setpoints``.
         """
         for setpoint in self.controller_setpoints.values():
             wanted = setpoint.desired_and_target(joint)

@@ -121,14 +121,14 @@ class StateMessage(RareChanges, frozen=True, kw_only=True, tag="state"):
     effort: tuple[float, ...] | UnsetType = UNSET
     """Efforts applied during the last step [N·m | N]."""
     desired: tuple[float | None, ...] | UnsetType = UNSET
-    """Position setpoints at this instant [rad | m]; null for joints that no controller
-    moves by position."""
+    """Position setpoints at this instant [rad | m]; null for joints whose position no
+    controller commands."""
     desired_velocity: tuple[float | None, ...] | UnsetType = UNSET
-    """Velocities of the setpoints [rad/s | m/s]; null for joints that no controller
-    moves by position."""
+    """Velocities of the setpoints [rad/s | m/s]; null for joints whose position no
+    controller commands."""
     target: tuple[float | None, ...] | UnsetType = UNSET
-    """End positions of the motions [rad | m]; null for joints that no controller moves
-    by position."""
+    """End positions of the motions [rad | m]; null for joints whose position no
+    controller commands."""
     command: tuple[float, ...] | UnsetType = UNSET
     """The last command of each joint, in the unit of its interface."""
     motions: Mapping[str, ControllerMotion] | UnsetType = UNSET

@@ -116,7 +116,7 @@ class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
 
 
 class FollowTrajectory(_OfTrajectory[GoalStarted], frozen=True):
-    """Send a trajectory as a goal, like the action of ROS.
+    """Send a trajectory as a goal, as an action client in ROS does.
 
     An empty trajectory stops the motion.
     """

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 RETURN_TIMEOUT = 20.0
 """Longest duration of the return motion between two picks [simulated s]."""
 SETTLE = 0.3
-"""Time for an object to come to rest after it was placed [simulated s]."""
+"""Time for an object to come to rest after it is placed [simulated s]."""
 
 
 @final
@@ -90,8 +90,8 @@ def run_trials(
         on_pick: Called after each pick.
 
     Raises:
-        ControlError: If ``task`` raises it, or if the emergency stop is engaged between
-            two picks.
+        ControlError: If ``task`` raises this error, or if the emergency stop is engaged
+            between two picks.
         EngineError: If the physics fails.
     """
     wall_start, sim_start = time.perf_counter(), robot.time
