@@ -186,7 +186,7 @@ class RequestError(ControlError):
 
 
 class CollectError(Tool0Error):
-    """Episodes cannot be collected; episodes that are complete are kept."""
+    """Episodes cannot be collected; the completed episodes are kept."""
 
 
 class PolicyError(Tool0Error):

@@ -46,7 +46,7 @@ AnyPose = Transform | Pose | Iterable[Sequence[float]]
 
 
 class PlanOptions(TypedDict, total=False):
-    """Options for the planning of a collision-free motion."""
+    """Options for planning a collision-free motion."""
 
     speed: float
     """Fraction of each joint's maximum velocity, 0.01 … 1; the default is 0.5."""
@@ -321,9 +321,9 @@ class Arm:
 
         The tool rotates about one fixed axis.  The tool decelerates where a joint would
         otherwise exceed its velocity or acceleration limit.  The whole line is checked
-        before the motion starts.  The arm must be at rest.  The defaults of the speed
-        and the acceleration are the same as in URScript's ``movel``.  The rotation
-        accelerates and decelerates for the same durations as the translation.
+        before the motion starts.  The arm must be at rest.  The default speed and
+        acceleration are the same as in URScript's ``movel``.  The rotation accelerates
+        and decelerates for the same durations as the translation.
 
         Args:
             pose: The pose of the tool at the end.
@@ -488,7 +488,7 @@ class Arm:
 
 
 def _sendable(pose: AnyPose | None) -> Any:
-    """Return the form of a pose in requests: a Pose, or the rows of a matrix."""
+    """Return a pose in the form that requests use: a Pose, or the rows of a matrix."""
     if pose is None or isinstance(pose, Pose):
         return pose
     if isinstance(pose, Transform):

@@ -42,10 +42,10 @@ _ALL = (True,) * 6
 class ArmMotion:
     """Moves an arm along paths, with streams or by forces, without controllers.
 
-    Take the arm first, which stops the arm's controllers.  When you release the arm,
-    the controllers are started again.  Joints are in the order from base to flange.
-    Poses use UR's notation: position and rotation vector [m, rad] in the frame of the
-    link ``base``.
+    Call ``take`` first; it stops the arm's controllers.  When you release the arm, the
+    controllers are started again.  Joints are in the order from base to flange.  Poses
+    use UR's notation: position and rotation vector [m, rad] in the frame of the link
+    ``base``.
     """
 
     def __init__(self, arm: str, channel: Channel) -> None:

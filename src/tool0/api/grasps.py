@@ -17,7 +17,7 @@ from tool0.errors import ControlError
 CLEARANCE = 0.003
 """Distance between the fingertips and the surface below the object [m]."""
 SLACK = 0.002
-"""Total clearance between an object and the open pads, as the sum of both sides [m]."""
+"""Total clearance between an object and the open pads, summed over both sides [m]."""
 _UPRIGHT = math.cos(math.radians(3.0))
 
 
@@ -208,7 +208,7 @@ def find_bin(objects: tuple[SceneObject, ...], name: str) -> Bin:
 
 
 def box_corners(box: Box, pose: Transform) -> list[Vector3]:
-    """Return the corners of a box in the parent frame of ``pose``, the box's middle."""
+    """Return the corners of a box with its middle at ``pose``, in the parent frame."""
     x, y, z = (edge / 2.0 for edge in box.size)
     return [
         pose.apply((i * x, j * y, k * z))

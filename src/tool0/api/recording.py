@@ -251,7 +251,7 @@ class Recording(AbstractContextManager["Recording"]):
 
 
 def _ticks_between_samples(period: float, control_period: float) -> int:
-    """Return the control periods between samples for a ``period`` [s] or less.
+    """Return the number of control periods between samples, for at most ``period`` [s].
 
     Up to the default rate of snapshots, every n-th snapshot is a sample.  Above the
     default rate, every snapshot is a sample.

@@ -124,7 +124,7 @@ def handover(
     `demo pick`.
 
     Args:
-        giver: The arm that picks, with its gripper: ARM+GRIPPER.
+        giver: The arm that picks the cube, with its gripper: ARM+GRIPPER.
         taker: The arm that places the cube, with its gripper: ARM+GRIPPER.
     """
     _check_files(arguments)
@@ -221,7 +221,7 @@ def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> N
 
 
 def _wants_replay() -> bool:
-    """Wait for Enter or Ctrl-C with the panel running; return True after Enter."""
+    """Wait for Enter or Ctrl-C while the panel is running; return True after Enter."""
     from tool0.cli.stop_signal import StopSignal
 
     sources: list[StopSignal | TextIO] = []

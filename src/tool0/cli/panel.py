@@ -62,7 +62,7 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
     import threading
     import webbrowser
 
-    # For some browsers, the call returns only after the browser is closed.
+    # With some browsers, the call returns only after the browser is closed.
     opener = threading.Thread(
         target=webbrowser.open, args=(url,), name="tool0-browser", daemon=True
     )

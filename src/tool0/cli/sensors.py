@@ -125,7 +125,7 @@ def wrench(
     The measurement includes the weight and the inertia of the tool, and contact forces.
 
     Args:
-        zero: Tare the sensor before the measurement.  A change of --rate or --cutoff
+        zero: Tare the sensor before the measurement.  A change to --rate or --cutoff
             removes the tare.
         rate: Set the sampling rate [Hz], 50 to 1000.  The initial rate is 125 Hz.
         cutoff: Set the cutoff frequency of the low-pass filter [Hz].  The initial

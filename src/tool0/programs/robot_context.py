@@ -144,7 +144,7 @@ class RobotContext:
         )
 
     def way(self, step: MoveJointStep, start: Sequence[float]) -> Path:
-        """Return the path around obstacles of a planned step; see ``FindWay``."""
+        """Return the path around obstacles for a planned step; see ``FindWay``."""
         move = self.move(step)
         pose: Any = None  # matrices
         if move.pose is not None:

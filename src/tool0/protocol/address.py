@@ -167,7 +167,8 @@ def _locked_file(path: Path, name: str) -> IO[str]:
                 f"another bringup named '{name}' is running (pid {pid}); "
                 "stop it or use --name"
             ) from None
-        # The last owner may have unlinked the file between the open and the lock here.
+        # The last owner may have unlinked the file after it was opened and before it
+        # was locked.
         try:
             is_current = path.stat().st_ino == os.fstat(file.fileno()).st_ino
         except FileNotFoundError:

@@ -101,8 +101,8 @@ class MoveLinear(_OfTool[GoalStarted], frozen=True, kw_only=True):
 
     pose: AnyPose
     speed: Rate = 0.25
-    """Speed of the tool [m/s].  The defaults of the speed and the acceleration are the
-    same as in URScript's ``movel``."""
+    """Speed of the tool [m/s].  The default speed and acceleration are the same as in
+    URScript's ``movel``."""
     acceleration: Rate = 1.2
     """Acceleration of the tool [m/s²]; the rotation accelerates for the same
     duration."""

@@ -55,7 +55,8 @@ class Overran:
 @final
 @dataclass(frozen=True, slots=True)
 class Faulted:
-    """The physics or a controller has failed: time is stopped until a reset."""
+    """The physics or a controller has failed: simulated time is stopped until a
+    reset."""
 
     message: str
     """Description of the failure, with its cause."""
@@ -154,7 +155,7 @@ class Subscription:
 
     @property
     def events(self) -> deque[Event]:
-        """Unread events, oldest first; ``popleft`` takes an event.
+        """Unread events, oldest first; ``popleft`` returns the oldest event.
 
         The last 1000 events are kept.
         """

@@ -151,7 +151,7 @@ class RobotLink(Struct, frozen=True, kw_only=True):
     """Whether the robot is under remote control; None if the robot does not report this
     (CB3)."""
     is_enabled: bool = False
-    """Whether tool0 is allowed to move the arm, after ``enable_motion``."""
+    """Whether ``enable_motion`` has allowed tool0 to move the arm."""
     obstacles: tuple[str, ...] = ()
     """Reasons why ``enable_motion`` would be refused at present, and warnings; each
     item is one sentence."""

@@ -174,7 +174,7 @@ class ExecutePlan(Request[tuple[GoalStarted, ...]], frozen=True):
 
 
 class CheckMotion(Request[Checked], frozen=True):
-    """Check whether a motion of an arm would be free of collisions; nothing moves."""
+    """Check whether an arm's motion would be collision-free, without executing it."""
 
     target: PlanTarget
     linear: bool = False

@@ -132,7 +132,7 @@ class SocketChannel:
     def submit(
         self, request: Request[R], when_done: Callable[[Callable[[], R]], None]
     ) -> None:
-        """Send a request without waiting; call ``when_done`` when it is answered.
+        """Send a request without waiting; call ``when_done`` after the reply.
 
         ``when_done`` is called in the reader's thread with a function that returns the
         response or raises the handler's error.

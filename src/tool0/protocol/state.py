@@ -90,8 +90,8 @@ class ArmSample(Struct, frozen=True):
     """Time on the last path [s]; this time advances more slowly if the speed is
     scaled."""
     is_done: bool
-    """Whether the path or the stop has ended with the setpoint at rest; false after a
-    failure."""
+    """Whether the path or the deceleration has ended with the setpoint at rest; false
+    after a failure."""
     force_mode: bool
     """Whether force mode is active; the setpoint does not include the resulting
     deviation."""
@@ -138,10 +138,11 @@ class Snapshot(Struct, frozen=True):
     real_time_factor: float = 1.0
     """Simulated time per wall time, measured over about the last second."""
     overruns: int = 0
-    """Number of ticks since the start that began more than one control period late."""
+    """Number of ticks that have begun more than one control period late since the
+    start."""
     late_ticks: int = 0
-    """Number of ticks in about the last second of wall time that began more than one
-    control period late."""
+    """Number of ticks that began more than one control period late, in about the last
+    second of wall time."""
     fault: str | None = None
     """Reason why the simulation has stopped until a reset; None if it has not
     stopped."""

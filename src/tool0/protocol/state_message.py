@@ -69,10 +69,11 @@ class RareChanges(Struct, frozen=True, kw_only=True, omit_defaults=True):
     real_time_factor: float | UnsetType = UNSET
     """Simulated time per wall time, measured over about the last second."""
     overruns: int | UnsetType = UNSET
-    """Number of ticks since the start that began more than one control period late."""
+    """Number of ticks that have begun more than one control period late since the
+    start."""
     late_ticks: int | UnsetType = UNSET
-    """Number of ticks in about the last second of wall time that began more than one
-    control period late."""
+    """Number of ticks that began more than one control period late, in about the last
+    second of wall time."""
     controllers: tuple[ControllerStatus, ...] | UnsetType = UNSET
     """Status of every loaded controller."""
     control_boxes: tuple[ControlBoxState, ...] | UnsetType = UNSET

@@ -137,7 +137,7 @@ def pick_and_place(
 
 
 class Picking(Protocol):
-    """Picker of an object that also measures the grip."""
+    """Picks and places an object, and measures the grip."""
 
     hand: Hand
     width: float | None
