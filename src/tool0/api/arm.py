@@ -58,7 +58,7 @@ class PlanOptions(TypedDict, total=False):
     keep_out: tuple[KeepOut, ...]
     """Regions (boxes, or half-spaces below a plane) that the robot must not enter."""
     upright: Upright
-    """Constraint that keeps a tool axis within an angle of its initial direction."""
+    """Constraint that keeps a tool axis within an angle from its initial direction."""
     joint_ranges: dict[str, tuple[float, float]]
     """Joint → narrower position limits for this motion [rad]."""
     timeout: float
@@ -209,11 +209,11 @@ class Arm:
         near: Mapping[str, float] | None = None,
         branch: Branch | None = None,
     ) -> tuple[Solution, ...]:
-        """Return joint positions that put the tool at ``pose``, nearest first.
+        """Return the joint positions that reach ``pose``, nearest solution first.
 
-        There is at most one solution per branch.  For each joint, the multiple of 2π is
-        selected that is within the joint's limits and nearest to ``near``.  Collisions
-        are not checked.
+        There is at most one solution per branch.  To each position, a multiple of 2π is
+        added so that the position is within the joint's limits and nearest to ``near``.
+        Collisions are not checked.
 
         Args:
             pose: The pose of the tool.

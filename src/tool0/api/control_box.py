@@ -157,7 +157,7 @@ class ControlBox:
     def enable_motion(
         self, serial_number: str, *, accept_calibration: bool = False
     ) -> None:
-        """Enable motion of this real arm until ``disable_motion`` or the session ends.
+        """Enable motion of this real arm until ``disable_motion`` or the session's end.
 
         Args:
             serial_number: Serial number on the nameplate of the robot in front of you.

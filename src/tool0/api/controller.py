@@ -346,7 +346,7 @@ class ControllerHandle:
 
         Omitted gains keep their values.  The gains can be changed during a motion.  The
         integral term does not jump unless the new clamp limits the term.  The gains
-        apply until the controller is unloaded, also after resets and restarts; they are
+        apply until the controller is unloaded, even after resets and restarts; they are
         not written to a file.
 
         Args:

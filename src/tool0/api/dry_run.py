@@ -41,7 +41,7 @@ class TouchReport:
     second: str
     """Name of the second body: a link or an object."""
     time: float
-    """Time of the first contact, since the start of the program [s]."""
+    """Time from the start of the program to the first contact [s]."""
     force: float
     """Maximum contact force [N]."""
     is_of_arm: bool

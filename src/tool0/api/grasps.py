@@ -79,7 +79,7 @@ def find_grasps(
 
 
 def grasps_from_above(position: Vector3, width: float) -> tuple[Grasp, ...]:
-    """Return grasps of a gripper that points down, aligned with the root's axes.
+    """Return grasps from above, with the gripper aligned with the root's axes.
 
     Args:
         position: Position midway between the pads, in the root frame [m].
@@ -107,7 +107,7 @@ def _unknown_sides(item: SceneObject) -> ControlError:
 
 
 def finger_reach(model: RobotModel, gripper: ParallelGripper) -> float:
-    """Return the distance from the middle of the pads to the fingertips [m].
+    """Return the distance between the middle of the pads and the fingertips [m].
 
     Raises:
         ControlError: If the gripper does not have two pads, or if the shape of a pad

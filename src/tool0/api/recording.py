@@ -251,7 +251,7 @@ class Recording(AbstractContextManager["Recording"]):
 
 
 def _ticks_between_samples(period: float, control_period: float) -> int:
-    """Return the number of control periods between samples, for at most ``period`` [s].
+    """Return the number of control periods per sample, at most ``period`` [s] in total.
 
     Up to the default rate of snapshots, every n-th snapshot is a sample.  Above the
     default rate, every snapshot is a sample.

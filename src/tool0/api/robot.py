@@ -641,7 +641,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def programs(self) -> Programs:
-        """The programs saved with this robot; also checks and exports any program."""
+        """Handle for programs: to list, save, check, run and export them."""
         return self._programs
 
     def run_program(
@@ -667,7 +667,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def grippers(self) -> Mapping[str, Gripper]:
-        """Grippers by name; a name is the prefix of the gripper, or ``gripper``."""
+        """Grippers by name: a gripper's prefix, or ``gripper`` without a prefix."""
         return self._grippers
 
     @cached_property
@@ -689,7 +689,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def arms(self) -> Mapping[str, Arm]:
-        """Arms by name; a name is the prefix of the arm's links, or ``arm``.
+        """Arms by name: the prefix of an arm's links, or ``arm`` without a prefix.
 
         An arm is a chain of six revolute joints that ends in a link ``…tool0``.
         """

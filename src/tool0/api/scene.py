@@ -195,7 +195,7 @@ class SceneHandle:
 
 
 def object_pose(snapshot: Snapshot, name: str) -> Transform:
-    """Return an object's pose in the root; raise ControlError for an unknown object."""
+    """Return an object's pose in the root frame; a wrong name raises ControlError."""
     for state in snapshot.objects:
         if state.name == name:
             return from_quaternion(state.position, state.quat_wxyz)

@@ -1,4 +1,4 @@
-"""``tool0 collect``: collect episodes of a task in a folder, with processes or Ray."""
+"""``tool0 collect``: collect episodes of a task in parallel processes or with Ray."""
 
 from __future__ import annotations
 

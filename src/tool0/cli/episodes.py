@@ -26,8 +26,8 @@ HELP: Final = """\
 _JOG_SPEED: Final = 0.1
 """Speed of the tool while a key is held [m/s]."""
 _JOG_DURATION: Final = 0.25
-"""Duration of the motion of one key press [s]; it exceeds the repeat interval of a held
-key."""
+"""Duration of the motion for one key press [s]; it exceeds the repeat interval of a
+held key."""
 _TWISTS: Final = {
     "w": (1.0, 0.0, 0.0),
     "s": (-1.0, 0.0, 0.0),

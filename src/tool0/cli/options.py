@@ -1,8 +1,8 @@
 """The options of ``bringup``, ``view`` and ``describe`` as dataclasses.
 
 Each field is an option, and the string below the field is the option's help text.  The
-options of the robot, its controllers and its simulation are in the same classes as for
-``tool0.bringup``; this module adds only the options that exist solely on the command
+options of the robot, its controllers and its simulation are defined in the classes that
+``tool0.bringup`` uses; this module adds only options that exist solely on the command
 line.
 """
 
@@ -54,7 +54,7 @@ class EngineOptions:
     """Open Gazebo's window (gzclient)."""
 
     def given(self) -> dict[str, object]:
-        """Return the given options by name, with the names that the engine uses."""
+        """Return the given options, under the names that the engine uses."""
         options: dict[str, object] = {}
         if self.world is not None:
             options["world"] = self.world
@@ -81,7 +81,7 @@ class HardwareOptions:
     none.  The default is the socket of the URCap."""
 
     def given(self) -> dict[str, object]:
-        """Return the options by name, with the names that the engine uses."""
+        """Return the options, under the names that the engine uses."""
         return {
             "port_base": self.hardware_port_base,
             "callback_host": self.callback_host or "",

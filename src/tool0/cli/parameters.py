@@ -110,7 +110,7 @@ class Parameter:
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """Forms of the option; a flag that is on by default has two forms."""
+        """Spellings of the option, such as ``--realtime`` and ``--no-realtime``."""
         can_be_off = self.reader is None and self.default is True
         return (self.flag, f"--no-{self.flag[2:]}") if can_be_off else (self.flag,)
 

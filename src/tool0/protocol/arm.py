@@ -1,4 +1,4 @@
-"""Requests that move an arm, or read its state, by poses of the arm's tool."""
+"""Requests that use poses of the tool to move an arm or to read its state."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ PathTime = Annotated[float, Meta(ge=0.0)]
 
 MOST_KNOTS = 100_000
 SILENCE: Final = 0.5
-"""Default of the longest time between two commands of a stream [wall s]."""
+"""Default maximum time between two commands of a stream [wall s]."""
 
 
 class TakeArm(ArmRequest[None], frozen=True):

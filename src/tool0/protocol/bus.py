@@ -55,8 +55,7 @@ class Overran:
 @final
 @dataclass(frozen=True, slots=True)
 class Faulted:
-    """The physics or a controller has failed: simulated time is stopped until a
-    reset."""
+    """The physics or a controller has failed: simulated time stops until a reset."""
 
     message: str
     """Description of the failure, with its cause."""
@@ -102,7 +101,7 @@ Event = GoalFinished | Overran | Faulted | WasReset | Reported | WasFrozen
 
 @final
 class Subscription:
-    """Delivers snapshots and events to one reader at the rate of its reads.
+    """Delivers snapshots and events to one reader, at the reader's pace.
 
     Use ``next`` for the newest snapshot, ``following`` to read snapshots one after the
     other, and ``pending`` for all unread snapshots.  Each reader needs a separate

@@ -237,7 +237,7 @@ _WIRE_FORMS: Final[Mapping[Any, _WireForm]] = {
 
 
 def wire_type(response: Any) -> Any:
-    """Return the type of the sent form of a response of this type."""
+    """Return the type in which a response of this type is sent."""
     form = _WIRE_FORMS.get(response)
     return response if form is None else form.kind
 

@@ -195,8 +195,8 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     speed_slider: float = 1.0
     """Position of the speed slider: fraction of the programmed speed, 0.01 … 1."""
     speed_scaling: float = 1.0
-    """Present speed factor of trajectories: the fraction of the speed slider, or 0
-    during a pause."""
+    """Present speed factor of trajectories: the value of the speed slider, or 0 during
+    a pause."""
     payload: Payload
     """Payload that the drives assume at the flange."""
     tcp: Pose6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -213,8 +213,8 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     program: ProgramState = ProgramState.PLAYING
     """State of the program that controls the arm."""
     taken_by: str = ""
-    """Name of the program that moves the arm instead of controllers; empty if the arm
-    is not taken."""
+    """Name of the program that moves the arm in place of the controllers; empty if the
+    arm is not taken."""
     motion_failure: str = ""
     """Reason why a motion of the program ``taken_by`` failed.  The arm then does not
     move until the program takes the arm again.  Empty if no motion failed."""

@@ -130,7 +130,7 @@ class Goal:
             callback(self)
 
     def when_finished(self, callback: Callable[[Goal], None]) -> None:
-        """Call ``callback(goal)`` when the goal ends, in the thread that ends it."""
+        """When the goal ends, call ``callback(goal)`` in the thread that ends it."""
         with self._lock:
             if self._result is None:
                 self._callbacks.append(callback)

@@ -228,7 +228,7 @@ class ApplyWrench(Request[None], frozen=True):
 
 
 class PullLink(Request[None], frozen=True):
-    """Pull a point of a link toward a target with a damped spring.
+    """Use a damped spring to pull a point of a link toward a target.
 
     The spring replaces an earlier spring on the link.  In a stream of requests without
     an id, each request is executed at the next tick.

@@ -65,7 +65,7 @@ class KeepOut(Struct, frozen=True, kw_only=True):
 
 
 class Upright(Struct, frozen=True, kw_only=True):
-    """Constraint that keeps a tool axis within an angle of its initial direction."""
+    """Constraint that keeps a tool axis within an angle from its initial direction."""
 
     tilt: Annotated[float, Meta(ge=0.01, le=3.2)]
     """Maximum angle between the axis and its initial direction [rad]."""
@@ -76,7 +76,7 @@ class Upright(Struct, frozen=True, kw_only=True):
 
 
 class Checked(Struct, frozen=True, kw_only=True):
-    """Result of the check whether a motion is free of collisions."""
+    """Result of checking whether a motion is free of collisions."""
 
     is_free: bool
     """Whether all bodies keep the clearance during the motion, without collisions."""

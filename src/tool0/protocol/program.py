@@ -117,7 +117,7 @@ class GripperStep(_Step, frozen=True, kw_only=True, tag="gripper"):
 
 
 class WaitStep(_Step, frozen=True, kw_only=True, tag="wait"):
-    """Wait for a duration, or until a digital input has a level."""
+    """Wait for a duration, or until a digital input has a given level."""
 
     duration: Duration | None = None
     """Duration of the wait [s].  With an input, the value is a timeout, after which the
@@ -149,7 +149,7 @@ class UntilStep(_Step, frozen=True, kw_only=True, tag="until"):
 
 
 class PlaceObjectStep(_Step, frozen=True, kw_only=True, tag="place_object"):
-    """Place an object at rest at a pose immediately, to restore the scene."""
+    """Place an object at a pose immediately and at rest, to restore the scene."""
 
     name: Name
     """Name of the object."""
@@ -176,7 +176,7 @@ class CommentStep(_Step, frozen=True, kw_only=True, tag="comment"):
 
 
 class LoopStep(_Step, frozen=True, kw_only=True, tag="loop"):
-    """Repeat steps a number of times, while an input has a level, or endlessly."""
+    """Repeat steps n times, while an input has a given level, or endlessly."""
 
     steps: tuple[Step, ...] = ()
     """Steps that the loop repeats."""

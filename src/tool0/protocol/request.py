@@ -36,22 +36,22 @@ class Request(
     """Whether the request is a stop, which overtakes all requests that wait on its
     connection, for a worker thread, or for the tick."""
     revokes: ClassVar[tuple[str, ...]] = ()
-    """Methods that would undo this stop.  These methods apply to requests of the same
-    connection, for the same arm, that were sent before the stop.  If such a request
-    waits, it is refused; if it is in progress, the stop is executed after the
+    """Methods that would undo this stop.  A waiting request with one of these methods
+    is refused if it was sent before the stop, on the same connection and for the same
+    arm.  If such a request is already in progress, the stop is executed after the
     request."""
     is_streamed: ClassVar[bool] = False
     """Whether the requests form streams without replies.  Each request of a stream is
     executed at the next tick, and is not passed through other threads."""
     written_paths: ClassVar[tuple[str, ...]] = ()
-    """Fields with the paths of files or folders on the robot's machine that the request
-    writes."""
+    """Fields with the paths of the files or folders that the request writes on the
+    robot's machine."""
     is_of_connection: ClassVar[bool] = False
     """Whether the request concerns the streams of one connection.  The server answers
     such a request for every backend."""
 
     def read_paths(self) -> tuple[str, ...]:
-        """Return the paths of files on the robot's machine that the request reads."""
+        """Return the paths of files that the request reads on the robot's machine."""
         return ()
 
     def as_done(self) -> Request[Any]:

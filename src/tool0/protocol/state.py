@@ -136,7 +136,7 @@ class Snapshot(Struct, frozen=True):
     is_stopped: bool = False
     """Whether the emergency stop is engaged."""
     real_time_factor: float = 1.0
-    """Simulated time per wall time, measured over about the last second."""
+    """Ratio of simulated time to wall time, measured over about the last second."""
     overruns: int = 0
     """Number of ticks that have begun more than one control period late since the
     start."""
@@ -144,11 +144,10 @@ class Snapshot(Struct, frozen=True):
     """Number of ticks that began more than one control period late, in about the last
     second of wall time."""
     fault: str | None = None
-    """Reason why the simulation has stopped until a reset; None if it has not
-    stopped."""
+    """Reason why the simulation is stopped until a reset; None if it is not stopped."""
     speed: float | None = None
-    """Requested simulated time per wall time; None if time passes only on request, as
-    fast as possible."""
+    """Requested ratio of simulated time to wall time; None if time passes only on
+    request, as fast as possible."""
     controller_setpoints: Mapping[str, ControllerSetpoint] = field(default_factory=dict)
     """Setpoint of each running controller, by name; empty in other processes."""
     received_setpoints: Mapping[str, JointSetpoint] = field(default_factory=dict)
@@ -174,8 +173,8 @@ class Snapshot(Struct, frozen=True):
     contacts: tuple[Contact, ...] = ()
     """Contacts with their forces; empty unless a subscriber needs contacts."""
     step: int = 0
-    """Number of control periods since the bring-up, not changed by resets; set only in
-    the simulation's process."""
+    """Number of control periods since the bring-up; a reset does not change this
+    number.  The number is set only in the simulation's process."""
 
     @property
     def positions(self) -> dict[str, float]:
@@ -209,7 +208,7 @@ class Snapshot(Struct, frozen=True):
 
 
 class ArmSetpoint(NamedTuple):
-    """Commanded motion of an arm at one instant; joints are from base to flange."""
+    """Commanded motion of an arm at one instant, with joints from base to flange."""
 
     positions: Sequence[float]
     """Positions [rad]."""

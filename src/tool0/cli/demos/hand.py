@@ -71,7 +71,7 @@ class Hand:
         monitor: GraspMonitor,
         name: str | None = None,
     ) -> None:
-        """Select the arm and the gripper called ``name``, or the only ones.
+        """Select the arm and gripper ``name``, or the robot's only arm and gripper.
 
         Raises:
             ControlError: If the arm or the gripper does not exist, or if the gripper
