@@ -43,8 +43,8 @@ class ArmMotion:
     """Moves an arm along paths, with streams or by forces, without controllers.
 
     Call ``take`` first; it stops the arm's controllers.  When you release the arm, the
-    controllers are started again.  Joints are in the order from base to flange.  Poses
-    use UR's notation: position and rotation vector [m, rad] in the frame of the link
+    controllers are started again.  Joints are ordered from base to flange.  Poses use
+    UR's notation: position and rotation vector [m, rad] in the frame of the link
     ``base``.
     """
 

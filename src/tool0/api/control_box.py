@@ -138,7 +138,7 @@ class ControlBox:
         self._channel.call(ReleaseBrakes(arm=self._arm))
 
     def stop_protectively(self, reason: str) -> None:
-        """Trigger a protective stop of this arm, until ``unlock``."""
+        """Trigger a protective stop of this arm; ``unlock`` ends the stop."""
         self._channel.call(StopProtectively(arm=self._arm, reason=reason))
 
     def unlock(self) -> None:

@@ -57,7 +57,7 @@ class GoalHandle:
 
     @property
     def status(self) -> GoalStatus:
-        """Status of the goal: ACTIVE, or the status at its end."""
+        """Status of the goal: ACTIVE, or the final status of the goal."""
         return self._goal.status
 
     @property

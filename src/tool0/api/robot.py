@@ -204,7 +204,7 @@ class Robot(AbstractContextManager["Robot"]):
         return self.channel.subscribe(rate)
 
     def record(self, rate: float = 125.0) -> Recording:
-        """Start to record joint states and setpoints, until ``stop``.
+        """Start recording joint states and setpoints, until ``stop``.
 
         For example::
 
@@ -322,7 +322,7 @@ class Robot(AbstractContextManager["Robot"]):
         On the path, all joints move synchronously from their current positions, and an
         object in a gripper moves with the gripper.  A pair is left out if it already
         overlaps by at least the same depth at present.  The collision shapes are those
-        of MuJoCo, also with Gazebo.
+        of MuJoCo, even with Gazebo.
 
         For example::
 

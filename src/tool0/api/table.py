@@ -104,8 +104,8 @@ class PickTable:
     def random_poses(self, robot: Robot, height: float, seed: int) -> Iterator[Pose]:
         """Yield an endless sequence of random poses of an object on the table.
 
-        The poses are in the robot's root frame.  The poses have a sufficient distance
-        from the bin.  At each pose, the arm can grip the object from above and lift it.
+        The poses are in the robot's root frame.  The poses are sufficiently far from
+        the bin.  At each pose, the arm can grip the object from above and lift it.
 
         Args:
             robot: The robot that will lift the object.

@@ -111,7 +111,7 @@ def bringup(options: BringupOptions) -> int:
 
 
 def quiet_overruns() -> AbstractContextManager[None]:
-    """Suppress log entries of overruns.
+    """Suppress log entries about overruns.
 
     The status line and the summary count the overruns.
     """

@@ -1,4 +1,4 @@
-"""``tool0 demo``: complete tasks with measurements, shown in the panel."""
+"""``tool0 demo``: entire tasks, which are measured and shown in the panel."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class DemoArguments:
 
     @property
     def options(self) -> PickOptions:
-        """Options for the gripping and the transport of the object."""
+        """Options for gripping and transporting the object."""
         from tool0.cli.demos.hand import PickOptions
 
         return PickOptions(force=self.force, speed=self.speed)

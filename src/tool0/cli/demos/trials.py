@@ -42,7 +42,7 @@ class DemoReport:
 
     @property
     def n_succeeded(self) -> int:
-        """Number of objects that ended in the bin."""
+        """Number of objects that ended up in the bin."""
         return sum(pick.success for pick in self.picks)
 
     def to_json(self) -> dict[str, object]:
@@ -83,7 +83,7 @@ def run_trials(
     Args:
         robot: A robot with one or several arms and grippers.
         item: The object, which is put back on the table between picks.
-        task: Picks the object, such as ``pick_and_place``.
+        task: Function that picks the object, such as ``pick_and_place``.
         poses: The start poses of the object; for None, the object is not moved.
         n_picks: Number of picks to perform.
         on_snapshot: Called with each snapshot between the picks.
