@@ -10,8 +10,7 @@ from typing import Final, final
 from tool0.errors import ConfigError
 
 MAX_PORT_BASE: Final = 65535 - 63352
-"""Maximum port base for which the highest port number (that of the gripper) is still
-valid."""
+"""Maximum port base, with which the highest port (the gripper's) is still valid."""
 LOOPBACK: Final = ipaddress.ip_network("127.0.0.0/8")
 
 
@@ -21,17 +20,17 @@ class UrOptions:
     """Options of the UR controller."""
 
     host: str = "127.0.0.1"
-    """Address on which the first arm listens; the other arms listen on the following
+    """Address of the first arm to listen on; the other arms get the following
     addresses."""
     port_base: int = 0
-    """Offset that is added to the port numbers of a real UR."""
+    """Number that is added to the port numbers of a real robot."""
     programs: Path | None = None
     """Folder with the programs that the dashboard server can load."""
     allow_sockets: bool = False
     """Whether URScript programs may connect to other machines."""
     active_gripper: bool = False
-    """Whether grippers are activated at the start, as after an activation on the teach
-    pendant."""
+    """Whether grippers are already activated at the start, as after an activation on
+    the pendant."""
 
     def __post_init__(self) -> None:
         try:
@@ -58,8 +57,7 @@ class UrOptions:
     def host_of(self, number: int) -> str:
         """Return the address of an arm; ``number`` starts at 0.
 
-        The address 0.0.0.0 selects all network interfaces, so it can serve only one
-        arm.
+        The address 0.0.0.0 stands for all interfaces, so it can serve only one arm.
         """
         if number and self.host == "0.0.0.0":
             raise ConfigError(
@@ -80,5 +78,5 @@ class UrArm:
     """Modbus port of the arm's gripper at this address; None if there is no such
     port."""
     serial_port: str | None = None
-    """Device file of the serial port for the gripper's Modbus RTU; None if there is no
-    serial port."""
+    """File of the serial port for the gripper's Modbus RTU; None if there is no such
+    port."""
