@@ -39,7 +39,7 @@ UNSET: Final = Unset.UNSET
 meaning."""
 
 _OF_SEVERAL: Final = ("robot", "cell", "robots")
-"""The options that select robots without naming an arm and a gripper."""
+"""The options that select robots other than by an arm and a gripper."""
 _NOT_XACRO: Final = (*_OF_SEVERAL, "namespaces", "args", "relax_inertia", "srdf")
 """The fields that are not arguments of the xacro file."""
 _OF_EACH: Final = ("ros2_control",)
