@@ -1,4 +1,4 @@
-"""A UR arm with a Robotiq gripper in simulation, driven by real controllers.
+"""Simulation of UR arms with Robotiq grippers, and of the controllers that drive them.
 
 Importing this package starts no process and imports no simulator: each name below is
 loaded on first use.

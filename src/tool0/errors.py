@@ -173,7 +173,7 @@ class PlanningError(ControlError):
 
 
 class ProgramError(ControlError):
-    """A program that cannot be executed; the message has the step and the reason."""
+    """A program that cannot be executed; the message states the step and the reason."""
 
 
 class RequestError(ControlError):
@@ -186,7 +186,7 @@ class RequestError(ControlError):
 
 
 class CollectError(Tool0Error):
-    """Episodes cannot be collected; episodes that are complete are kept."""
+    """Episodes cannot be collected; the completed episodes are kept."""
 
 
 class PolicyError(Tool0Error):

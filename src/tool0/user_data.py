@@ -48,8 +48,8 @@ def locked(file: Path, *, wait: bool = True) -> Iterator[None]:
     """Hold the lock ``file``, which excludes other processes and threads.
 
     Args:
-        file: The lock file, which is created if it does not exist.  The content of the
-            file is ignored.
+        file: The lock file, which is created if it does not exist.  The file's content
+            is ignored.
         wait: Whether to wait while another process or thread holds the lock.
 
     Raises:
@@ -88,7 +88,7 @@ def replace_text(file: Path, text: str) -> None:
 
 
 def require_writable(path: Path) -> None:
-    """Raise ConfigError if a file cannot be written; do not change an existing file."""
+    """Raise ConfigError if a file cannot be written; do not change its content."""
     is_new = not path.exists()
     try:
         with path.open("ab"):

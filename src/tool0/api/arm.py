@@ -46,7 +46,7 @@ AnyPose = Transform | Pose | Iterable[Sequence[float]]
 
 
 class PlanOptions(TypedDict, total=False):
-    """Options for the planning of a collision-free motion."""
+    """Options for planning a collision-free motion."""
 
     speed: float
     """Fraction of each joint's maximum velocity, 0.01 … 1; the default is 0.5."""
@@ -58,7 +58,7 @@ class PlanOptions(TypedDict, total=False):
     keep_out: tuple[KeepOut, ...]
     """Regions (boxes, or half-spaces below a plane) that the robot must not enter."""
     upright: Upright
-    """Constraint that keeps a tool axis within an angle of its initial direction."""
+    """Constraint that keeps a tool axis within an angle from its initial direction."""
     joint_ranges: dict[str, tuple[float, float]]
     """Joint → narrower position limits for this motion [rad]."""
     timeout: float
@@ -146,7 +146,7 @@ class Arm:
 
     @property
     def motion(self) -> ArmMotion:
-        """Handle that moves the arm along paths or by streams, without controllers."""
+        """Handle that moves the arm along paths or with streams of commands."""
         return ArmMotion(self.name, self._channel)
 
     def go_to_pose(
@@ -209,11 +209,11 @@ class Arm:
         near: Mapping[str, float] | None = None,
         branch: Branch | None = None,
     ) -> tuple[Solution, ...]:
-        """Return joint positions that put the tool at ``pose``, nearest first.
+        """Return the joint positions that reach ``pose``, nearest solution first.
 
-        There is at most one solution per branch.  For each joint, the multiple of 2π is
-        selected that is within the joint's limits and nearest to ``near``.  Collisions
-        are not checked.
+        There is at most one solution per branch.  To each position, a multiple of 2π is
+        added so that the position is within the joint's limits and nearest to ``near``.
+        Collisions are not checked.
 
         Args:
             pose: The pose of the tool.
@@ -259,9 +259,9 @@ class Arm:
     ) -> GoalHandle:
         """Move the tool to ``pose`` in joint space, and return the goal.
 
-        Like ``Robot.move_joints``, the motion is as fast as ``speed`` and the limits of
-        joint velocity, acceleration and jerk allow.  The tool moves along a curve.  The
-        target is the nearest solution of ``inverse_kinematics``.
+        As with ``Robot.move_joints``, the motion is as fast as ``speed`` and the limits
+        of joint velocity, acceleration and jerk allow.  The tool moves along a curve.
+        The target is the nearest solution of ``inverse_kinematics``.
 
         Args:
             pose: The pose of the tool.
@@ -321,9 +321,9 @@ class Arm:
 
         The tool rotates about one fixed axis.  The tool decelerates where a joint would
         otherwise exceed its velocity or acceleration limit.  The whole line is checked
-        before the motion starts.  The arm must be at rest.  The defaults of the speed
-        and the acceleration are the same as in URScript's ``movel``.  The rotation
-        accelerates and decelerates for the same durations as the translation.
+        before the motion starts.  The arm must be at rest.  The default speed and
+        acceleration are the same as in URScript's ``movel``.  The rotation accelerates
+        and decelerates for the same durations as the translation.
 
         Args:
             pose: The pose of the tool at the end.
@@ -393,8 +393,8 @@ class Arm:
         Raises:
             CollisionError: If the start or the target is in collision; the message
                 contains the bodies.
-            PlanningError: If no collision-free motion is found, or if there is no
-                compiled kernel.
+            PlanningError: If no collision-free motion is found, or if the compiled
+                kernel is missing.
             UnreachableError: If no posture reaches the target.
             ControlError: If the arm does not have the kinematics of a UR.
         """
@@ -470,7 +470,7 @@ class Arm:
         relative_to: str | None = None,
         free_axis: Literal["x", "y", "z"] | None = None,
     ) -> PlanTarget:
-        """Return a target for ``Robot.plan``, with the arguments of ``plan``."""
+        """Return a target for ``Robot.plan``, from the same arguments as ``plan``."""
         positions, pose = {}, None
         if isinstance(target, Mapping):
             positions = checked_value("target", "target", target, JointPositions)
@@ -488,7 +488,7 @@ class Arm:
 
 
 def _sendable(pose: AnyPose | None) -> Any:
-    """Return the form of a pose in requests: a Pose, or the rows of a matrix."""
+    """Return a pose in the form that requests use: a Pose, or the rows of a matrix."""
     if pose is None or isinstance(pose, Pose):
         return pose
     if isinstance(pose, Transform):

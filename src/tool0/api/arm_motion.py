@@ -1,4 +1,4 @@
-"""Handle that moves an arm instead of its controllers: paths, streams and forces."""
+"""Handle that moves an arm by paths, streams and forces, without controllers."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ _ALL = (True,) * 6
 
 @final
 class ArmMotion:
-    """Moves an arm instead of its controllers: along paths, by streams or by forces.
+    """Moves an arm along paths, with streams or by forces, without controllers.
 
-    Take the arm first; this request stops the arm's controllers.  When you release the
-    arm, the controllers are started again.  Joints are in the order from base to
-    flange.  Poses use UR's notation: position and rotation vector [m, rad] in the frame
-    of the link ``base``.
+    Call ``take`` first; it stops the arm's controllers.  When you release the arm, the
+    controllers are started again.  Joints are ordered from base to flange.  Poses use
+    UR's notation: position and rotation vector [m, rad] in the frame of the link
+    ``base``.
     """
 
     def __init__(self, arm: str, channel: Channel) -> None:
@@ -67,7 +67,7 @@ class ArmMotion:
             self.release()
 
     def take(self, by: str = "Python") -> None:
-        """Stop the arm's controllers, and hold the position; users see ``by``.
+        """Stop the arm's controllers, and hold the position; ``by`` is shown to users.
 
         Raises:
             ControlError: If the arm is switched off or stopped.
@@ -180,7 +180,7 @@ class ArmMotion:
         coulomb_scale: Sequence[float] = COULOMB_SCALE,
         duration: float = 0.02,
     ) -> None:
-        """Drive the joints with torques [N·m], in addition to gravity compensation.
+        """Apply torques [N·m] to the joints, in addition to gravity compensation.
 
         Send new torques within ``duration``.  Otherwise, the arm returns to position
         control.

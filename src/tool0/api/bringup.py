@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-import tool0.recording.episodes  # registers the handlers of episode requests
+import tool0.recording.episodes  # registers the handlers for episode requests
 import tool0.recording.requests  # noqa: F401
 from tool0.api.robot import Robot
 from tool0.description.config import (
@@ -68,8 +68,8 @@ def bringup(
 
     Args:
         arm: The arm; the default is ur5.
-        gripper: The gripper on tool0; the default is 2f85.  For an arm without a
-            gripper, use None or "none".
+        gripper: The gripper on the arm's flange; the default is 2f85.  For an arm
+            without a gripper, use None or "none".
         prefix: Prefix of all link and joint names.
         robot: Your own URDF or xacro file, instead of an arm and a gripper.
         cell: Several robots and a scene: a ``Cell``, or a YAML file
@@ -90,7 +90,7 @@ def bringup(
         realtime: Whether simulated time passes in real time; otherwise, only ``run``
             and ``wait`` advance time, as fast as possible.
         speed: Simulated seconds per wall second, if time passes in real time.
-        paused: Whether to start with paused time.
+        paused: Whether simulated time is paused at the start.
         record: An MCAP file for a recording from the start until the robot is closed
             (docs/how-to/recordings.md).
         description: Options of the robot.

@@ -54,7 +54,7 @@ class ControlBox:
         self._channel.call(SetIO(arm=self._arm, digital_outputs={number: value}))
 
     def set_digital_input(self, pin: int, value: bool) -> None:
-        """Set the level of an input; for the pins, see ``set_digital_output``."""
+        """Set the level of an input; ``set_digital_output`` lists the pin numbers."""
         number: int = checked_value("set_digital_input", "pin", pin, int)
         self._channel.call(SetIO(arm=self._arm, digital_inputs={number: value}))
 
@@ -138,7 +138,7 @@ class ControlBox:
         self._channel.call(ReleaseBrakes(arm=self._arm))
 
     def stop_protectively(self, reason: str) -> None:
-        """Trigger a protective stop of this arm, until ``unlock``."""
+        """Trigger a protective stop of this arm; ``unlock`` ends the stop."""
         self._channel.call(StopProtectively(arm=self._arm, reason=reason))
 
     def unlock(self) -> None:
@@ -157,13 +157,13 @@ class ControlBox:
     def enable_motion(
         self, serial_number: str, *, accept_calibration: bool = False
     ) -> None:
-        """Enable motion of this real arm until ``disable_motion`` or the session ends.
+        """Enable motion of this real arm until ``disable_motion`` or the session's end.
 
         Args:
-            serial_number: Serial number on the nameplate of the robot that is in your
-                view.
+            serial_number: Serial number on the nameplate of the robot in front of you.
             accept_calibration: Enable motion even if the robot's calibration differs
-                from the description; poses then have errors of millimeters.
+                from the description; poses then have errors on the order of
+                millimeters.
 
         Raises:
             ControlError: If motion is not allowed; the message contains all reasons.

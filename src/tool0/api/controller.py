@@ -57,7 +57,7 @@ class GoalHandle:
 
     @property
     def status(self) -> GoalStatus:
-        """Status of the goal: ACTIVE, or the status at its end."""
+        """Status of the goal: ACTIVE, or the final status of the goal."""
         return self._goal.status
 
     @property
@@ -168,7 +168,7 @@ class ControllerHandle:
         joint_names: Sequence[str] | None = None,
         stamp: float | None = None,
     ) -> None:
-        """Send a trajectory without a goal, like the topic ``command`` of ROS.
+        """Send a trajectory without a goal, as on the ROS topic ``command``.
 
         There is no result, and tolerances are not checked.  With controllers of ROS 2,
         a violated tolerance stops the motion, and an active goal continues with the new
@@ -194,10 +194,10 @@ class ControllerHandle:
         self._channel.call(request)
 
     def scale_speed(self, factor: float) -> None:
-        """Scale the speed of trajectories, like ``speed_scaling_input`` in ROS 2.
+        """Scale the speed of trajectories, as ``speed_scaling_input`` does in ROS 2.
 
-        ``factor`` is the trajectory time per simulated time: 1 is the original speed,
-        and 0 pauses the trajectory.
+        ``factor`` is the ratio of trajectory time to simulated time: 1 is the original
+        speed, and 0 pauses the trajectory.
 
         Raises:
             ControlError: If this controller is not a ROS 2 trajectory controller that
@@ -228,7 +228,7 @@ class ControllerHandle:
         Raises:
             CollisionError: If an arm would collide.
             GoalRejectedError: If the controller does not have a joint, or if a position
-                is out of the joint's limits; the present motion then continues.
+                is outside the joint's limits; the present motion then continues.
         """
         request = MoveJoints(
             positions=positions,  # type: ignore[arg-type]
@@ -268,7 +268,7 @@ class ControllerHandle:
         *,
         max_velocity: float | None = None,
     ) -> GoalHandle:
-        """Send a goal to a GripperActionController, like the actions of ROS.
+        """Send a goal to a GripperActionController, as an action client in ROS does.
 
         Args:
             position: Position of the driven joint [rad | m].
@@ -281,8 +281,8 @@ class ControllerHandle:
                 the value to its ``max_velocity_interface``.
 
         Raises:
-            GoalRejectedError: If the position is out of the joint's limits.
-            ControlError: If the controller has another type.
+            GoalRejectedError: If the position is outside the joint's limits.
+            ControlError: If the controller is of another type.
         """
         request = CommandGripper(
             controller=self.name,
@@ -342,11 +342,11 @@ class ControllerHandle:
         i_clamp: float | None = None,
         antiwindup: bool | None = None,
     ) -> Gains:
-        """Change PID gains of a joint, and return all gains of the joint.
+        """Change the PID gains of a joint, and return all gains of the joint.
 
         Omitted gains keep their values.  The gains can be changed during a motion.  The
         integral term does not jump unless the new clamp limits the term.  The gains
-        apply until the controller is unloaded, also after resets and restarts; they are
+        apply until the controller is unloaded, even after resets and restarts; they are
         not written to a file.
 
         Args:
@@ -376,7 +376,7 @@ class ControllerHandle:
 
     @property
     def spec(self) -> ControllerSpec:
-        """Parameters of the loaded controller, including later changes of gains.
+        """Parameters of the loaded controller, including later changes to its gains.
 
         Raises:
             ControlError: If the simulation runs in another process.
@@ -390,7 +390,7 @@ class ControllerHandle:
 
 
 def _points(method: str, points: Sequence[TrajectoryPoint]) -> Points:
-    """Return the points of a trajectory, or raise RequestError."""
+    """Return the points of a trajectory, or raise RequestError if they are invalid."""
     try:
         given = tuple(points)
     except TypeError:
@@ -406,7 +406,7 @@ def _points(method: str, points: Sequence[TrajectoryPoint]) -> Points:
 def _by_joint(
     name: str, tolerances: Mapping[str, ToleranceOverride] | None
 ) -> Tolerances:
-    """Return the form of tolerances in requests, or raise RequestError.
+    """Return tolerances as in requests, or raise RequestError if they are invalid.
 
     The controller rejects the goal if a tolerance is not finite.
     """
@@ -432,7 +432,7 @@ def _number(value: object) -> float:
 
 
 def checked_timeout(timeout: float | None) -> float | None:
-    """Return a valid timeout [s] (None: no limit), or raise RequestError."""
+    """Return a timeout [s] (None: no limit), or raise RequestError if it is invalid."""
     if timeout is None or timeout is math.inf:
         return None
     seconds: float = checked_value("wait", "timeout", timeout, float)

@@ -41,7 +41,7 @@ class TouchReport:
     second: str
     """Name of the second body: a link or an object."""
     time: float
-    """Time of the first contact, since the start of the program [s]."""
+    """Time from the start of the program to the first contact [s]."""
     force: float
     """Maximum contact force [N]."""
     is_of_arm: bool
@@ -135,7 +135,7 @@ def _present(snapshot: Snapshot) -> Iterator[ObjectInfo]:
 
 @final
 class _Observer:
-    """Collects new contacts, and the maximum speeds and efforts."""
+    """Collects new contacts and the maximum speeds and efforts."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -154,7 +154,7 @@ class _Observer:
         self._states = simulation.subscribe()
 
     def look(self, time: float) -> None:
-        """Check the current contacts, and the snapshots since the last check."""
+        """Check the present contacts and the snapshots since the previous check."""
         for contact in answer(self._simulation, ReadContacts()):
             pair = _pair(contact)
             if pair not in self._known and not pair.isdisjoint(self._own):

@@ -17,7 +17,7 @@ from tool0.errors import ControlError
 CLEARANCE = 0.003
 """Distance between the fingertips and the surface below the object [m]."""
 SLACK = 0.002
-"""Total clearance between an object and the open pads, as the sum of both sides [m]."""
+"""Total clearance between an object and the open pads, summed over both sides [m]."""
 _UPRIGHT = math.cos(math.radians(3.0))
 
 
@@ -79,7 +79,7 @@ def find_grasps(
 
 
 def grasps_from_above(position: Vector3, width: float) -> tuple[Grasp, ...]:
-    """Return grasps of a gripper that points down, aligned with the root's axes.
+    """Return grasps from above, with the gripper aligned with the root's axes.
 
     Args:
         position: Position midway between the pads, in the root frame [m].
@@ -107,7 +107,7 @@ def _unknown_sides(item: SceneObject) -> ControlError:
 
 
 def finger_reach(model: RobotModel, gripper: ParallelGripper) -> float:
-    """Return the distance from the middle of the pads to the fingertips [m].
+    """Return the distance between the middle of the pads and the fingertips [m].
 
     Raises:
         ControlError: If the gripper does not have two pads, or if the shape of a pad
@@ -132,7 +132,7 @@ def finger_reach(model: RobotModel, gripper: ParallelGripper) -> float:
 
 
 def _sides(name: str, box: Box, pose: Transform) -> Iterator[tuple[Transform, float]]:
-    """Yield frames with z up and y normal to two opposite sides, and the width."""
+    """Yield frames with z up and y normal to two sides, and the width between them."""
     up = _upright_axis(name, pose)
     columns = list(zip(*pose.rotation, strict=True))
     for k in range(3):
@@ -143,7 +143,7 @@ def _sides(name: str, box: Box, pose: Transform) -> Iterator[tuple[Transform, fl
 
 
 def _upright_axis(name: str, pose: Transform) -> int:
-    """Return the index of an object's vertical axis, or raise ControlError."""
+    """Return the index of the vertical axis of an object, which must be upright."""
     heights = [abs(part) for part in pose.rotation[2]]
     up = heights.index(max(heights))
     if heights[up] < _UPRIGHT:
@@ -187,7 +187,7 @@ class Bin:
 
 
 def find_bin(objects: tuple[SceneObject, ...], name: str) -> Bin:
-    """Return the bin whose parts are called ``NAME.part``.
+    """Return the bin whose parts have names of the form ``NAME.part``.
 
     Raises:
         ControlError: If there is no bin with this name.
@@ -208,7 +208,7 @@ def find_bin(objects: tuple[SceneObject, ...], name: str) -> Bin:
 
 
 def box_corners(box: Box, pose: Transform) -> list[Vector3]:
-    """Return the corners of a box in the parent frame of ``pose``, the box's middle."""
+    """Return the corners of a box with its middle at ``pose``, in the parent frame."""
     x, y, z = (edge / 2.0 for edge in box.size)
     return [
         pose.apply((i * x, j * y, k * z))

@@ -81,8 +81,8 @@ class Gripper:
     def wait(self, timeout: float | None = None) -> GraspState:
         """Wait until the gripper stops moving, and return its state.
 
-        A change of only the force is not a motion: the call then returns immediately.
-        For ``timeout``, see ``GoalHandle.wait``.
+        A change in the force alone is not a motion; in this case, the call returns
+        immediately.  For ``timeout``, see ``GoalHandle.wait``.
 
         Raises:
             GoalTimeoutError: If the gripper is still moving after ``timeout``.
@@ -109,8 +109,8 @@ class Gripper:
     ) -> GoalHandle:
         """Move the pads to ``opening`` and return the goal.
 
-        Like on the real gripper, the speed and the force are settings of the drive,
-        which apply until another goal moves the joint.
+        As on the real gripper, the speed and the force are settings of the drive, which
+        apply until another goal moves the joint.
 
         Args:
             opening: Distance between the pads [m], 0 … ``geometry.max_opening``.

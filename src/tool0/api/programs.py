@@ -78,7 +78,7 @@ class Programs:
         self._channel.call(DeleteProgram(name=name))
 
     def check(self, program: AnyProgram) -> ProgramCheck:
-        """Check a program by planning it from the current posture, without moving.
+        """Check a program: plan it from the current posture without moving the robot.
 
         For a file, the problems and the warnings contain line numbers.
         """
@@ -99,9 +99,9 @@ class Programs:
     ) -> DryRun:
         """Run a program in a simulation that starts at the robot's current state.
 
-        The simulated robot has the current posture, objects and speed sliders.  The
-        simulated robot may drop an object that a gripper holds.  No command is sent to
-        the robot.
+        The simulated robot has the current posture, objects and speed sliders.  An
+        object that a gripper holds may slip out of the simulated gripper.  No command
+        is sent to the robot.
 
         Args:
             program: The program, its file (``.yaml``), or the name of a saved program.

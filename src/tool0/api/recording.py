@@ -119,7 +119,7 @@ class Recording(AbstractContextManager["Recording"]):
     def desired_position(self) -> Array:
         """Desired positions [rad | m], shape (n_samples, n_joints).
 
-        A value is NaN if no controller moves the joint by position.
+        A value is NaN if no controller commands the position of the joint.
         """
         return self._of("desired_position")
 
@@ -177,7 +177,8 @@ class Recording(AbstractContextManager["Recording"]):
     def stop(self) -> None:
         """Stop recording; further calls have no effect.
 
-        The arrays then contain all samples up to this call, also for another process.
+        The arrays then contain all samples up to this call, even if the robot runs in
+        another process.
         """
         if self._stopped.is_set():
             return
@@ -250,7 +251,7 @@ class Recording(AbstractContextManager["Recording"]):
 
 
 def _ticks_between_samples(period: float, control_period: float) -> int:
-    """Return the control periods between samples for a ``period`` [s] or less.
+    """Return the number of control periods per sample, at most ``period`` [s] in total.
 
     Up to the default rate of snapshots, every n-th snapshot is a sample.  Above the
     default rate, every snapshot is a sample.

@@ -114,7 +114,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def channel(self) -> Channel:
-        """Connection to the robot, for requests: ``channel.call(request)``."""
+        """Connection to the robot for requests: ``channel.call(request)``."""
         return self._channel
 
     @property
@@ -204,7 +204,7 @@ class Robot(AbstractContextManager["Robot"]):
         return self.channel.subscribe(rate)
 
     def record(self, rate: float = 125.0) -> Recording:
-        """Start to record joint states and setpoints, until ``stop``.
+        """Start recording joint states and setpoints, until ``stop``.
 
         For example::
 
@@ -322,7 +322,7 @@ class Robot(AbstractContextManager["Robot"]):
         On the path, all joints move synchronously from their current positions, and an
         object in a gripper moves with the gripper.  A pair is left out if it already
         overlaps by at least the same depth at present.  The collision shapes are those
-        of MuJoCo, also with Gazebo.
+        of MuJoCo, even with Gazebo.
 
         For example::
 
@@ -333,7 +333,7 @@ class Robot(AbstractContextManager["Robot"]):
             positions: Joint → target [rad | m]; the other joints keep their positions.
 
         Raises:
-            ModelError: If a joint is unknown, if a position is out of the joint's
+            ModelError: If a joint is unknown, if a position is outside the joint's
                 limits, or if MuJoCo does not support a shape.
         """
         return self.channel.call(
@@ -602,7 +602,7 @@ class Robot(AbstractContextManager["Robot"]):
         speed: float = 0.5,
         collision: CollisionRule = "refuse",
     ) -> tuple[GoalHandle, ...]:
-        """Move joints to a named pose, like ``move_joints``.
+        """Move joints to a named pose, in the same way as ``move_joints``.
 
         A pose that contains joints of an arm does not move the gripper.  A pose that
         contains only gripper joints, such as ``open``, moves the gripper.
@@ -641,7 +641,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def programs(self) -> Programs:
-        """Saved programs of this robot, and checks and exports of all programs."""
+        """Handle for programs: to list, save, check, run and export them."""
         return self._programs
 
     def run_program(
@@ -667,7 +667,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def grippers(self) -> Mapping[str, Gripper]:
-        """Grippers, by the prefix of their names, or ``gripper`` without a prefix."""
+        """Grippers by name: a gripper's prefix, or ``gripper`` without a prefix."""
         return self._grippers
 
     @cached_property
@@ -689,7 +689,7 @@ class Robot(AbstractContextManager["Robot"]):
 
     @property
     def arms(self) -> Mapping[str, Arm]:
-        """Arms, by the prefix of their links, or ``arm`` without a prefix.
+        """Arms by name: the prefix of an arm's links, or ``arm`` without a prefix.
 
         An arm is a chain of six revolute joints that ends in a link ``…tool0``.
         """
@@ -720,7 +720,7 @@ class Robot(AbstractContextManager["Robot"]):
         return self.force_torque_of(None)
 
     def force_torque_of(self, link: str | None) -> ForceTorque:
-        """Return the sensor of the wrench that ``link`` and all links beyond it exert.
+        """Return the sensor for the wrench that ``link`` and all links beyond it exert.
 
         Raises:
             ModelError: If the link does not exist.
@@ -811,7 +811,7 @@ class Robot(AbstractContextManager["Robot"]):
                 the bodies violently.
 
         Raises:
-            ModelError: If a joint is unknown, or if a position is out of the joint's
+            ModelError: If a joint is unknown, or if a position is outside the joint's
                 limits.
             PenetrationError: If a link at ``position`` penetrates a body; the robot is
                 then unchanged.

@@ -44,7 +44,7 @@ class SceneHandle:
         return any(item.name == name for item in self.objects)
 
     def __getitem__(self, name: str) -> SceneObject:
-        """Return the object called ``name``, or raise ControlError."""
+        """Return the object called ``name``; raise ControlError for an unknown name."""
         objects = {item.name: item for item in self.objects}
         if name not in objects:
             raise _unknown(name, list(objects))
@@ -195,7 +195,7 @@ class SceneHandle:
 
 
 def object_pose(snapshot: Snapshot, name: str) -> Transform:
-    """Return the pose of an object in the root frame, or raise ControlError."""
+    """Return an object's pose in the root frame; a wrong name raises ControlError."""
     for state in snapshot.objects:
         if state.name == name:
             return from_quaternion(state.position, state.quat_wxyz)

@@ -78,9 +78,9 @@ class ForceTorque:
         self._channel.call(StopForceTorque(link=self.link))
 
     def zero(self) -> None:
-        """Tare the sensor until its next start, like UR's ``zero_ftsensor``.
+        """Tare the sensor until its next start, as UR's ``zero_ftsensor`` does.
 
-        A reset of the simulation does not change the tare, like in a real sensor.
+        A reset of the simulation does not change the tare, as on a real sensor.
         """
         self._channel.call(TareForceTorque(link=self.link))
 

@@ -36,7 +36,7 @@ NEAR, FAR = 0.40, 0.65
 RIGHT, LEFT = -0.10, 0.30
 """Range of the y coordinate of random poses on the table [m]."""
 BIN_Y, BIN_HALF_WIDTH = -0.32, 0.10
-"""The y coordinate of the bin's center, and half the width of the bin [m]."""
+"""The y coordinate of the bin's center, and half of the bin's width [m]."""
 GAP = 0.12
 """Minimum distance that a gripper needs between an object's center and the bin [m]."""
 ATTEMPTS = 1000
@@ -48,8 +48,8 @@ class PickTable:
     """A table with an object and a bin in front of an arm, like ``table_and_bin``."""
 
     scale: float
-    """Scale of the distances on the table; it does not change the size of the object
-    and the bin."""
+    """Scale of the distances on the table; the sizes of the object and the bin do not
+    change."""
     base: tuple[float, float] = (0.0, 0.0)
     """Position of the arm's base in the root frame, x and y [m]."""
     arm: str | None = None
@@ -104,8 +104,8 @@ class PickTable:
     def random_poses(self, robot: Robot, height: float, seed: int) -> Iterator[Pose]:
         """Yield an endless sequence of random poses of an object on the table.
 
-        The poses are in the robot's root frame.  The poses have a sufficient distance
-        from the bin.  At each pose, the arm can grip the object from above and lift it.
+        The poses are in the robot's root frame.  The poses are sufficiently far from
+        the bin.  At each pose, the arm can grip the object from above and lift it.
 
         Args:
             robot: The robot that will lift the object.
@@ -146,7 +146,7 @@ class PickTable:
 
 
 def joined(tables: Iterable[SceneObject]) -> SceneObject:
-    """Return a table that encloses several tables aligned with the root's axes."""
+    """Return a table around several tables; all are aligned with the root's axes."""
     first, *_ = boxes = [item for item in tables if isinstance(item.geometry, Box)]
     low, high = (
         [
@@ -165,7 +165,7 @@ def joined(tables: Iterable[SceneObject]) -> SceneObject:
 
 
 def arm_scale(model: RobotModel) -> float:
-    """Return the length of a robot's only arm as a multiple of ``ARM_LENGTH``.
+    """Return the length of a robot's only arm, in units of ``ARM_LENGTH``.
 
     Raises:
         ControlError: If the robot does not have exactly one arm, or if the arm does not

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "bringup": ("bringup", "bring up a robot in simulation, with its controllers"),
-    "view": ("panel", "show a robot without physics in a web page, and pose it"),
+    "view": ("panel", "show and pose a robot without physics in a web page"),
     "record": ("recording", "record a running bringup, or demonstrations"),
     "log": ("recording", "print the events in a recording"),
     "export": ("recording", "write a recording as a table, a video or a data set"),
@@ -34,7 +34,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
         "write the robot as a tree, a table, URDF or MJCF, or its controllers",
     ),
     "controllers": ("simulation", "list, load, start, stop or switch controllers"),
-    "move": ("motion", "move joints, or the tool to a pose"),
+    "move": ("motion", "move joints to positions, or move the tool to a pose"),
     "grip": ("motion", "open or close the gripper"),
     "run": ("program", "run or check a program of steps"),
     "program": ("program", "list, save, delete or export programs"),
@@ -60,7 +60,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "check": ("check", "find errors in URDF, xacro, YAML and launch files"),
     "explain": (
         "explain",
-        "show the contents of a launch file, and where its arguments are used",
+        "show the contents of a launch file and the uses of its arguments",
     ),
     "workspace": ("workspace", "write ROS packages for a robot into a workspace"),
     "doctor": (
@@ -74,8 +74,8 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
 In the module, the function with the command's name executes the command: the function's
 parameters are the options, and its return value is the exit status, or None for 0.
 Alternatively, a mapping with the command's name contains one such function for each
-subcommand.  A module whose options have special types provides ``READERS``, like the
-module ``options``.
+subcommand.  A module whose options have special types provides ``READERS``, as the
+module ``options`` does.
 """
 
 OK: Final = 0

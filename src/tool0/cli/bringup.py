@@ -1,4 +1,4 @@
-"""``tool0 bringup``: run a robot until its duration is over or Ctrl-C."""
+"""``tool0 bringup``: run a robot for a given duration, or until Ctrl-C."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def bringup(options: BringupOptions) -> int:
 
 
 def quiet_overruns() -> AbstractContextManager[None]:
-    """Suppress log entries of overruns.
+    """Suppress log entries about overruns.
 
     The status line and the summary count the overruns.
     """
@@ -173,7 +173,7 @@ def _robot(options: BringupOptions) -> Robot:
 def _server(
     robot: Robot, claim: Claim | None, endpoint: Endpoint | None, folder: Path | None
 ) -> Server:
-    """Serve the robot to processes and to panels, which may write to ``folder``."""
+    """Serve the robot to processes and panels; panels may write to ``folder``."""
     from tool0.server.server import Server
 
     services: list[Service] = []
@@ -193,7 +193,7 @@ def _server(
 def _in_ros(
     robot: Robot, options: BringupOptions, stop: StopSignal
 ) -> Iterator[str | None]:
-    """Offer the robot in ROS 1 if requested; yield a line about the ROS node."""
+    """Start the node of ROS 1 if requested; yield a line of text about the node."""
     if not options.run.ros1:
         yield None
         return
@@ -231,7 +231,7 @@ def _ur_controller(options: BringupOptions) -> UrController | None:
 def _run(
     robot: Robot, options: BringupOptions, stop: StopSignal, status: StatusLine
 ) -> None:
-    """Run the simulation until the duration is over or a signal is received.
+    """Run the simulation for the given duration, or until a signal is received.
 
     The duration is measured from the call of this function, because simulated time may
     have passed while the interfaces were starting.

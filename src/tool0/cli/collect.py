@@ -1,4 +1,4 @@
-"""``tool0 collect``: collect episodes of a task in a folder, with processes or Ray."""
+"""``tool0 collect``: collect episodes of a task in parallel processes or with Ray."""
 
 from __future__ import annotations
 
@@ -37,7 +37,8 @@ def collect(
     """Collect episodes of a task in a folder; repeat the command to continue.
 
     An episode depends only on the task, the policy, the seed and the episode's number.
-    The number of workers, the machines and interruptions do not change an episode.
+    The number of workers, the machines and interruptions have no effect on the content
+    of an episode.
 
     Args:
         task: The task, such as Lift, or the id of a Gymnasium environment; MODULE:ID or

@@ -34,7 +34,7 @@ class Bringup:
     """Name of the bringup, given by `tool0 bringup --name NAME`."""
 
     def connect(self) -> Robot:
-        """Return the running robot, or raise TransportError."""
+        """Return the running robot; raise TransportError if no robot is running."""
         from tool0.api.connect import connect
 
         return connect(self.name)
@@ -117,8 +117,8 @@ def wait_for_goals(
     """Start goals, wait until all have ended, and return the first failure.
 
     If no goal failed, return the last outcome.  Ctrl-C and SIGTERM cancel the goals:
-    the robot stops in the same way as for a ROS client.  The signal handlers are
-    installed before the goals start, so that no signal is missed.
+    the robot stops in the same way as when a ROS client cancels its goals.  The signal
+    handlers are installed before the goals start, so that no signal is missed.
     """
     from tool0.cli import GOAL_FAILED, INTERRUPTED, OK
     from tool0.cli.stop_signal import StopSignal

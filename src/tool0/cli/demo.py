@@ -1,4 +1,4 @@
-"""``tool0 demo``: complete tasks with measurements, shown in the panel."""
+"""``tool0 demo``: entire tasks, which are measured and shown in the panel."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class DemoArguments:
 
     @property
     def options(self) -> PickOptions:
-        """Options for the gripping and the transport of the object."""
+        """Options for gripping and transporting the object."""
         from tool0.cli.demos.hand import PickOptions
 
         return PickOptions(force=self.force, speed=self.speed)
@@ -102,7 +102,7 @@ def pick(
     After the demo, Enter repeats the demo, and Ctrl-C ends the command.  With
     --headless, the demo runs as fast as possible and then ends.
 
-    Exit status: 1 if a cube is not in the bin.
+    The exit status is 1 if a cube is not in the bin.
     """
     _check_files(arguments)  # check the files first, because the picks take minutes
     from tool0.cli.demos.setup import pick_demo
@@ -124,7 +124,7 @@ def handover(
     `demo pick`.
 
     Args:
-        giver: The arm that picks, with its gripper: ARM+GRIPPER.
+        giver: The arm that picks the cube, with its gripper: ARM+GRIPPER.
         taker: The arm that places the cube, with its gripper: ARM+GRIPPER.
     """
     _check_files(arguments)
@@ -143,14 +143,14 @@ def shelf(
 ) -> int:
     """Pick a cube from a shelf, and place it in a bin behind a wall.
 
-    All motions are planned around the obstacles, also while the gripper holds the cube.
-    Only friction holds the cube.  The arm must have at least the reach of a UR5.  For
-    the panel, repetitions and the exit status, see `demo pick`.
+    All motions, including those with the cube in the gripper, are planned around the
+    obstacles.  Only friction holds the cube.  The arm must have at least the reach of a
+    UR5.  For the panel, repetitions and the exit status, see `demo pick`.
 
     Args:
         second: A second robot, which blocks the space above the bin: ARM or
             ARM+GRIPPER.  The second robot moves aside while the first robot carries the
-            cube; both motions are planned together.
+            cube; the two motions are planned together.
     """
     _check_files(arguments)
     from tool0.cli.demos.setup import shelf_demo
@@ -221,7 +221,7 @@ def _show(robot: Robot, options: PanelOptions, exits: contextlib.ExitStack) -> N
 
 
 def _wants_replay() -> bool:
-    """Wait for Enter or Ctrl-C with the panel running; return True after Enter."""
+    """Wait for Enter or Ctrl-C while the panel is running; return True after Enter."""
     from tool0.cli.stop_signal import StopSignal
 
     sources: list[StopSignal | TextIO] = []

@@ -21,7 +21,7 @@ def open_standard_streams() -> None:
     """Reopen closed standard streams, and make all standard streams accept any text.
 
     Open streams prevent other files from using the descriptors of the standard
-    streams.  Writing to a closed standard output fails, like in other programs.
+    streams.  Writing to a closed standard output fails, as in other programs.
     """
     for number, (name, mode) in enumerate(_STREAMS.items()):
         try:

@@ -26,8 +26,8 @@ HELP: Final = """\
 _JOG_SPEED: Final = 0.1
 """Speed of the tool while a key is held [m/s]."""
 _JOG_DURATION: Final = 0.25
-"""Duration of the motion of one key press [s]; it exceeds the repeat interval of a held
-key."""
+"""Duration of the motion for one key press [s]; it exceeds the repeat interval of a
+held key."""
 _TWISTS: Final = {
     "w": (1.0, 0.0, 0.0),
     "s": (-1.0, 0.0, 0.0),
@@ -152,7 +152,7 @@ def _keys() -> Iterator[int]:
 
 
 def _pressed(number: int, stop: StopSignal) -> Iterator[str]:
-    """Yield keys, with empty texts at intervals, until the input or process ends."""
+    """Yield keys, and empty strings at intervals, until the input or process ends."""
     while not stop.is_set:
         inputs: list[int | StopSignal] = [number, stop]
         ready, _, _ = select.select(inputs, [], [], _PERIOD)

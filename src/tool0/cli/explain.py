@@ -82,7 +82,7 @@ def _file(names: list[str]) -> Path:
 
 
 def _in_package(package: str, name: str) -> Path:
-    """Return a package's file from any folder of the package, like roslaunch."""
+    """Return a package's file from any folder of the package, as roslaunch does."""
     from tool0.description.packages import packages_around
     from tool0.lint.packages import PackageIndex
 

@@ -19,7 +19,7 @@ Percent = Annotated[float, Option(is_positional=True, metavar="PERCENT")]
 
 
 def _box(robot: Robot) -> ControlBox:
-    """Return the control box of a real arm, or raise ControlError."""
+    """Return the control box of a real arm; raise ControlError if no arm is real."""
     box = robot.arm.control_box
     _link(box.state)
     return box
@@ -34,7 +34,7 @@ def _link(state: ControlBoxState) -> RobotLink:
 
 
 def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
-    """Print the robot's model, serial number, modes and obstacles to motion.
+    """Print a robot's model, serial number and modes, and why it cannot be moved.
 
     Args:
         as_json: Print one JSON object.
@@ -87,7 +87,7 @@ def enable(
         serial: The serial number.  With this option, the command does not ask for the
             number.
         accept_calibration: Enable motion even if the robot's calibration differs from
-            the description; poses then have errors of millimeters.
+            the description; poses then have errors on the order of millimeters.
     """
     with bringup.connect() as robot:
         box = _box(robot)
@@ -149,7 +149,7 @@ def payload(*, mass: float | None = None, bringup: Bringup = DEFAULT) -> None:
 
     Args:
         mass: Mass of the gripper and the load [kg]; the default is the mass at the
-            flange in the description.  The center of mass is always from the
+            flange in the description.  The center of mass is always taken from the
             description.
     """
     with bringup.connect() as robot:

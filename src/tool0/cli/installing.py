@@ -66,9 +66,9 @@ def _install_gazebo(
 
 
 def _gazebo_status(*, as_json: AsJson = False) -> int:
-    """Show which Gazebo is used, and which components are missing.
+    """Show which installation of Gazebo is used, and which components are missing.
 
-    Exit status: 1 if there is no usable Gazebo.
+    Exit status: 1 if Gazebo cannot be used.
 
     Args:
         as_json: Print one JSON object.
@@ -120,9 +120,9 @@ def _install_ros1(*, rviz: bool = False, dry_run: bool = False) -> int:
 
 
 def _ros1_status(*, as_json: AsJson = False) -> int:
-    """Show which ROS 1 is installed, and which packages are missing.
+    """Show which ROS 1 distribution is installed, and which packages are missing.
 
-    Exit status: 1 if there is no usable ROS 1.
+    Exit status: 1 if ROS 1 cannot be used.
 
     Args:
         as_json: Print one JSON object.
@@ -136,8 +136,8 @@ def _ros1_env() -> int:
     """Print shell commands that make the generated messages available to ROS tools.
 
     Run `eval "$(tool0 ros1 env)"` in the shell, so that rostopic, rosservice and rosmsg
-    find the messages.  Nothing is printed if control_msgs, controller_manager_msgs and
-    gazebo_msgs are installed.
+    find the messages.  If control_msgs, controller_manager_msgs and gazebo_msgs are
+    installed, the command prints nothing.
     """
     from tool0.installation.ros1.messages import shell_exports
 

@@ -74,7 +74,7 @@ def move(
     as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> int:
-    """Move joints, or the tool to a pose, and wait until the motion has ended.
+    """Move joints to positions or the tool to a pose, and wait for the motion to end.
 
     Give either --joints or --pose.  A motion that would collide is refused; with
     --plan, the motion avoids obstacles.  Ctrl-C stops the robot.
@@ -90,7 +90,7 @@ def move(
         speed: Speed of a motion with --pose or --plan, as a fraction of the joints'
             velocity limits, 0.01 to 1.  With --linear, the value is the speed of the
             tool [m/s].
-        tip: Link that moves to --pose; the default is tool0.
+        tip: Link that moves to --pose; the default is `tool0`.
         relative_to: Reference link of --pose; the default is the robot's root.
         check: Only print whether the motion would be free of collisions or, with
             --plan, whether a path around the obstacles exists.  The exit status is 1 if
@@ -101,8 +101,8 @@ def move(
             and 0 with --check alone.
         collision: Refuse a motion that would collide (the default), or ignore
             collisions.
-        robot: Robot of a cell that moves to --pose.  With --joints, the names of this
-            robot's joints need no prefix.
+        robot: In a cell, the robot that moves to --pose.  With --joints, the names of
+            this robot's joints need no prefix.
         timeout: Cancel the motion after this wall time [s].
         as_json: Print one JSON object.
     """
@@ -175,7 +175,7 @@ def _refuse(other: str, options: Mapping[str, object]) -> None:
 
 
 def _given(**options: object) -> dict[str, Any]:
-    """Return the options that were given, with values of several types."""
+    """Return the options that have values other than None, by name."""
     return {name: value for name, value in options.items() if value is not None}
 
 
@@ -318,7 +318,7 @@ def grip(
         force: Maximum force at each pad [N]; the default is the gripper's maximum.
         effort: Maximum effort of the driven joint, instead of --force: [N·m] for a
             revolute joint, [N] for a prismatic joint.
-        robot: Robot of a cell that has the gripper.
+        robot: In a cell, the robot that has the gripper.
         timeout: Cancel the motion after this wall time [s].
         as_json: Print one JSON object.
     """

@@ -1,8 +1,8 @@
 """The options of ``bringup``, ``view`` and ``describe`` as dataclasses.
 
 Each field is an option, and the string below the field is the option's help text.  The
-options of the robot, its controllers and its simulation use the same classes as
-``tool0.bringup``; this module adds only the options that exist solely on the command
+options of the robot, its controllers and its simulation are defined in the classes that
+``tool0.bringup`` uses; this module adds only options that exist solely on the command
 line.
 """
 
@@ -51,10 +51,10 @@ class EngineOptions:
     world: Path | None = None
     """World file; the default is an empty world with a ground plane."""
     gazebo_gui: bool = False
-    """Open the window of Gazebo, gzclient."""
+    """Open Gazebo's window (gzclient)."""
 
     def given(self) -> dict[str, object]:
-        """Return the given options by the names that the engine uses."""
+        """Return the given options, under the names that the engine uses."""
         options: dict[str, object] = {}
         if self.world is not None:
             options["world"] = self.world
@@ -69,7 +69,7 @@ class HardwareOptions:
     """Options of a real robot."""
 
     hardware_port_base: int = 0
-    """Offset added to the port numbers of a UR, to connect to a simulated UR."""
+    """Offset that is added to a UR's port numbers, to connect to a simulated UR."""
     callback_host: str | None = None
     """Address of this machine as seen from the robot; by default, the local address of
     the connection to the robot."""
@@ -81,7 +81,7 @@ class HardwareOptions:
     none.  The default is the socket of the URCap."""
 
     def given(self) -> dict[str, object]:
-        """Return the options by the names that the engine uses."""
+        """Return the options, under the names that the engine uses."""
         return {
             "port_base": self.hardware_port_base,
             "callback_host": self.callback_host or "",
@@ -96,8 +96,8 @@ class RunOptions:
     """Duration, output and access."""
 
     duration: float | None = None
-    """End after this simulated time [s], measured from the time when all interfaces are
-    ready.  By default, run until Ctrl-C."""
+    """Exit after this simulated time [s], measured from the time when all interfaces
+    are ready.  By default, run until Ctrl-C."""
     headless: bool = False
     """Run without the panel and without any window."""
     summary: bool = True
@@ -109,16 +109,17 @@ class RunOptions:
     """Name of this bringup.  Other commands select the bringup by this name: `tool0
     move --name NAME`."""
     panel_folder: Annotated[Path | None, Option(metavar="FOLDER")] = None
-    """Allow the panel to write recordings also below this folder.  By default, the
-    panel can write only below the user's folders of recordings and episodes."""
+    """Also allow the panel to write recordings below this folder.  By default, the
+    panel can write only below the user's folders for recordings and episodes."""
     remote: bool = True
     """Allow other processes of this user, such as `tool0 move`, to drive the robot."""
     ros1: bool = False
-    """Offer the robot in ROS 1, with the interfaces of ur_gazebo.  `tool0 ros1 install`
-    installs the required packages."""
+    """Make the robot available in ROS 1, with the interfaces of ur_gazebo.  `tool0 ros1
+    install` installs the required packages."""
     ros2: bool = False
-    """Offer the robot in ROS 2, with the interfaces of ur_simulation_gz and controllers
-    of ros2_control.  `tool0 ros2 install` installs the required packages."""
+    """Make the robot available in ROS 2, with the interfaces of ur_simulation_gz and
+    the controllers of ros2_control.  `tool0 ros2 install` installs the required
+    packages."""
 
     ur: bool = False
     """Emulate a UR control box: RTDE, dashboard server, URScript, and the gripper's
@@ -175,7 +176,7 @@ class Ros2NodeOptions:
 
 
 def _own_programs() -> Path | None:
-    """Return the user's folder of UR programs; None if it cannot be created."""
+    """Return the user's folder for UR programs; None if it cannot be created."""
     folder = data_folder() / "ur-programs"
     with contextlib.suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
@@ -190,10 +191,11 @@ class UrControllerOptions:
     ur_host: str = "127.0.0.1"
     """Address to listen on; in a cell, each further arm uses the next address."""
     ur_port_base: int = 0
-    """Offset added to the port numbers of a real UR."""
+    """Offset that is added to the port numbers of a real UR."""
     ur_programs: Annotated[Path | None, Option(metavar="FOLDER")] = None
-    """Folder of the programs (*.script) that the dashboard server can load, and of the
-    dashboard server's saved log.  The default is ~/.local/share/tool0/ur-programs."""
+    """Folder with the programs (*.script) that the dashboard server can load; the
+    dashboard server also saves its log in this folder.  The default is
+    ~/.local/share/tool0/ur-programs."""
     ur_sockets: bool = False
     """Allow URScript programs to connect to other machines."""
     ur_active_gripper: bool = False
@@ -324,4 +326,4 @@ READERS: Final[Readers] = {
     tuple[Camera, ...]: None,
     Mapping[str, object]: None,
 }
-"""Notations of configuration values on the command line, by type."""
+"""Type → notation of configuration values on the command line."""

@@ -26,7 +26,7 @@ READERS = options.READERS
 
 @contextlib.contextmanager
 def listening(options: PanelOptions) -> Iterator[Endpoint]:
-    """Listen at the address in the options; warn if other machines can connect."""
+    """Listen on the address in the options; warn if other machines can connect."""
     from tool0.panel.address import open_endpoint
     from tool0.panel.server import is_page_built, load
 
@@ -51,7 +51,7 @@ def listening(options: PanelOptions) -> Iterator[Endpoint]:
 
 
 def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
-    """Open the page in a browser if the console is a terminal and a desktop exists.
+    """Open the page in a browser if the output is a terminal and there is a desktop.
 
     Returns:
         The thread that opens the page; None if the page is not opened.
@@ -62,7 +62,7 @@ def show(url: str, options: PanelOptions, console: TextIO) -> Thread | None:
     import threading
     import webbrowser
 
-    # For some browsers, the call returns only after the browser is closed.
+    # With some browsers, the call returns only after the browser is closed.
     opener = threading.Thread(
         target=webbrowser.open, args=(url,), name="tool0-browser", daemon=True
     )
@@ -75,7 +75,7 @@ def view(
     spawn_z: Metres = SimulationConfig().spawn_z,  # a frozen dataclass
     panel: PanelOptions = PanelOptions(),
 ) -> None:
-    """Show a robot in a web page, without physics, and pose its joints there.
+    """Show a robot without physics in a web page, in which you can pose its joints.
 
     Args:
         spawn_z: Height of the robot's root above the ground [m].

@@ -110,7 +110,7 @@ class Parameter:
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """Spellings of the option; a flag that is on by default can be switched off."""
+        """Spellings of the option, such as ``--realtime`` and ``--no-realtime``."""
         can_be_off = self.reader is None and self.default is True
         return (self.flag, f"--no-{self.flag[2:]}") if can_be_off else (self.flag,)
 
@@ -251,7 +251,7 @@ def _choice(values: tuple[str, ...]) -> Reader:
 
 
 def _written(default: object) -> str:
-    """Return a default in command-line notation, or an empty text."""
+    """Return a default in command-line notation; an empty string if there is none."""
     if isinstance(default, bool | type | Enum) or default is None:
         return ""
     if isinstance(default, tuple):
@@ -276,7 +276,7 @@ def joint_values(words: Sequence[str]) -> tuple[dict[str, float], dict[str, Quan
 
 
 def assignments(words: Sequence[str], sign: str) -> dict[str, str]:
-    """Return ``name<sign>value …`` as a mapping, or raise ConfigError."""
+    """Return ``name<sign>value …`` as a mapping; raise ConfigError for other text."""
     found: dict[str, str] = {}
     for word in words:
         name, given, value = word.partition(sign)
@@ -294,7 +294,7 @@ def keywords(words: Sequence[str]) -> dict[str, object]:
 
 
 def _value(text: str) -> object:
-    """Return the value of JSON, a list for ``96,96`` or ``a,b``, otherwise the text."""
+    """Return the value of JSON, a list for ``96,96`` or ``a,b``, or ``text`` itself."""
     for form in (text, f"[{text}]") if "," in text else (text,):
         try:
             value: object = json.loads(form)

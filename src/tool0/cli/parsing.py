@@ -107,7 +107,7 @@ def _made(
 
 @final
 class _Formatter(argparse.HelpFormatter):
-    """Shows metavars unchanged, and wraps each paragraph of a text separately."""
+    """Shows metavars unchanged, and wraps each paragraph separately."""
 
     def __init__(self, prog: str) -> None:
         super().__init__(prog, max_help_position=28)

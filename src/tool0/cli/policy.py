@@ -43,7 +43,7 @@ def run(
     as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> int:
-    """Execute a policy: in episodes of a task with --task, otherwise on the bringup.
+    """Execute a policy in episodes of a task (with --task) or on a running bringup.
 
     A policy is Python code (MODULE:NAME or FILE.py:NAME), a pretrained LeRobot policy
     (lerobot:FOLDER), or an openpi server (ws://HOST:PORT).  Ctrl-C stops the robot.
@@ -54,8 +54,8 @@ def run(
         episodes: Number of episodes, with --task; the default is 20.
         seed: Seed of the first episode; each further episode uses the next number.
         env: Keyword arguments of the environment, such as arm=ur5e observation=image.
-        videos: Episodes to record as videos in --folder.
-        rate: Rate of the actions on the bringup [Hz]; the default is 25.
+        videos: Which episodes to record as videos in --folder.
+        rate: Rate of the actions [Hz], on the bringup; the default is 25.
         duration: End after this simulated time [s], on the bringup.
         camera: Cameras whose images the policy receives, on the bringup.
         folder: A new folder for observations, actions, results and the recording.
@@ -70,10 +70,10 @@ def run(
             `measured` uses the wall time that the policy takes.
         keep_late: Start each chunk with its first action, even if the chunk was
             received late.
-        clip: Clip actions to their limits; otherwise, an action beyond its limits ends
-            the episode.
+        clip: Clip actions to their limits; without this option, an action beyond its
+            limits ends the episode.
         device: Device on which a LeRobot policy runs, such as cuda.
-        key: Names under which an openpi server receives its inputs, such as
+        key: Names of the inputs that an openpi server receives, such as
             observation/image=rgb.
         as_json: Print the report as one JSON object.
     """
@@ -185,7 +185,7 @@ def _on_bringup(
 
 
 def _refuse(what: str, **options: object) -> None:
-    """Raise ConfigError for a given option that applies only to ``what``."""
+    """Raise ConfigError if an option is given that applies only to ``what``."""
     for name, value in options.items():
         if value is not None:
             raise ConfigError(f"--{name} needs {what}")

@@ -42,12 +42,12 @@ def run(
 
     Args:
         program: Program file (.yaml), or the name of a saved program.
-        check: Only check the program, without execution.
-        dry_run: Only simulate the program, starting at the robot's current state, and
-            print the contacts, the duration, and the largest speed and effort.  No
-            command is sent to the robot.  The exit status is 0 if the program succeeded
-            and no arm collided.
-        as_json: Print one JSON object at the end instead of the steps.
+        check: Only check the program, and do not execute it.
+        dry_run: Only simulate the program, from the robot's current state; print the
+            contacts, the duration, and the largest speed and effort.  No command is
+            sent to the robot.  The exit status is 0 if the program succeeded and no arm
+            collided.
+        as_json: Do not print the steps; print one JSON object at the end.
     """
     if check and dry_run:
         raise ConfigError("give --check or --dry-run, not both")

@@ -41,9 +41,8 @@ def record(
 ) -> int:
     """Record a running bringup to an MCAP file, until Ctrl-C.
 
-    The process of the bringup writes the file; the file can be read during the
-    recording.  With --episodes, keys in the terminal or in the panel start and end
-    demonstrations.
+    The bringup's process writes the file, which can be read during the recording.  With
+    --episodes, keys in the terminal or in the panel start and end demonstrations.
 
     Args:
         file: The file to write, with the suffix .mcap, or a folder.  In a folder, the
@@ -167,8 +166,8 @@ class VideoOptions:
     eye: Annotated[tuple[float, float, float] | None, Option(metavar="X Y Z")] = None
     """Position of the viewpoint in the robot's root frame [m], instead of a camera."""
     at: Annotated[tuple[float, float, float], Option(metavar="X Y Z")] = (0.0, 0.0, 0.3)
-    """Point at the center of the image, in the robot's root frame [m]; used only with
-    an eye position."""
+    """Point at the center of the image, in the robot's root frame [m]; the point is
+    used only with --eye."""
     width: int | None = None
     """Width of the images [pixels].  The default is 960 or, for lerobot, the width of
     the camera's images."""
@@ -231,8 +230,8 @@ def export(
 
     Args:
         file: A recording; for lerobot, a folder of demonstrations.
-        format: Format of the output.  By default, the format follows from the suffix of
-            --output; without a known suffix, the format is csv.
+        format: Format of the output.  By default, the suffix of --output determines the
+            format; for an unknown suffix, the format is csv.
         output: File or folder to write; by default, it is in the same folder as the
             recording.
         overwrite: Replace an existing file.

@@ -31,7 +31,7 @@ def replay(
     as_json: AsJson = False,
     panel: PanelOptions = PanelOptions(),
 ) -> int:
-    """Show a recording in a web page, with a timeline.
+    """Show a recording with a timeline in a web page.
 
     Args:
         file: The recording, an MCAP file.
@@ -40,9 +40,9 @@ def replay(
         simulate: Simulate the recording again without a web page, and compare every
             frame bit by bit.  The exit status is 1 if a frame differs.
         compare: Simulate the recorded requests in MuJoCo, and print the differences
-            between the motions.  The plots show both motions; the simulated motion is
-            dashed.
-        as_json: With --simulate or --compare, print one JSON object and end.
+            between the recorded and the simulated motion.  The plots show both motions;
+            the simulated motion is dashed.
+        as_json: With --simulate or --compare, print one JSON object and exit.
     """
     if as_json and not (simulate or compare):
         raise ConfigError("--json needs --simulate or --compare")

@@ -39,9 +39,9 @@ def _install_ros2(*, own: bool = False) -> int:
 
 
 def _ros2_status(*, as_json: AsJson = False) -> int:
-    """Show which ROS 2 is used, and which packages are missing.
+    """Show which ROS 2 installation is used, and which packages are missing.
 
-    Exit status: 1 if there is no usable ROS 2.
+    Exit status: 1 if ROS 2 cannot be used.
 
     Args:
         as_json: Print one JSON object.
@@ -54,7 +54,7 @@ def _ros2_status(*, as_json: AsJson = False) -> int:
 def _ros2_env() -> int:
     """Print shell commands that make ROS 2 and tool0's node usable in a terminal.
 
-    Run `eval "$(tool0 ros2 env)"` in the shell.  In this shell, `python` can then
+    Run `eval "$(tool0 ros2 env)"` in the terminal.  In this terminal, `python` can then
     import rclpy, and `python -m tool0_ros2` starts the node.
     """
     from tool0.installation.ros2.status import shell_exports

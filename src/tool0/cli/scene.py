@@ -98,7 +98,7 @@ def add(
         rpy: Orientation of the object in the robot's root frame [rad].
         mass: Mass [kg]; an object without a mass cannot move.
         friction: Coefficient of friction.
-        rgba: Color: red, green, blue and opacity, each from 0 to 1.
+        rgba: Color: red, green, blue and opacity, each between 0 and 1.
         allow_penetration: Add the object even if it penetrates a link.
     """
     shape = _shape(box, cylinder, sphere, mesh, scale)

@@ -30,7 +30,7 @@ def state(
     as_json: AsJson = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Print the simulated time, joint states, gripper states and the pose of tool0.
+    """Print the simulated time, joint states, gripper states and the pose of `tool0`.
 
     Args:
         as_json: Print one JSON object.
@@ -120,12 +120,12 @@ def wrench(
     robot: str | None = None,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Print the force and torque that the tool exerts on tool0, in tool0's axes.
+    """Print the force and torque of the tool on the link `tool0`, in the link's axes.
 
     The measurement includes the weight and the inertia of the tool, and contact forces.
 
     Args:
-        zero: Tare the sensor before the measurement.  A change of --rate or --cutoff
+        zero: Tare the sensor before the measurement.  A change to --rate or --cutoff
             removes the tare.
         rate: Set the sampling rate [Hz], 50 to 1000.  The initial rate is 125 Hz.
         cutoff: Set the cutoff frequency of the low-pass filter [Hz].  The initial
@@ -135,7 +135,7 @@ def wrench(
         raw: Print unfiltered values.
         as_json: Print one JSON object per line for each sample, with filtered and raw
             values.
-        robot: Robot of a cell that has the sensor.
+        robot: In a cell, the robot that has the sensor.
     """
     if duration is not None and not duration >= 0.0:
         raise ConfigError(f"--duration must be 0 or more seconds, got {duration}")
@@ -202,7 +202,7 @@ def camera(
             [m].  Pixels without an object are 0 in a PNG, and inf in an array.
         as_list: List the cameras.
         as_json: Print one JSON object: the cameras, or the files and the image size.
-        robot: Robot of a cell that has the camera: `--robot left wrist` selects
+        robot: In a cell, the robot that has the camera: `--robot left wrist` selects
             left_wrist.
     """
     if as_list == (name is not None):

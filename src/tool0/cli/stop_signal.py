@@ -53,7 +53,7 @@ class StopSignal:
         return self.is_set
 
     def request(self) -> None:
-        """Set the flag like a signal; any thread can call this method."""
+        """Set the flag, as a signal does; any thread can call this method."""
         self.is_set = True
         self._write.send(b"x")
 

@@ -32,7 +32,7 @@ def columns(rows: Sequence[Sequence[str]]) -> str:
 
 
 def counted(number: int, what: str) -> str:
-    """Return ``1 file`` or ``3 files``."""
+    """Return a number with its noun, such as ``1 file`` or ``3 files``."""
     return f"{number} {what}" + ("" if number == 1 else "s")
 
 

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 READERS = options.READERS
 
 _ROBOTIQ: Final = "https://github.com/jr-robotics/robotiq.git"
-"""Repository of robotiq_2f_85_gripper_visualization, which no distribution contains."""
+"""Repository of robotiq_2f_85_gripper_visualization, a package that no ROS distribution
+contains."""
 
 
 def workspace(
@@ -59,9 +60,8 @@ def workspace(
             option requires --moveit or --ros2.
         ros2: Write packages for ROS 2 and colcon, with Python launch files.
         moveit: Also write a MoveIt configuration package for the same ROS version.
-        upstream_meshes: Use the meshes of ur_description and
-            robotiq_2f_85_gripper_visualization, and depend on these packages; only for
-            ROS 1.
+        upstream_meshes: For ROS 1: use the meshes of ur_description and
+            robotiq_2f_85_gripper_visualization, and depend on these packages.
         force: Also overwrite files that you have edited; your version is renamed to
             FILE.orig.
     """

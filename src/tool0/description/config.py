@@ -67,9 +67,11 @@ class DescriptionConfig:
     """
 
     arm: str | None = None
-    """Name of the arm, such as ur10e, or your own folder.  The default is ur5."""
+    """Name of the arm, such as ur10e, or a folder with your own arm.  The default is
+    ur5."""
     gripper: str | Unset | None = UNSET
-    """Name of the gripper on tool0, your own folder, or none.  The default is 2f85."""
+    """Name of the gripper, a folder with your own gripper, or none.  The default is
+    2f85."""
     gripper_model: Literal["mimic", "linkage"] | None = None
     """mimic (the default): the fingers follow the drive; linkage: five-bar fingers
     that wrap around an object (MuJoCo only)."""
@@ -87,17 +89,17 @@ class DescriptionConfig:
     """Give each robot of a cell a separate namespace and controller manager in ROS.
     `namespaces: true` in the cell's file has the same effect."""
     args: Mapping[str, Argument] | None = None
-    """Arguments of the xacro file, which override the other options."""
+    """Arguments for the xacro file; they override the other options."""
     relax_inertia: bool = False
-    """Replace physically impossible inertias in your own file, with a warning, instead
-    of rejecting the robot."""
+    """If your own file contains physically impossible inertias, replace them with a
+    warning instead of rejecting the robot."""
     srdf: File | None = None
-    """SRDF file.  Planned motions ignore collisions between the pairs of links in its
-    `<disable_collisions>` elements."""
+    """SRDF file.  Planned motions ignore collisions between pairs of links that are
+    listed in the file's `<disable_collisions>` elements."""
     mount_xyz: Sequence[Metres] | None = None
-    """Position of the gripper in tool0 [m]."""
+    """Position of the gripper in the frame `tool0` [m]."""
     mount_rpy: Sequence[Radians] | None = None
-    """Orientation of the gripper in tool0: roll, pitch, yaw [rad]."""
+    """Orientation of the gripper in the frame `tool0`: roll, pitch, yaw [rad]."""
     base_xyz: Sequence[Metres] | None = None
     """Position of the arm in the world [m]."""
     base_rpy: Sequence[Radians] | None = None
@@ -126,7 +128,7 @@ class DescriptionConfig:
     """Command interface of all joints, such as
     hardware_interface/EffortJointInterface."""
     ros2_control: bool = False
-    """Describe the drives with `<ros2_control>` tags, for ROS 2, instead of
+    """For ROS 2, describe the drives with `<ros2_control>` tags instead of
     `<transmission>` tags.  Your own file declares which joints are driven; if your file
     declares no driven joint, all joints are driven."""
     safety_limits: bool = False
@@ -136,7 +138,7 @@ class DescriptionConfig:
     safety_k_position: float | None = None
     """Position gain of the soft limits [1/s]."""
     tf_prefix: str | None = None
-    """Prefix of the frames in ROS.  The names in the robot's description do not
+    """Prefix of all frame names in ROS.  The names in the robot's description do not
     change."""
 
     def __post_init__(self) -> None:

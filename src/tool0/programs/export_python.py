@@ -106,7 +106,7 @@ def _loop(program: Program, loop: LoopStep) -> str:
 
 
 def _code(value: Any, indent: int) -> str:
-    """Return a value as Python code; a long value has several lines."""
+    """Return a value as Python code; a long value is split into several lines."""
     if isinstance(value, Struct):
         parts = [
             f"{item.name}={_code(getattr(value, item.name), indent + 4)}"

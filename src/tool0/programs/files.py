@@ -37,7 +37,7 @@ class ProgramFile:
     """Line number of each step in the file, counted from 1."""
 
     def located(self, problem: ProgramProblem) -> ProgramProblem:
-        """Return a copy of a problem that contains the line number of the step."""
+        """Return a copy of a problem, with the line number of the step added."""
         return msgspec.structs.replace(problem, line=self.lines.get(problem.step))
 
 
@@ -52,7 +52,7 @@ def read_program(file: Path) -> ProgramFile:
 
 
 def parse_program(text: str, file: Path | None = None) -> ProgramFile:
-    """Return the program in a YAML text; ``file`` is the origin of the text.
+    """Return the program in YAML text; ``file`` is the origin of the text.
 
     Raises:
         ConfigError: If the text is not a program; the message contains the line number.

@@ -119,7 +119,7 @@ class RobotContext:
     # ---- steps as moves -------------------------------------------------------------
 
     def move(self, step: MoveStep) -> Move:
-        """Return the move of a step, or raise ControlError or ModelError."""
+        """Return the move of a step; a wrong step raises ControlError or ModelError."""
         given = [step.joints, step.pose, step.named_pose]
         if sum(item is not None for item in given) != 1:
             raise ControlError(
@@ -144,7 +144,7 @@ class RobotContext:
         )
 
     def way(self, step: MoveJointStep, start: Sequence[float]) -> Path:
-        """Return the path around obstacles of a planned step; see ``FindWay``."""
+        """Return the path around obstacles for a planned step; see ``FindWay``."""
         move = self.move(step)
         pose: Any = None  # matrices
         if move.pose is not None:

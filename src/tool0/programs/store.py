@@ -22,8 +22,8 @@ _SUFFIX: Final = ".yaml"
 _RESERVED: Final = '%/\\<>:"|?*'
 """Characters that some file systems reject, and the escape character of file names."""
 _LONGEST_FILE: Final = 240
-"""Maximum number of bytes in a file's name: 255, minus the suffix used during
-writing."""
+"""Maximum number of bytes in a file's name: 255, minus the length of the suffix that is
+used during writing."""
 
 
 @final

@@ -63,7 +63,7 @@ def socket_path(folder: Path, name: str) -> Path:
 def running_names() -> tuple[str, ...]:
     """Return the names for which a socket file exists.
 
-    The process of a name may have ended without removing the file.
+    For some names, the process may have ended without removing its socket file.
     """
     found = {
         path.stem
@@ -75,7 +75,7 @@ def running_names() -> tuple[str, ...]:
 
 
 def insecurity(folder: Path) -> str | None:
-    """Return why other users could create a socket in ``folder``, or None.
+    """Return why other users could create a socket in ``folder``; None if they cannot.
 
     Raises:
         OSError: If the folder does not exist.
@@ -100,7 +100,7 @@ def is_foreign(peer: socket.socket) -> bool:
 
 @final
 class Claim:
-    """Exclusive claim of this process to the name of a bring-up, until it is closed.
+    """Exclusive claim of this process to the name of a bring-up, until ``close``.
 
     The kernel releases the lock when the process ends.  Therefore, the files of an
     ended process never block the name, and a running process never loses the name.
@@ -167,7 +167,8 @@ def _locked_file(path: Path, name: str) -> IO[str]:
                 f"another bringup named '{name}' is running (pid {pid}); "
                 "stop it or use --name"
             ) from None
-        # The last owner may have unlinked the file between the open and the lock here.
+        # The last owner may have unlinked the file after it was opened and before it
+        # was locked.
         try:
             is_current = path.stat().st_ino == os.fstat(file.fileno()).st_ino
         except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""Requests that move an arm, or read its state, by poses of the arm's tool."""
+"""Requests that use poses of the tool to move an arm or to read its state."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ AnyPose = Pose | tuple[Row, Row, Row, Row]
 
 Rate = Annotated[float, Meta(ge=1e-6, le=1e6)]
 """A speed or an acceleration.  The bounds are wider than the limits of every arm, but
-avoid rounding errors."""
+narrow enough to avoid rounding errors."""
 
 
 class ArmInfo(Struct, frozen=True, kw_only=True):
@@ -101,8 +101,8 @@ class MoveLinear(_OfTool[GoalStarted], frozen=True, kw_only=True):
 
     pose: AnyPose
     speed: Rate = 0.25
-    """Speed of the tool [m/s].  The defaults of the speed and the acceleration are the
-    same as in URScript's ``movel``."""
+    """Speed of the tool [m/s].  The default speed and acceleration are the same as in
+    URScript's ``movel``."""
     acceleration: Rate = 1.2
     """Acceleration of the tool [m/s²]; the rotation accelerates for the same
     duration."""

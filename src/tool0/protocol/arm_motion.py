@@ -1,4 +1,4 @@
-"""Requests to an arm that is moved by a program instead of ROS controllers.
+"""Requests to an arm that a program, rather than a ROS controller, moves.
 
 A program takes the arm, sends paths or streams, and releases the arm.  Joints are
 ordered from base to flange.
@@ -48,7 +48,7 @@ PathTime = Annotated[float, Meta(ge=0.0)]
 
 MOST_KNOTS = 100_000
 SILENCE: Final = 0.5
-"""Default of the longest time between two commands of a stream [wall s]."""
+"""Default maximum time between two commands of a stream [wall s]."""
 
 
 class TakeArm(ArmRequest[None], frozen=True):
@@ -61,8 +61,8 @@ class TakeArm(ArmRequest[None], frozen=True):
     by: Name
     """Name of the program, which is shown to users."""
     protected: bool = False
-    """Whether a failed motion causes a protective stop, like on a UR; otherwise, the
-    arm remains taken."""
+    """Whether a failed motion causes a protective stop, as on a UR; otherwise, the arm
+    remains taken."""
 
 
 class ReturnArm(ArmRequest[None], frozen=True):
@@ -238,7 +238,7 @@ compensates."""
 
 
 class DriveTorques(ArmRequest[None], frozen=True):
-    """Drive the joints with torques, like URScript's ``direct_torque``.
+    """Apply torques to the joints, like URScript's ``direct_torque``.
 
     In addition, the drives compensate gravity.  A joint triggers a protective stop if
     it is too fast, or if it could no longer stop within its limits.  In this mode,
@@ -261,7 +261,7 @@ class DriveTorques(ArmRequest[None], frozen=True):
 
 
 class EndTorques(ArmRequest[None], frozen=True):
-    """Return an arm that is driven by torques to position control."""
+    """Switch an arm from torque control back to position control."""
 
 
 class StartForceMode(ArmRequest[None], frozen=True):
@@ -289,10 +289,10 @@ class StartForceMode(ArmRequest[None], frozen=True):
     tcp: Row6 = ZERO_POSE
     """Pose of the TCP in the flange frame: position and rotation vector [m, rad]."""
     damping: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.005
-    """Damping, like in URScript's ``force_mode_set_damping``: the rate at which a
-    motion decays without a driving force."""
+    """Damping, as in URScript's ``force_mode_set_damping``: the rate at which a motion
+    decays without a driving force."""
     gain_scaling: Annotated[float, Meta(ge=0.0, le=2.0)] = 1.0
-    """Gain scaling, like in URScript's ``force_mode_set_gain_scaling``.  The damping is
+    """Gain scaling, as in URScript's ``force_mode_set_gain_scaling``.  The damping is
     divided by this value."""
     controller: Name | None = None
     """Active ForceModeController (from UR's driver for ROS 2) that requests force mode.
@@ -327,7 +327,7 @@ class EndFreedrive(ArmRequest[None], frozen=True):
 
 
 class ReadArmMotion(ArmRequest[ArmSample], frozen=True):
-    """Read the arm's setpoint, mode, path and wrench, like in ``state`` messages."""
+    """Read the arm's setpoint, mode, path and wrench, as in ``state`` messages."""
 
 
 class ZeroWrench(ArmRequest[None], frozen=True):

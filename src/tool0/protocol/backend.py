@@ -115,8 +115,8 @@ class Backend(Protocol):
     """Interface that answers the requests of all clients.
 
     Worker threads call ``answer``, which may take time; the server's thread calls all
-    other methods.  ``answer`` receives only requests that the backend offers and that
-    do not have ``is_of_connection``.
+    other methods.  ``answer`` receives only requests that the backend offers and for
+    which ``is_of_connection`` is false.
     """
 
     @property
@@ -139,7 +139,7 @@ class Backend(Protocol):
     def post(
         self, request: Request[Any], when_failed: Callable[[Exception], None]
     ) -> None:
-        """Queue a streamed request for execution at the next tick, or raise Tool0Error.
+        """Queue a streamed request for the next tick; a refusal raises Tool0Error.
 
         ``when_failed`` can be called in any thread.
         """

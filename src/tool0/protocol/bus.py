@@ -43,11 +43,11 @@ class GoalFinished:
 @final
 @dataclass(frozen=True, slots=True)
 class Overran:
-    """The simulation is behind the wall clock, or keeps up again."""
+    """The simulation is behind the wall clock, or has caught up again."""
 
     count: int
-    """Number of ticks that started late in the last second; 0 if the simulation keeps
-    up again."""
+    """Number of ticks that started late in the last second; 0 if the simulation has
+    caught up again."""
     time: float
     """Simulated time [s]."""
 
@@ -55,7 +55,7 @@ class Overran:
 @final
 @dataclass(frozen=True, slots=True)
 class Faulted:
-    """The physics or a controller has failed: time is stopped until a reset."""
+    """The physics or a controller has failed: simulated time stops until a reset."""
 
     message: str
     """Description of the failure, with its cause."""
@@ -101,7 +101,7 @@ Event = GoalFinished | Overran | Faulted | WasReset | Reported | WasFrozen
 
 @final
 class Subscription:
-    """Delivers snapshots and events to one reader at the rate of its reads.
+    """Delivers snapshots and events to one reader, at the reader's pace.
 
     Use ``next`` for the newest snapshot, ``following`` to read snapshots one after the
     other, and ``pending`` for all unread snapshots.  Each reader needs a separate
@@ -154,7 +154,7 @@ class Subscription:
 
     @property
     def events(self) -> deque[Event]:
-        """Unread events, oldest first; ``popleft`` takes an event.
+        """Unread events, oldest first; ``popleft`` returns the oldest event.
 
         The last 1000 events are kept.
         """

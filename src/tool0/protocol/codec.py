@@ -3,7 +3,7 @@
 A request is ``{"id": 1, "method": "step", "params": {"ticks": 5}}``.  The reply to this
 request is ``{"type": "reply", "id": 1, "result": 0.005}``, or has ``"error"`` instead
 of ``"result"``.  A request without an id is answered only if it fails.  Values of the
-type ``bytes`` are base64 texts.
+type ``bytes`` are sent as base64 strings.
 """
 
 from __future__ import annotations
@@ -50,9 +50,10 @@ _LONGEST_STOP: Final = 4096
 """Maximum size of a stop request that overtakes waiting requests [bytes].  A longer
 stop request, such as one with a long reason, waits like any other request."""
 _SHOWN: Final = 40
-"""Maximum number of characters of an unknown word that an error message contains."""
+"""Maximum number of characters of an unknown word that is quoted in an error
+message."""
 UNREADABLE: Final = (msgspec.DecodeError, RecursionError, UnicodeDecodeError)
-"""Exceptions for a text that is not JSON, that is nested too deeply, or that is not
+"""Exceptions for text that is not JSON, that is nested too deeply, or that is not
 UTF-8."""
 
 
@@ -183,11 +184,11 @@ class ResetDone(Struct, frozen=True, kw_only=True, tag="reset"):
 
 
 class LateTicks(Struct, frozen=True, kw_only=True, tag="overrun"):
-    """The simulation is behind the wall clock, or keeps up again."""
+    """The simulation is behind the wall clock, or has caught up again."""
 
     count: int
-    """Number of ticks that started late in the last second; 0 if the simulation keeps
-    up again."""
+    """Number of ticks that started late in the last second; 0 if the simulation has
+    caught up again."""
     time: float
     """Simulated time [s]."""
 
@@ -203,8 +204,8 @@ class Envelope(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     method: str
     id: int | str | None = None
-    """Number or text that the reply repeats.  A request without an id is answered only
-    if it fails."""
+    """Number or string that the reply repeats.  A request without an id is answered
+    only if it fails."""
     params: Raw = Raw(b"{}")
 
 
@@ -236,7 +237,7 @@ _WIRE_FORMS: Final[Mapping[Any, _WireForm]] = {
 
 
 def wire_type(response: Any) -> Any:
-    """Return the type of the sent form of a response of this type."""
+    """Return the type in which a response of this type is sent."""
     form = _WIRE_FORMS.get(response)
     return response if form is None else form.kind
 
@@ -342,7 +343,7 @@ def encode_error(ident: int | str | None, error: BaseException) -> bytes:
 
 
 def decode_response(request: Request[Any], result: Raw) -> Any:
-    """Return the decoded response to ``request``, or raise TransportError."""
+    """Return the decoded response; raise TransportError if the response is invalid."""
     response = response_type(type(request))
     form = _WIRE_FORMS.get(response)
     try:

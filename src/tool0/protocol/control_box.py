@@ -72,11 +72,11 @@ class SetAnalogInput(ArmRequest[None], frozen=True):
     domain: AnalogDomain = AnalogDomain.VOLTAGE
     """Quantity of the pin: 0 is a current, 1 is a voltage."""
     tool: bool = False
-    """Whether the pin is an input of the tool instead of the control box."""
+    """Whether the pin is an input of the tool, rather than of the control box."""
 
 
 class SetSpeedSlider(ArmRequest[None], frozen=True):
-    """Set the speed slider, which smoothly scales the speed of scaled trajectories."""
+    """Set the speed slider, which smoothly changes the speed of scaled trajectories."""
 
     fraction: Fraction
     """Fraction of the programmed speed."""
@@ -113,7 +113,7 @@ class StopProgram(ArmRequest[None], frozen=True):
 
 
 class PowerOff(ArmRequest[None], frozen=True):
-    """Switch the arm off: stop program and controllers, and engage the brakes."""
+    """Switch the arm off: stop its program and controllers, and engage the brakes."""
 
     is_urgent = True
     revokes = ("power_on", "release_brakes")
@@ -131,7 +131,7 @@ class ReleaseBrakes(ArmRequest[None], frozen=True):
 
 
 class StopProtectively(ArmRequest[None], frozen=True):
-    """Trigger a protective stop: the arm stops until the stop is unlocked."""
+    """Trigger a protective stop: the arm is stopped until the stop is unlocked."""
 
     is_urgent = True
     revokes = ("unlock_protective_stop", "restart_safety")
@@ -147,8 +147,8 @@ class UnlockProtectiveStop(ArmRequest[None], frozen=True):
     """
 
     at_once: bool = False
-    """Whether to unlock the stop also within the first 5 s, like UR's primary
-    interface.  These 5 s give the user time to find the cause."""
+    """Whether to unlock the stop even within the first 5 s, as UR's primary interface
+    does.  These 5 s give the user time to find the cause."""
 
 
 class RestartSafety(ArmRequest[None], frozen=True):

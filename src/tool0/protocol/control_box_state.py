@@ -18,8 +18,8 @@ from tool0.description.payload import Payload
 N_DIGITAL: Final = 18
 """Number of digital pins: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
 N_ANALOG: Final = 2
-"""Number of analog inputs, and of analog outputs, of the control box; the tool has two
-more inputs."""
+"""Number of the control box's analog inputs, and also of its analog outputs; the tool
+has two more inputs."""
 
 
 class AnalogDomain(IntEnum):
@@ -151,7 +151,7 @@ class RobotLink(Struct, frozen=True, kw_only=True):
     """Whether the robot is under remote control; None if the robot does not report this
     (CB3)."""
     is_enabled: bool = False
-    """Whether tool0 is allowed to move the arm, after ``enable_motion``."""
+    """Whether ``enable_motion`` has allowed tool0 to move the arm."""
     obstacles: tuple[str, ...] = ()
     """Reasons why ``enable_motion`` would be refused at present, and warnings; each
     item is one sentence."""
@@ -195,8 +195,8 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     speed_slider: float = 1.0
     """Position of the speed slider: fraction of the programmed speed, 0.01 … 1."""
     speed_scaling: float = 1.0
-    """Present speed factor of trajectories: the fraction of the speed slider, or 0
-    during a pause."""
+    """Present speed factor of trajectories: the value of the speed slider, or 0 during
+    a pause."""
     payload: Payload
     """Payload that the drives assume at the flange."""
     tcp: Pose6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -213,8 +213,8 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     program: ProgramState = ProgramState.PLAYING
     """State of the program that controls the arm."""
     taken_by: str = ""
-    """Name of the program that moves the arm instead of controllers; empty if the arm
-    is not taken."""
+    """Name of the program that moves the arm in place of the controllers; empty if the
+    arm is not taken."""
     motion_failure: str = ""
     """Reason why a motion of the program ``taken_by`` failed.  The arm then does not
     move until the program takes the arm again.  Empty if no motion failed."""
@@ -225,7 +225,7 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
 
     @property
     def may_move(self) -> bool:
-        """Whether the arm is powered with released brakes, and no stop is active."""
+        """Whether the arm is powered, without engaged brakes or an active stop."""
         return self.robot_mode in POWERED and self.safety_mode in UNSTOPPED
 
     @property

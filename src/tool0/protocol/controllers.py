@@ -143,17 +143,16 @@ class Gains:
     """PID gains of one joint: ``p e + clamp(i ∫e dt) + d de/dt``.
 
     ``e`` is the position error [rad | m]; the command of an effort controller is an
-    effort [N·m | N].  Like in control_toolbox, an integral term without a clamp is
-    zero.
+    effort [N·m | N].  As in control_toolbox, an integral term without a clamp is zero.
     """
 
     p: float
-    """Proportional gain: command per position error [N·m/rad | N/m]."""
+    """Proportional gain: command per unit of position error [N·m/rad | N/m]."""
     i: float = 0.0
-    """Integral gain: command per integral of the position error [N·m/(rad·s) |
-    N/(m·s)]."""
+    """Integral gain: command per unit of the position error's time integral
+    [N·m/(rad·s) | N/(m·s)]."""
     d: float = 0.0
-    """Derivative gain: command per velocity error [N·m·s/rad | N·s/m]."""
+    """Derivative gain: command per unit of velocity error [N·m·s/rad | N·s/m]."""
     i_min: float = 0.0
     """Lower limit of the integral term, at most 0 [N·m | N]."""
     i_max: float = 0.0
@@ -198,10 +197,10 @@ class LoadController(Request[None], frozen=True):
 
     name: Name
     type: Name | None = None
-    """Type of the controller, if the files do not contain the type; like the parameter
-    ``<name>.type`` of the controller manager."""
+    """Type of the controller, required if the files do not contain the type; it
+    corresponds to the controller manager's parameter ``<name>.type``."""
     files: Annotated[tuple[str, ...], Meta(max_length=100)] = ()
-    """YAML files on the simulation's machine, like the parameter
+    """YAML files on the simulation's machine; they correspond to the parameter
     ``<name>.params_file``.  If the files and the type are left out, the configuration
     of the bring-up is used."""
     configure: bool = True
@@ -278,7 +277,7 @@ class ReadGains(Request[dict[str, Gains]], frozen=True):
 
 
 class SetGains(Request[Gains], frozen=True):
-    """Change PID gains of one joint; the response contains all gains.
+    """Change the PID gains of one joint; the response contains all gains.
 
     Omitted gains keep their values.  A running controller continues with the new gains,
     without a jump of the integral term.  The gains apply until the controller is
@@ -288,10 +287,10 @@ class SetGains(Request[Gains], frozen=True):
     controller: Name
     joint: Name
     p: float | None = None
-    """Proportional gain: command per position error; [N·m/rad | N/m] for an effort
-    controller."""
+    """Proportional gain: command per unit of position error; [N·m/rad | N/m] for an
+    effort controller."""
     i: float | None = None
-    """Integral gain: command per integral of the position error."""
+    """Integral gain: command per unit of the position error's time integral."""
     d: float | None = None
     """Command per velocity error."""
     i_clamp: Annotated[float, Meta(ge=0.0)] | None = None
@@ -304,7 +303,8 @@ class ControllerParameter(Struct, frozen=True, kw_only=True):
     """Value of a controller's parameter."""
 
     value: Any
-    """Value of the parameter: a boolean, a number, a text, or a list of such values."""
+    """Value of the parameter: a boolean, a number, a string, or a list of such
+    values."""
     is_adjustable: bool
     """Whether the parameter can be changed while the controller is running."""
 

@@ -9,10 +9,10 @@ from typing import final
 FROZEN = 1.0
 """Wall time without activity after which a process is regarded as frozen [s]."""
 _BUSY = 0.5
-"""Ratio of processor time to wall time above which the process was busy instead of
-frozen."""
+"""Ratio of processor time to wall time above which the process is regarded as busy,
+rather than frozen."""
 _SAMPLING = 0.2
-"""Wall time between two reads of the processor time [s], because these reads are
+"""Minimum wall time between two reads of the processor time [s]; these reads are
 slow."""
 
 
@@ -25,7 +25,7 @@ def wall_time() -> float:
 class FreezeMeter:
     """Detects that the whole process was stopped, or that the machine slept.
 
-    A thread that is late because other threads of the process were busy is ignored.
+    The delay of a thread is ignored if other threads of the process were busy.
     """
 
     def __init__(

@@ -100,8 +100,8 @@ class Goal:
         self._callbacks: list[Callable[[Goal], None]] = []
         self._lock = threading.Lock()
         self.explain: Callable[[Result], Result] = lambda result: result
-        """Function that adds information to the result that the controller does not
-        have, such as contacts."""
+        """Function that completes the result with information that the controller does
+        not have, such as contacts."""
 
     def __deepcopy__(self, memo: dict[int, object]) -> NoReturn:
         """Refuse a copy, because a client may wait for the outcome of the original."""
@@ -130,7 +130,7 @@ class Goal:
             callback(self)
 
     def when_finished(self, callback: Callable[[Goal], None]) -> None:
-        """Call ``callback(goal)`` when the goal ends, in the thread that ends it."""
+        """When the goal ends, call ``callback(goal)`` in the thread that ends it."""
         with self._lock:
             if self._result is None:
                 self._callbacks.append(callback)
@@ -180,7 +180,7 @@ class GoalStarted(Struct, frozen=True, kw_only=True):
 
 
 class CancelGoal(Request[None], frozen=True):
-    """Cancel a goal, like in ROS: the motion decelerates, and the goal is PREEMPTED."""
+    """Cancel a goal, as in ROS: the motion decelerates, and the goal is PREEMPTED."""
 
     goal: int
 

@@ -71,7 +71,7 @@ class Grip(Request[GoalStarted], frozen=True):
 
 
 class ReactivateGripper(Request[GoalStarted], frozen=True):
-    """Reactivate a gripper, like the service of ROS 2.
+    """Reactivate a gripper, as the ROS 2 service does.
 
     The gripper opens, even if it holds an object.
 

@@ -1,4 +1,4 @@
-"""The request for hardware components, like in ros2_control's controller_manager."""
+"""The request for hardware components, as in the controller_manager of ros2_control."""
 
 from __future__ import annotations
 

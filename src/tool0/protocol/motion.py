@@ -67,7 +67,7 @@ class PoseJoints(Request[None], frozen=True):
 
 
 class CommandGripper(Request[GoalStarted], frozen=True):
-    """Send a gripper goal in joint units, like ROS's GripperCommand action."""
+    """Send a gripper goal in joint units, as in ROS's GripperCommand action."""
 
     controller: Name
     position: float

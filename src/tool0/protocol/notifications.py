@@ -146,7 +146,7 @@ def changes(before: Snapshot, now: Snapshot) -> list[Notification]:
 def _mode_changes(
     before: ControlBoxState, now: ControlBoxState, snapshot: Snapshot
 ) -> list[Notification]:
-    """Return descriptions of an arm's mode changes, without the emergency stop."""
+    """Return descriptions of an arm's mode changes, other than the emergency stop."""
     arm, time = f"arm '{now.arm}'", snapshot.time
     found: list[tuple[Severity, NoticeCode, str]] = []
     if now.protective_stop and now.protective_stop != before.protective_stop:

@@ -228,7 +228,7 @@ class ApplyWrench(Request[None], frozen=True):
 
 
 class PullLink(Request[None], frozen=True):
-    """Pull a point of a link toward a target with a damped spring.
+    """Use a damped spring to pull a point of a link toward a target.
 
     The spring replaces an earlier spring on the link.  In a stream of requests without
     an id, each request is executed at the next tick.
@@ -328,7 +328,7 @@ def object_of(info: ObjectInfo) -> SceneObject:
 
 
 def solid_of(shape: Shape) -> Solid:
-    """Return a shape from its sent form; raise DescriptionError without the mesh."""
+    """Return a shape from its sent form; a missing mesh raises DescriptionError."""
     if not isinstance(shape, CompoundShape):
         return _geometry_of(shape)
     return Compound(

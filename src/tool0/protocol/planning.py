@@ -65,7 +65,7 @@ class KeepOut(Struct, frozen=True, kw_only=True):
 
 
 class Upright(Struct, frozen=True, kw_only=True):
-    """Constraint that keeps a tool axis within an angle of its initial direction."""
+    """Constraint that keeps a tool axis within an angle from its initial direction."""
 
     tilt: Annotated[float, Meta(ge=0.01, le=3.2)]
     """Maximum angle between the axis and its initial direction [rad]."""
@@ -76,7 +76,7 @@ class Upright(Struct, frozen=True, kw_only=True):
 
 
 class Checked(Struct, frozen=True, kw_only=True):
-    """Result of the check whether a motion is free of collisions."""
+    """Result of checking whether a motion is free of collisions."""
 
     is_free: bool
     """Whether all bodies keep the clearance during the motion, without collisions."""
@@ -133,7 +133,7 @@ class Plan(Struct, frozen=True, kw_only=True):
 
 
 class PlanMotion(Request[Plan], frozen=True):
-    """Plan a collision-free motion from the commanded posture, without moving."""
+    """Plan a collision-free motion from the commanded posture, without executing it."""
 
     targets: Annotated[tuple[PlanTarget, ...], Meta(min_length=1, max_length=4)]
     """One target for each moving arm; the arms move at the same time."""
@@ -174,11 +174,11 @@ class ExecutePlan(Request[tuple[GoalStarted, ...]], frozen=True):
 
 
 class CheckMotion(Request[Checked], frozen=True):
-    """Check whether a motion of an arm would be free of collisions, without moving."""
+    """Check whether an arm's motion would be collision-free, without executing it."""
 
     target: PlanTarget
     linear: bool = False
-    """Whether the tool moves on a straight line; otherwise, the path is a straight line
+    """Whether the tool moves in a straight line; otherwise, the path is a straight line
     in joint space."""
     clearance: Annotated[float, Meta(ge=-0.01, le=0.5)] = 0.0
     """Minimum allowed distance between bodies [m]."""

@@ -33,8 +33,8 @@ Duration = Annotated[float, Meta(ge=0.0, le=1e6)]
 Pin = Annotated[int, Meta(ge=0, le=17)]
 """Pin of the control box: standard 0 … 7, configurable 8 … 15, tool 16 and 17."""
 StepPath = tuple[int, ...]
-"""Numbers of the loops around a step, starting with the outermost loop, and the number
-of the step."""
+"""Numbers of the loops around a step, starting with the outermost loop, followed by the
+number of the step."""
 
 MOST_STEPS: Final = 2000
 """Maximum number of steps in a program, including the steps in loops."""
@@ -117,7 +117,7 @@ class GripperStep(_Step, frozen=True, kw_only=True, tag="gripper"):
 
 
 class WaitStep(_Step, frozen=True, kw_only=True, tag="wait"):
-    """Wait for a duration, or until a digital input has a level."""
+    """Wait for a duration, or until a digital input has a given level."""
 
     duration: Duration | None = None
     """Duration of the wait [s].  With an input, the value is a timeout, after which the
@@ -149,7 +149,7 @@ class UntilStep(_Step, frozen=True, kw_only=True, tag="until"):
 
 
 class PlaceObjectStep(_Step, frozen=True, kw_only=True, tag="place_object"):
-    """Place an object at rest at a pose immediately, to restore the scene."""
+    """Place an object at a pose immediately and at rest, to restore the scene."""
 
     name: Name
     """Name of the object."""
@@ -176,7 +176,7 @@ class CommentStep(_Step, frozen=True, kw_only=True, tag="comment"):
 
 
 class LoopStep(_Step, frozen=True, kw_only=True, tag="loop"):
-    """Repeat steps a number of times, while an input has a level, or endlessly."""
+    """Repeat steps n times, while an input has a given level, or endlessly."""
 
     steps: tuple[Step, ...] = ()
     """Steps that the loop repeats."""
@@ -239,8 +239,8 @@ def walk(
 def require_shallow(program: Program) -> None:
     """Raise ControlError if loops are nested too deeply for recursion.
 
-    A smaller nesting depth that is still invalid is reported, with its location, by the
-    check of the program.
+    The check of the program reports a smaller nesting depth that is still invalid, with
+    the location.
     """
     steps: Sequence[Step] = program.steps
     for _ in range(_DEEPEST + 1):

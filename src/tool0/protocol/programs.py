@@ -40,7 +40,7 @@ class PlannedMotion(Struct, frozen=True, kw_only=True):
     points: tuple[tuple[float, float, float], ...]
     """Positions of the program's tool at these times, in the robot's root frame [m]."""
     steps: tuple[StepPath, ...]
-    """For each of these times, the step that moves the arm before this time."""
+    """For each of these times, the step that moves the arm up to this time."""
 
 
 class ProgramCheck(Struct, frozen=True, kw_only=True):

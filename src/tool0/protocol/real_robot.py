@@ -23,7 +23,7 @@ class EnableMotion(ArmRequest[None], frozen=True):
     the intended robot."""
     accept_calibration: bool = False
     """Whether to move with the catalog's kinematics even if the robot's calibration
-    differs; poses then have errors of millimeters."""
+    differs; poses then have errors on the order of millimeters."""
 
 
 class DisableMotion(ArmRequest[None], frozen=True):

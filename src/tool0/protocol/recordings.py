@@ -42,7 +42,7 @@ class StartRecording(Request[RecordingStatus], frozen=True):
     overwrite: bool = False
     """Whether to replace an existing file."""
     max_size: Annotated[int, Meta(ge=1_000_000, le=1 << 40)] | None = None
-    """Size of a file at which a new file is started [bytes]."""
+    """File size at which a new file is started [bytes]."""
     max_duration: Annotated[float, Meta(ge=1.0, le=1e6)] | None = None
     """Simulated time after which a new file is started [s]."""
     max_files: Annotated[int, Meta(ge=1, le=100_000)] | None = None

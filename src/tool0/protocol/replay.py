@@ -19,7 +19,7 @@ Time = Annotated[float, Meta(ge=0.0, le=1e9)]
 class SeekReplay(Request[None], frozen=True):
     """Show the last snapshot at or before a simulated time.
 
-    Outside the recording, show the nearer end of the recording.
+    For a time outside the recording, show the nearer end of the recording.
     """
 
     time: Time

@@ -1,4 +1,4 @@
-"""The start of a session as plain data, to repeat the session with its journal."""
+"""The initial state of a session as plain data, for repeating the session's journal."""
 
 from __future__ import annotations
 

@@ -36,26 +36,26 @@ class Request(
     """Whether the request is a stop, which overtakes all requests that wait on its
     connection, for a worker thread, or for the tick."""
     revokes: ClassVar[tuple[str, ...]] = ()
-    """Methods that would undo this stop.  These methods apply to requests of the same
-    connection, for the same arm, that were sent before the stop.  If such a request
-    waits, it is refused; if it is in progress, the stop is executed after the
+    """Methods that would undo this stop.  A waiting request with one of these methods
+    is refused if it was sent before the stop, on the same connection and for the same
+    arm.  If such a request is already in progress, the stop is executed after the
     request."""
     is_streamed: ClassVar[bool] = False
     """Whether the requests form streams without replies.  Each request of a stream is
     executed at the next tick, and is not passed through other threads."""
     written_paths: ClassVar[tuple[str, ...]] = ()
-    """Fields with the paths of files or folders on the robot's machine that the request
-    writes."""
+    """Fields with the paths of the files or folders that the request writes on the
+    robot's machine."""
     is_of_connection: ClassVar[bool] = False
     """Whether the request concerns the streams of one connection.  The server answers
     such a request for every backend."""
 
     def read_paths(self) -> tuple[str, ...]:
-        """Return the paths of files on the robot's machine that the request reads."""
+        """Return the paths of files that the request reads on the robot's machine."""
         return ()
 
     def as_done(self) -> Request[Any]:
-        """Return a request with the effect of this request, but without its checks."""
+        """Return a request that has the same effect as this request, but no checks."""
         return self
 
 
@@ -108,7 +108,7 @@ def checked(request: RequestType) -> RequestType:
     """Return ``request`` with plain values, or raise RequestError for an invalid value.
 
     NumPy numbers and arrays are converted to Python values.  Every value is checked
-    against the type and the bounds of its field, like in requests on a connection.
+    against the type and the bounds of its field, as in requests on a connection.
 
     Raises:
         RequestError: If a value has the wrong type, is not finite, or is out of bounds.
@@ -124,7 +124,7 @@ def checked(request: RequestType) -> RequestType:
 
 
 def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
-    """Return ``value`` converted to the type ``kind``, or raise RequestError.
+    """Return ``value`` converted to the type ``kind``; raise RequestError on failure.
 
     Args:
         method: Name of the method with this parameter, for the error message.
@@ -139,7 +139,7 @@ def checked_value(method: str, name: str, value: object, kind: Any) -> Any:
 
 
 def checked_path(method: str, name: str, value: object) -> Path:
-    """Return ``value``, a text or a path, as an absolute path, or raise RequestError.
+    """Return ``value``, a string or a path, as an absolute path, or raise RequestError.
 
     ``~`` is replaced by the user's home folder.
     """
@@ -152,7 +152,7 @@ def checked_path(method: str, name: str, value: object) -> Path:
 
 
 def problem_text(error: Exception) -> str:
-    """Return the text of an error with the type names of Python instead of JSON."""
+    """Return the text of an error, with type names from Python rather than JSON."""
     return str(error).replace("`object", "`mapping").replace("`array", "`list")
 
 
@@ -185,7 +185,7 @@ def plain(value: Any, key: object = None) -> Any:
 
 
 def _encodable(text: str) -> str:
-    """Return a text unchanged, or raise ValueError for unpaired surrogates."""
+    """Return a string unchanged, or raise ValueError if it has unpaired surrogates."""
     if not text.isascii():
         try:
             text.encode()

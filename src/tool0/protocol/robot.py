@@ -44,7 +44,7 @@ class LimitsInfo(Struct, frozen=True, kw_only=True):
 
 
 class SimulationInfo(Struct, frozen=True, kw_only=True):
-    """Properties of a simulation that are constant while a bring-up runs."""
+    """Properties of a simulation that do not change during a bring-up."""
 
     engine: str = ""
     """Name of the physics engine, ``mujoco`` or ``gazebo``; empty if there is no
@@ -87,7 +87,7 @@ class CatalogueRobotInfo(Struct, frozen=True, kw_only=True):
 
 
 class NamespaceInfo(Struct, frozen=True, kw_only=True):
-    """A robot of a cell with a separate namespace in ROS."""
+    """One robot of a cell, with a separate namespace in ROS."""
 
     name: str
     """Name of the robot and of its ROS namespace."""
@@ -117,7 +117,7 @@ class ReadDescription(Request[DescriptionInfo], frozen=True):
 
 
 class ReadInfo(Request[SimulationInfo], frozen=True):
-    """Read the properties of a simulation that are constant during a bring-up."""
+    """Read the properties of a simulation that do not change during a bring-up."""
 
 
 class ReadSnapshot(Request[Snapshot], frozen=True):

@@ -26,7 +26,7 @@ class Step(Request[float], frozen=True):
 class Run(Request[None], frozen=True):
     """Advance simulated time.
 
-    Without real time, simulated time passes only on request.
+    If the simulation does not run in real time, simulated time passes only on request.
     """
 
     duration: Annotated[float, Meta(ge=0.0)]
@@ -63,5 +63,5 @@ class StopMotions(Request[None], frozen=True):
     """Stop every motion without engaging the brakes; no motion resumes automatically.
 
     Goals are PREEMPTED, programs end, and taken arms are released.  The simulation
-    stops all motions automatically after its process was frozen for 1 s or more.
+    stops all motions automatically after its process has been frozen for 1 s or more.
     """

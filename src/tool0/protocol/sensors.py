@@ -45,7 +45,7 @@ class CameraRenderer(Protocol):
     def __iter__(self) -> Iterator[str]: ...
 
     def __getitem__(self, name: str) -> Camera:
-        """Return a camera, or raise RenderError."""
+        """Return a camera; raise RenderError if the camera does not exist."""
 
     def newest(self) -> Snapshot:
         """Return the newest snapshot, for rendering."""
@@ -129,7 +129,7 @@ class ReadForceTorqueRate(WrenchSensorRequest[float], frozen=True):
 
 
 class TareForceTorque(WrenchSensorRequest[None], frozen=True):
-    """Tare the sensor, like UR's ``zero_ftsensor``."""
+    """Tare the sensor, as UR's ``zero_ftsensor`` does."""
 
 
 class ReadForceTorque(WrenchSensorRequest[WrenchReading], frozen=True):

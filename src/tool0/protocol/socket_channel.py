@@ -70,7 +70,7 @@ class SocketChannel:
     """
 
     def __init__(self, name: str = DEFAULT_NAME) -> None:
-        """Connect to a bring-up, or raise TransportError."""
+        """Connect to a bring-up; raise TransportError if this is impossible."""
         self.name = name
         self.when_refused: Callable[[Tool0Error], None] = self._give_up
         """Callback for a failed request without a reply, called in the reader's
@@ -132,7 +132,7 @@ class SocketChannel:
     def submit(
         self, request: Request[R], when_done: Callable[[Callable[[], R]], None]
     ) -> None:
-        """Send a request without waiting; call ``when_done`` when it is answered.
+        """Send a request without waiting; call ``when_done`` after the reply.
 
         ``when_done`` is called in the reader's thread with a function that returns the
         response or raises the handler's error.

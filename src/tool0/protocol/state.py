@@ -90,8 +90,8 @@ class ArmSample(Struct, frozen=True):
     """Time on the last path [s]; this time advances more slowly if the speed is
     scaled."""
     is_done: bool
-    """Whether the path or the stop has ended with the setpoint at rest; false after a
-    failure."""
+    """Whether the path or the deceleration has ended with the setpoint at rest; false
+    after a failure."""
     force_mode: bool
     """Whether force mode is active; the setpoint does not include the resulting
     deviation."""
@@ -136,18 +136,18 @@ class Snapshot(Struct, frozen=True):
     is_stopped: bool = False
     """Whether the emergency stop is engaged."""
     real_time_factor: float = 1.0
-    """Simulated time per wall time, measured over about the last second."""
+    """Ratio of simulated time to wall time, measured over about the last second."""
     overruns: int = 0
-    """Number of ticks since the start that began more than one control period late."""
+    """Number of ticks that have begun more than one control period late since the
+    start."""
     late_ticks: int = 0
-    """Number of ticks in about the last second of wall time that began more than one
-    control period late."""
+    """Number of ticks that began more than one control period late, in about the last
+    second of wall time."""
     fault: str | None = None
-    """Reason why the simulation has stopped until a reset; None if it has not
-    stopped."""
+    """Reason why the simulation is stopped until a reset; None if it is not stopped."""
     speed: float | None = None
-    """Requested simulated time per wall time; None if time passes only on request, as
-    fast as possible."""
+    """Requested ratio of simulated time to wall time; None if time passes only on
+    request, as fast as possible."""
     controller_setpoints: Mapping[str, ControllerSetpoint] = field(default_factory=dict)
     """Setpoint of each running controller, by name; empty in other processes."""
     received_setpoints: Mapping[str, JointSetpoint] = field(default_factory=dict)
@@ -173,8 +173,8 @@ class Snapshot(Struct, frozen=True):
     contacts: tuple[Contact, ...] = ()
     """Contacts with their forces; empty unless a subscriber needs contacts."""
     step: int = 0
-    """Number of control periods since the bring-up, not changed by resets; set only in
-    the simulation's process."""
+    """Number of control periods since the bring-up; a reset does not change this
+    number.  The number is set only in the simulation's process."""
 
     @property
     def positions(self) -> dict[str, float]:
@@ -182,7 +182,7 @@ class Snapshot(Struct, frozen=True):
         return dict(zip(self.joint_names, self.position, strict=True))
 
     def setpoints(self) -> Mapping[str, JointSetpoint]:
-        """Return the setpoint of each joint that a controller moves by position.
+        """Return the setpoint of each joint whose position a controller commands.
 
         The setpoints are computed in the calling thread.
         """
@@ -196,8 +196,8 @@ class Snapshot(Struct, frozen=True):
     def desired_and_target(self, joint: str) -> tuple[float, float] | None:
         """Return the desired and the final position of one joint [rad | m].
 
-        The result is None if no controller moves the joint by position.  This method is
-        much faster than ``setpoints``.
+        The result is None if no controller commands the joint's position.  This method
+        is much faster than ``setpoints``.
         """
         for setpoint in self.controller_setpoints.values():
             wanted = setpoint.desired_and_target(joint)
@@ -208,7 +208,7 @@ class Snapshot(Struct, frozen=True):
 
 
 class ArmSetpoint(NamedTuple):
-    """Commanded motion of an arm at one instant; joints are from base to flange."""
+    """Commanded motion of an arm at one instant, with joints from base to flange."""
 
     positions: Sequence[float]
     """Positions [rad]."""

@@ -56,10 +56,9 @@ class RareChanges(Struct, frozen=True, kw_only=True, omit_defaults=True):
     is_stopped: bool | UnsetType = UNSET
     """Whether the emergency stop is engaged."""
     fault: str | UnsetType | None = UNSET
-    """Reason why the simulation has stopped until a reset; null if it has not
-    stopped."""
+    """Reason why the simulation is stopped until a reset; null if it is not stopped."""
     speed: float | UnsetType | None = UNSET
-    """Requested simulated time per wall time; null if time passes as fast as
+    """Requested ratio of simulated time to wall time; null if time passes as fast as
     possible."""
     stalls: tuple[Stall, ...] | UnsetType = UNSET
     """Joints that push at their effort limit without moving, each as [joint, effort,
@@ -67,12 +66,13 @@ class RareChanges(Struct, frozen=True, kw_only=True, omit_defaults=True):
     gripping: tuple[str, ...] | UnsetType = UNSET
     """Names of the grippers that press on an object from two sides."""
     real_time_factor: float | UnsetType = UNSET
-    """Simulated time per wall time, measured over about the last second."""
+    """Ratio of simulated time to wall time, measured over about the last second."""
     overruns: int | UnsetType = UNSET
-    """Number of ticks since the start that began more than one control period late."""
+    """Number of ticks that have begun more than one control period late since the
+    start."""
     late_ticks: int | UnsetType = UNSET
-    """Number of ticks in about the last second of wall time that began more than one
-    control period late."""
+    """Number of ticks that began more than one control period late, in about the last
+    second of wall time."""
     controllers: tuple[ControllerStatus, ...] | UnsetType = UNSET
     """Status of every loaded controller."""
     control_boxes: tuple[ControlBoxState, ...] | UnsetType = UNSET
@@ -96,7 +96,7 @@ class ControllerMotion(Struct, frozen=True, kw_only=True):
     time_from_start: float
     """Time on the trajectory [s]."""
     speed_scaling: float
-    """Trajectory time per simulated time."""
+    """Ratio of trajectory time to simulated time."""
 
 
 @final
@@ -111,7 +111,7 @@ class StateMessage(RareChanges, frozen=True, kw_only=True, tag="state"):
     tick: int
     """Number of control periods since the start or the last reset."""
     missed: int = 0
-    """Number of states before this state that were lost because the reader was slow."""
+    """Number of states that were lost before this state because the reader was slow."""
     joint_names: tuple[str, ...] | UnsetType = UNSET
     """Names of all movable joints; absent if the names have not changed."""
     position: tuple[float, ...] | UnsetType = UNSET
@@ -121,14 +121,14 @@ class StateMessage(RareChanges, frozen=True, kw_only=True, tag="state"):
     effort: tuple[float, ...] | UnsetType = UNSET
     """Efforts applied during the last step [N·m | N]."""
     desired: tuple[float | None, ...] | UnsetType = UNSET
-    """Position setpoints at this instant [rad | m]; null for joints that no controller
-    moves by position."""
+    """Position setpoints at this instant [rad | m]; null for joints whose position no
+    controller commands."""
     desired_velocity: tuple[float | None, ...] | UnsetType = UNSET
-    """Velocities of the setpoints [rad/s | m/s]; null for joints that no controller
-    moves by position."""
+    """Velocities of the setpoints [rad/s | m/s]; null for joints whose position no
+    controller commands."""
     target: tuple[float | None, ...] | UnsetType = UNSET
-    """End positions of the motions [rad | m]; null for joints that no controller moves
-    by position."""
+    """End positions of the motions [rad | m]; null for joints whose position no
+    controller commands."""
     command: tuple[float, ...] | UnsetType = UNSET
     """The last command of each joint, in the unit of its interface."""
     motions: Mapping[str, ControllerMotion] | UnsetType = UNSET

@@ -70,7 +70,7 @@ class ViewShown(Request[None], frozen=True):
 
 @final
 class LogMessage(Struct, frozen=True, kw_only=True, tag="log"):
-    """A warning or an error of the simulation for users."""
+    """A warning or an error message from the simulation, for users."""
 
     level: Literal["warning", "error"]
     message: str

@@ -75,7 +75,7 @@ class TrajectoryState:
     """Error: ``desired`` minus ``actual``.  For a continuous joint, the error is the
     shortest angular distance."""
     speed_scaling: float = 1.0
-    """Speed scaling: trajectory time per simulated time."""
+    """Speed scaling: ratio of trajectory time to simulated time."""
 
 
 _set = object.__setattr__  # sets the fields of frozen instances
@@ -116,7 +116,7 @@ class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
 
 
 class FollowTrajectory(_OfTrajectory[GoalStarted], frozen=True):
-    """Send a trajectory as a goal, like the action of ROS.
+    """Send a trajectory as a goal, as an action client in ROS does.
 
     An empty trajectory stops the motion.
     """
@@ -149,4 +149,4 @@ class ScaleTrajectory(Request[None], frozen=True):
 
     controller: Name
     factor: Annotated[float, Meta(ge=0.0)]
-    """Trajectory time per simulated time; 0 pauses the trajectory."""
+    """Ratio of trajectory time to simulated time; 0 pauses the trajectory."""

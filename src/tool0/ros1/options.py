@@ -23,7 +23,8 @@ class Ros1Options:
     roscore: bool = False
     """Start a roscore if none is running."""
     ns: str = ""
-    """Namespace of all names, such as robot1, for several robots on one roscore."""
+    """Namespace of all ROS names, such as robot1, to separate several robots that share
+    one roscore."""
     tf_pub_rate: float = 125.0
     """Rate of the transforms, in simulated time [Hz]."""
     camera_rate: float = 10.0

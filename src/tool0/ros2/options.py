@@ -20,9 +20,11 @@ class Ros2Options:
     """ROS 2."""
 
     ns: str = ""
-    """Namespace of all names, such as robot1, for several robots in one domain."""
+    """Namespace of all ROS names, such as robot1, to separate several robots in one
+    domain."""
     domain: int | None = None
-    """ROS_DOMAIN_ID; None to use the environment variable of this name."""
+    """ROS domain ID; None selects the value of the environment variable
+    ROS_DOMAIN_ID."""
     tf_rate: float = 50.0
     """Rate of the transforms, in simulated time [Hz]."""
     camera_rate: float = 10.0

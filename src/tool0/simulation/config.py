@@ -30,17 +30,17 @@ class ControlConfig:
     stopped_controllers: Names | None = None
     """Names of the controllers to load but not start."""
     gripper_action: bool = False
-    """Drive built-in grippers with a GripperActionController instead of a
-    JointTrajectoryController.  Goals of a GripperActionController are positions of the
-    driven joint."""
+    """Control built-in grippers with a GripperActionController instead of a
+    JointTrajectoryController.  The goal of a GripperActionController is a position of
+    the driven joint."""
     initial_pose: str | Mapping[str, float] | None = None
     """A named pose (built-in or saved), or positions by joint [rad | m].  Joints
-    without a position start at their positions in the pose home, or near zero if the
-    robot has no such pose."""
+    without a position start at their positions in the pose `home`, or near zero if the
+    robot has no pose of this name."""
     control_period: float | None = None
     """Simulated time between controller updates [s].  By default, the `update_rate` of
     the ROS 2 controllers determines the time between updates; without an `update_rate`,
-    the time equals dt."""
+    this time is the length of a physics step."""
 
 
 @final
@@ -73,10 +73,10 @@ class SimulationConfig:
     """Attach a gripped object to the gripper until the gripper opens, regardless of
     friction and force."""
     allow_penetration: bool = False
-    """Start even if a link penetrates the ground, an object or another link in the
-    initial pose.  The physics engine then pushes the bodies apart with large forces."""
+    """Start even if, in the initial pose, a link penetrates the ground, an object or
+    another link.  The physics engine then pushes the bodies apart with large forces."""
     realtime: bool = True
-    """Synchronize simulated time with the wall clock.  If the option is off, the
+    """Synchronize simulated time with the wall clock.  If this option is off, the
     simulation runs as fast as possible; in Python, time then advances only in ``run``
     and ``wait``."""
     speed: float = 1.0

@@ -1,1 +1,1 @@
-"""The tasks of ``tool0 demo``, written only with the public Python API."""
+"""The tasks of ``tool0 demo``, which use only the public Python API."""

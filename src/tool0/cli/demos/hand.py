@@ -36,7 +36,7 @@ RELEASE = 0.04
 
 @final
 class TaskFailure(Exception):  # noqa: N818  # of the task, not of a program
-    """Failure of a task; the message is the reason for the report."""
+    """Failure of a task; the report contains the message as the reason."""
 
 
 @final
@@ -71,7 +71,7 @@ class Hand:
         monitor: GraspMonitor,
         name: str | None = None,
     ) -> None:
-        """Select the arm and the gripper called ``name``, or the only ones.
+        """Select the arm and gripper ``name``, or the robot's only arm and gripper.
 
         Raises:
             ControlError: If the arm or the gripper does not exist, or if the gripper
@@ -116,14 +116,14 @@ class Hand:
             )
 
     def move_to(self, pose: Transform, tool: Transform) -> None:
-        """Move ``tool``, a frame fixed in the flange, to a pose in the root.
+        """Move ``tool``, a frame fixed to the flange, to a pose in the root frame.
 
         If the direct path is blocked, the tool moves around the obstacles.
         """
         self.finish(self._or_around(lambda: self.start(pose, tool), pose, tool))
 
     def start(self, pose: Transform, tool: Transform) -> GoalHandle:
-        """Start to move ``tool``, a frame fixed in the flange, to a pose."""
+        """Start to move ``tool``, a frame fixed to the flange, to a pose."""
         return self.arm.move_to(pose, tool=tool, speed=self.options.speed)
 
     def go_around(

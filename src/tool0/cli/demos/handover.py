@@ -214,7 +214,7 @@ class _Handover:
         return width
 
     def _nearest_way(self, give_tool: Transform, take_tool: Transform) -> _Way:
-        """Return the frames with the smallest joint motion, or raise TaskFailure."""
+        """Return the frames with the least joint motion, or raise TaskFailure."""
         best: tuple[float, _Way] | None = None
         refused: ModelError | None = None
         for way in self._ways():

@@ -80,7 +80,7 @@ class Picker:
         return self._grasp.width
 
     def take(self) -> None:
-        """Move to the object, grip it and lift it, or raise TaskFailure."""
+        """Move to the object, grip it and lift it; a failed step raises TaskFailure."""
         hand, monitor, lift = self.hand, self._monitor, self.hand.options.lift
         x, y, _ = self._grasps[0].pose.position
         self._grasp = hand.nearest((x, y, self._height + lift), self._grasps)
@@ -103,7 +103,7 @@ class Picker:
         hand.check_hold()
 
     def put(self, into: Bin) -> None:
-        """Carry the object to a bin and release it, or raise TaskFailure."""
+        """Carry the object to a bin and release it; a failure raises TaskFailure."""
         self.hand.put(into, self._grasps, self._height - self._floor + DROP)
 
 
@@ -137,7 +137,7 @@ def pick_and_place(
 
 
 class Picking(Protocol):
-    """Picker of an object that also measures the grip."""
+    """Picks and places an object, and measures the grip."""
 
     hand: Hand
     width: float | None
@@ -147,10 +147,10 @@ class Picking(Protocol):
     """Force of a pad on the object at the beginning of the lift [N]."""
 
     def take(self) -> None:
-        """Grip the object and lift it, or raise TaskFailure."""
+        """Grip the object and lift it; a failed step raises TaskFailure."""
 
     def put(self, into: Bin) -> None:
-        """Carry the object to a bin and release it, or raise TaskFailure."""
+        """Carry the object to a bin and release it; a failure raises TaskFailure."""
 
 
 def pick_into(

@@ -98,7 +98,7 @@ class Demo:
 
 
 def pick_demo(cube: Cube, options: PickOptions, description: DescriptionConfig) -> Demo:
-    """Return the demo of picks from a table; the robot has one arm and one gripper."""
+    """Return the demo for picks from a table; the robot has one arm and one gripper."""
     table = PickTable(scale=_scale(description))
     options = replace(options, lift=table.lift)
     return Demo(
@@ -117,7 +117,7 @@ def shelf_demo(
     description: DescriptionConfig,
     second: str | None,
 ) -> Demo:
-    """Return the demo of picks from a shelf around obstacles.
+    """Return the demo for picks from a shelf, with obstacles.
 
     ``second`` is the second robot, as ARM+GRIPPER.
 
@@ -146,7 +146,7 @@ def shelf_demo(
 
 
 def handover_demo(cube: Cube, options: PickOptions, giver: str, taker: str) -> Demo:
-    """Return the demo of handovers between two robots, each as ``ARM+GRIPPER``.
+    """Return the demo for handovers between two robots, each given as ``ARM+GRIPPER``.
 
     Raises:
         ConfigError: If the giver or the taker does not have this form.

@@ -166,7 +166,7 @@ class ShelfPicker:
         self.force: float | None = None
 
     def take(self) -> None:
-        """Move to the shelf, grip the object and take it out, or raise TaskFailure."""
+        """Take the object out of the shelf; a failed step raises TaskFailure."""
         hand, monitor = self.hand, self._monitor
         monitor.begin("approaching")
         opening = hand.open()
@@ -187,7 +187,7 @@ class ShelfPicker:
         hand.check_hold()
 
     def put(self, into: Bin) -> None:
-        """Carry the object to a bin and release it, or raise TaskFailure."""
+        """Carry the object to a bin and release it; a failure raises TaskFailure."""
         hand, height = self.hand, self._below + DROP
         x, y, bottom = into.center
         above = (x, y, bottom + height + hand.options.lift)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 RETURN_TIMEOUT = 20.0
 """Longest duration of the return motion between two picks [simulated s]."""
 SETTLE = 0.3
-"""Time for an object to come to rest after it was placed [simulated s]."""
+"""Time for an object to come to rest after it is placed [simulated s]."""
 
 
 @final
@@ -42,7 +42,7 @@ class DemoReport:
 
     @property
     def n_succeeded(self) -> int:
-        """Number of objects that ended in the bin."""
+        """Number of objects that ended up in the bin."""
         return sum(pick.success for pick in self.picks)
 
     def to_json(self) -> dict[str, object]:
@@ -83,15 +83,15 @@ def run_trials(
     Args:
         robot: A robot with one or several arms and grippers.
         item: The object, which is put back on the table between picks.
-        task: Picks the object, such as ``pick_and_place``.
+        task: Function that picks the object, such as ``pick_and_place``.
         poses: The start poses of the object; for None, the object is not moved.
         n_picks: Number of picks to perform.
         on_snapshot: Called with each snapshot between the picks.
         on_pick: Called after each pick.
 
     Raises:
-        ControlError: If ``task`` raises it, or if the emergency stop is engaged between
-            two picks.
+        ControlError: If ``task`` raises this error, or if the emergency stop is engaged
+            between two picks.
         EngineError: If the physics fails.
     """
     wall_start, sim_start = time.perf_counter(), robot.time

@@ -64,7 +64,7 @@ def socket_path(folder: Path, name: str) -> Path:
 
 
 def insecurity(folder: Path) -> str | None:
-    """Return why other users could create a socket in ``folder``, or None.
+    """Return why other users could create a socket in ``folder``; None if they cannot.
 
     Raises:
         OSError: If the folder does not exist.
