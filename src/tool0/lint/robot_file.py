@@ -107,7 +107,7 @@ def read_robot(
             name = "nothing" if root is None else f"<{root.tagName}>"
             wrong = Tool0Error(f"begins with {name}, and no <robot>")
             return ParsedRobot(None, (finding_of(wrong, "no-robot", file),))
-        # a .srdf.xacro file contains groups of joints, and no robot
+        # a .srdf.xacro file contains groups of joints, but no robot
         if file.name.endswith(".srdf.xacro"):
             return ParsedRobot(None, ())
         findings = (

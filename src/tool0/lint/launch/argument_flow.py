@@ -49,10 +49,10 @@ class _Use:
     location: SourceLocation
     is_off: bool = False
     argument: tuple[LaunchFile, str] | None = None
-    """An argument of this file or of an included file, with the arguments in ``names``
-    in its value."""
+    """The argument of this file or of an included file whose value contains the
+    arguments in ``names``."""
     xacro: tuple[Parameter, str] | None = None
-    """An argument of xacro, with the arguments in ``names`` in its value."""
+    """The argument of xacro whose value contains the arguments in ``names``."""
 
 
 @final
@@ -274,7 +274,7 @@ class _FlowExplainer:
     def _uses(
         self, launch: LaunchFile, name: str, path: tuple[tuple[int, str], ...]
     ) -> Iterator[Item]:
-        """Yield the uses of an argument, with the uses of arguments that it sets."""
+        """Yield the uses of an argument, including uses through other arguments."""
         here = (id(launch), name)
         if here in path:
             return
