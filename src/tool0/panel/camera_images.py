@@ -28,8 +28,8 @@ images."""
 _THREADS: Final = 4
 """Number of threads that encode images or wait for the rendering thread."""
 _LEVEL: Final = 1
-"""Compression level of zlib, which needs a quarter of the time of the default level and
-results in 1.5 times the size."""
+"""Compression level of zlib.  This level takes a quarter of the time of the default
+level, and the images are 1.5 times as large."""
 
 
 @final
