@@ -73,7 +73,7 @@ class XacroSource:
     """Absolute paths of the files that the file includes, whatever its arguments
     are."""
     needs: tuple[str, ...]
-    """Arguments that have no default value, or an empty default value, where they are
+    """Arguments with no default value, or an empty one, at the place where they are
     used."""
 
 

@@ -56,7 +56,7 @@ class _Rendering:
 
 @final
 class CameraImages:
-    """Renderer of images in threads, used only in the server's event loop."""
+    """Renders images in threads; its methods are called only in the event loop."""
 
     def __init__(self, cameras: CameraRenderer) -> None:
         self._cameras = cameras

@@ -211,8 +211,8 @@ def argument_flow(
     """Return an item for each file that has arguments, with their uses in the file.
 
     For an included file, the item lists only arguments whose values do not come from an
-    argument of another file.  Each remaining argument appears on the path that starts
-    at the argument from which its value comes.
+    argument of another file.  Every other argument is listed below the argument from
+    which its value comes.
 
     Args:
         launch: The launch file.
