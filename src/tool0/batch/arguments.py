@@ -25,7 +25,7 @@ def are_finite(values: Array) -> bool:
 
 
 def chosen(values: NDArray[Scalar], rows: Indices) -> NDArray[Scalar]:
-    """Return the rows of ``values``, shape (n, …); it is not copied if all are chosen.
+    """Return rows of ``values``, shape (n, …), without a copy if all rows are chosen.
 
     ``rows`` are distinct, increasing numbers of copies.
     """

@@ -290,12 +290,12 @@ def changed_object(item: SceneObject, field: ObjectField, value: Any) -> SceneOb
 
 
 def needs_cpu(what: str, device: str) -> ControlError:
-    """Return the error for ``what``, which only the CPU supports."""
+    """Return the error for a feature ``what`` that only the CPU supports."""
     return ControlError(f"{what} works with device='cpu' only; this is '{device}'")
 
 
 def needs_gpu(what: str) -> ControlError:
-    """Return the error for ``what``, which only a Warp device supports."""
+    """Return the error for a feature ``what`` that only a Warp device supports."""
     return ControlError(f"{what} works on a GPU only, with device='cuda'")
 
 

@@ -261,7 +261,7 @@ class Commands:
             executor.command_gripper(name, target, effort, bound)
 
     def _limited(self, names: Sequence[str]) -> list[Joint]:
-        """Return the joints, with the limits of their drives as limits."""
+        """Return the joints, with their limits replaced by the limits of the drives."""
         limits = self._limits
         return [
             replace(joint, limits=limits.get(joint.name, joint.limits))

@@ -37,12 +37,12 @@ class Contacts:
     """Mean of the contact points in the root frame, weighted by their normal forces
     [m], shape (m, 3)."""
     normal: Array
-    """Mean normal of the contact points from ``first`` to ``second``, weighted by their
-    normal forces, shape (m, 3).  The length of the normal is 1, or 0 where one body is
-    clamped between two sides of the other body."""
+    """Mean of the contact normals, which point from ``first`` to ``second``, weighted
+    by the normal forces, shape (m, 3).  The length of the normal is 1, or 0 where one
+    body is clamped between two sides of the other body."""
     distance: Array
-    """Least distance between the surfaces [m], shape (m,); it is negative if they
-    overlap."""
+    """Smallest distance between the surfaces [m], shape (m,), which is negative if the
+    surfaces overlap."""
     force: Array
     """Force that ``first`` exerts on ``second`` [N], shape (m, 3)."""
     torque: Array

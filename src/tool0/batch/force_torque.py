@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 class BatchForceTorque:
     """Sensor of the wrench that the tool exerts on its carrying link in each copy.
 
-    The sensor measures like ``robot.force_torque``: force [N] and torque [N·m] include
-    the tool's weight, inertia and contacts.  Force and torque are given at the origin
-    and in the axes of the link.  The sensor uses no computing time until the first
-    reading starts it.  The samples of each copy are timed by the clock of the copy: A
-    sample is taken when the sensor starts, when the copy is reset, and every ``1 /
-    rate`` seconds after these events.
+    As with ``robot.force_torque``, the measured force [N] and torque [N·m] include the
+    effects of the tool's weight, inertia and contacts.  Force and torque are given at
+    the origin and in the axes of the link.  The sensor uses no computing time until the
+    first reading starts it.  The samples of each copy are timed by the clock of the
+    copy: A sample is taken when the sensor starts, when the copy is reset, and every
+    ``1 / rate`` seconds after these events.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class BatchForceTorque:
         alone: OneThread,
         changing: OneThread,
     ) -> None:
-        """Measure at a link, given the link's or a sensor's name.
+        """Create the sensor at a link, given the name of the link or of a sensor.
 
         See ``measured_link``.
 
@@ -84,7 +84,7 @@ class BatchForceTorque:
         return kind.rate
 
     def stop(self) -> None:
-        """Stop sampling and discard the tare; it may be stopped more than once."""
+        """Stop sampling and discard the tare; further calls have no effect."""
         with self._changing:
             self._stop()
 

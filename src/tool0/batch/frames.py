@@ -17,7 +17,7 @@ from tool0.description.transform_arrays import Array, Frames
 class GripperFrames:
     """The frame midway between the pads of one gripper, for n copies.
 
-    Like in ``Gripper.tcp``, the y axis points from one pad to the other, and the z axis
+    As in ``Gripper.tcp``, the y axis points from one pad to the other, and the z axis
     points away from the gripper.
     """
 
@@ -33,8 +33,7 @@ class GripperFrames:
     def poses(self, position: Mapping[str, Array], n: int) -> Frames:
         """Return the frame in the root frame, at measured joint positions (n,)."""
         q = position[self._gripper.joint]
-        # The fingers are assumed to follow their drive exactly, like in
-        # ``Gripper.tcp``.
+        # The fingers are assumed to follow their drive exactly, as in ``Gripper.tcp``.
         fingers = {self._gripper.joint: self._within_range(q)}
         poses = self._fingers.poses(fingers, n)
         to_carrier = poses[self._flange].inverse()

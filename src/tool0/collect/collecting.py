@@ -1,4 +1,4 @@
-"""Schedule of a collection, which distributes chunks and stores finished episodes."""
+"""Scheduler that distributes the chunks of a collection and stores the episodes."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ _WINDOW: Final = 4
 """Largest number of chunks per worker in the range from the first missing chunk to the
 last submitted chunk."""
 _SHARES: Final = 8
-"""Largest number of chunks per worker, unless each copy would get less than one episode
-per chunk."""
+"""Largest number of chunks per worker.  The number is smaller if each copy would
+otherwise get less than one episode per chunk."""
 _ATTEMPTS: Final = 3
-"""Number of workers that must end during the same chunk for the collection to fail."""
+"""The collection fails after this many workers have ended during the same chunk."""
 _POLL: Final = 0.5
 """Interval between progress reports [wall s]."""
 

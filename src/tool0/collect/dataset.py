@@ -134,7 +134,7 @@ class Dataset:
             _part(path).replace(path)
         for folder in {path.parent for path in files}:
             _flush_folder(folder)
-            _flush_folder(folder.parent)  # its parent may contain a new folder
+            _flush_folder(folder.parent)  # the parent may contain a new folder
         lines = "".join(f"{json.dumps(row)}\n" for row in rows)
         with (self._folder / EPISODES).open("ab") as stream:
             stream.write(lines.encode())

@@ -3,7 +3,7 @@
 The state consists of the positions of the driven joints, followed by the velocities of
 these joints.  The action is the position that is commanded at the next frame.  No
 setpoint is recorded for joints that follow a stream, so the action of these joints is
-the measured position at the next frame.  The poses of objects are the environment
+the measured position at the next frame.  The poses of objects form the environment
 state.  Images are rendered from the snapshots.
 """
 

@@ -1,7 +1,7 @@
 """LeRobot data sets in version 3.0, with files of episodes and descriptions.
 
-The format is the format of lerobot 0.6.1 (lerobot/datasets/utils.py, feature_utils.py
-and dataset_metadata.py, https://github.com/huggingface/lerobot).  Each episode has a
+The format is that of lerobot 0.6.1 (lerobot/datasets/utils.py, feature_utils.py and
+dataset_metadata.py, https://github.com/huggingface/lerobot).  Each episode has a
 separate file.  The file also contains the features and statistics of the episode, so
 the descriptions in the folder ``meta`` can be generated from these files alone.
 """

@@ -79,7 +79,7 @@ class LocalWorkers:
         process.chunks.append(chunk)
         assert process.connection is not None
         message = framed(json.dumps([chunk.first, chunk.end]).encode())
-        with contextlib.suppress(OSError):  # `finished` detects that it has ended
+        with contextlib.suppress(OSError):  # `finished` detects the end of a process
             process.connection.sendall(message)
 
     def finished(self, timeout: float) -> Sequence[Finished]:

@@ -34,8 +34,8 @@ LOCAL: Final = "local"
 _CONNECT_TIMEOUT: Final = 5.0
 """Longest wait for a connection to the cluster [wall s]."""
 _ANSWER_TIMEOUT: Final = 30.0
-"""Longest wait for the cluster's answer [wall s], for which the cluster must start a
-Python process."""
+"""Longest wait for the cluster's answer [wall s].  The cluster must start a Python
+process before it can answer."""
 _START_TIMEOUT: Final = 120.0
 """Longest start-up time of a local Ray instance, and longest time without a ready
 worker [wall s].  On a busy machine, Ray's twelve processes start slowly."""

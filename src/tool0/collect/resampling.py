@@ -74,8 +74,8 @@ class Resampled:
         """Return values at each time, interpolated linearly between snapshots.
 
         Args:
-            values: Values of each snapshot, shape (n, m).  The result between NaN and a
-                number is NaN.
+            values: Values of each snapshot, shape (n, m).  Interpolation between NaN
+                and a number gives NaN.
         """
         return self._interpolated(values[self._rows])
 

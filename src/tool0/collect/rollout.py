@@ -36,8 +36,8 @@ class Episode:
     rate: float
     """Actions per simulated second [Hz]."""
     names: Mapping[str, Sequence[str]] = field(default_factory=dict)
-    """Names of the components by name of the observation, or by ``action``, if the
-    components have names."""
+    """Names of the components, if they have names; the key is the name of the
+    observation, or ``action``."""
     surroundings: frozenset[str] = frozenset()
     """Names of the components that describe the surroundings of the robot."""
 
@@ -131,7 +131,7 @@ class Rollout(AbstractContextManager["Rollout"]):
                     yield self._named(episode)
 
     def _named(self, episode: Episode) -> Episode:
-        """Return an episode with the environment's names of the components."""
+        """Return the episode with the component names that the environment defines."""
         if self._names is None:
             return episode
         return replace(

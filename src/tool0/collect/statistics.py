@@ -17,8 +17,9 @@ from tool0.collect.parquet import Array, is_image
 
 Numbers = NDArray[np.float64]
 Statistics = dict[str, Array]
-"""Values of each statistic by name.  A statistic has one value per component or, scaled
-to 0 … 1, per color.  ``count`` is the number of frames."""
+"""Values of each statistic by name.  A statistic has one value per component or, for
+images, one value per color channel, scaled to 0 … 1.  ``count`` is the number of
+frames."""
 
 _QUANTILES: Final = {"q01": 0.01, "q10": 0.1, "q50": 0.5, "q90": 0.9, "q99": 0.99}
 NAMES: Final = ("min", "max", "mean", "std", "count", *_QUANTILES)
@@ -42,8 +43,8 @@ def statistics(values: Array) -> Statistics:
 def combined(parts: Mapping[str, Array]) -> Statistics:
     """Return the combined statistics of several parts.
 
-    Like in LeRobot, a combined quantile is the mean of the parts' quantiles, weighted
-    by their numbers of frames.
+    As in LeRobot, a combined quantile is the mean of the parts' quantiles, weighted by
+    their numbers of frames.
 
     Args:
         parts: Values of each statistic for k parts, shape (k, …), by name of the

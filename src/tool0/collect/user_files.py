@@ -43,7 +43,7 @@ def run_file(name: str, digest: str, what: str) -> dict[str, Any]:
     if hashlib.sha256(text).hexdigest() != digest:
         raise ConfigError(f"{what} '{name}' has changed, or differs between machines")
     if (folder := str(Path(place).parent)) not in sys.path:
-        sys.path.append(folder)  # for modules beside the file
+        sys.path.append(folder)  # for modules in the folder of the file
     values = {"__name__": Path(place).stem, "__file__": place}
     exec(compile(text, place, "exec"), values)
     return values

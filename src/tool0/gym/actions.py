@@ -28,7 +28,7 @@ LEAD = 0.25
 """Largest distance between a joint's target and its measured position, which limits the
 targets of blocked joints [rad]."""
 MARGIN = 0.02
-"""Least distance between a target and the joint limits [rad]."""
+"""Smallest distance between a target and the joint limits [rad]."""
 NAMES = {
     "joint": (),
     "cartesian": ("x", "y", "z", "yaw"),

@@ -17,7 +17,8 @@ from tool0.kinematics.chain import Array
 GRIP_FORCE = 60.0
 """Grip force at each pad [N], clamped to the force range of the gripper."""
 DEADBAND = 0.02
-"""Least change of a gripper's target that is commanded, as a fraction of its stroke."""
+"""Smallest change of a gripper's target that is commanded, as a fraction of the
+stroke."""
 
 
 @final
@@ -51,7 +52,10 @@ class ArmCopies:
         self._last_opening = other._last_opening.copy()
 
     def put(self, position: Array, q: Array) -> None:
-        """Write ``q`` [rad], (…, 6), and an open gripper into ``position``, (…, k)."""
+        """Write ``q`` [rad] and the position of an open gripper into ``position``.
+
+        ``q`` has the shape (…, 6), and ``position`` has the shape (…, k).
+        """
         position[..., self._joints] = q
         position[..., self._drive] = self.space.gripper.position(
             self.space.gripper.max_opening

@@ -28,7 +28,8 @@ def finite(values: Array) -> Array:
 def reading(diverged: NDArray[np.bool_]) -> Callable[[Array], Array]:
     """Return a function that copies measurements of all copies.
 
-    It is ``finite`` if a copy has diverged; otherwise, all measurements are finite.
+    If a copy has diverged, the function is ``finite``; otherwise, all measurements are
+    already finite.
     """
     return finite if np.count_nonzero(diverged) else np.ndarray.copy
 

@@ -1,4 +1,4 @@
-"""Checks the functions of a user's task once, before its first use."""
+"""Checks the functions of a user's task once, before the task is first used."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ CUBE, LOWER = "cube", "lower_cube"
 REACHED = 0.02
 """Distance from the goal below which a TCP has reached the goal [m]."""
 LIFTED = 0.08
-"""Least height of a lifted cube above its initial height [m]."""
+"""Minimum height of a lifted cube above its initial height [m]."""
 PUSHED = 0.03
 """Distance from the goal below which a pushed cube has reached the goal [m]."""
 ON_LOWER = 0.4
@@ -29,10 +29,10 @@ smallest cube."""
 LEVEL = 0.006
 """Largest height error of a cube at rest [m]."""
 RELEASED = 0.006
-"""Excess of the gripper's opening over the cube's edge above which the cube is released
-[m]."""
+"""The cube is released when the gripper's opening exceeds the cube's edge by more than
+this length [m]."""
 APART = 0.13
-"""Least distance between two cubes at the start [m].  The open gripper fits between
+"""Minimum distance between two cubes at the start [m].  The open gripper fits between
 cubes at this distance."""
 SLIDING = 0.4
 """Friction coefficient of a cube that is pushed.  With a coefficient of 1, the cube
@@ -276,7 +276,7 @@ def _place_and_release(state: State, space: Workspace) -> Array:
 
 
 def _same(achieved: Array, desired: Array) -> Mask:
-    """Return whether the object is released, or the goal does not require a release."""
+    """Return True where the object is released or the goal requires no release."""
     return np.asarray(achieved[..., 3] >= desired[..., 3])
 
 

@@ -110,7 +110,7 @@ class TaskEnv(gymnasium.Env[Any, Any]):
         return None if self.render_mode is None else self.copies.image(0)
 
     def close(self) -> None:
-        """End the simulation; it may be closed more than once."""
+        """End the simulation; further calls have no effect."""
         if hasattr(self, "copies"):
             self.copies.batch.close()
 

@@ -84,7 +84,7 @@ class Cube(NamedTuple):
 def folded(angle: Array, turns: int) -> Array:
     """Return the smallest equivalent angle for a ``turns``-fold symmetric object.
 
-    Angles [rad] have any shape; results are within ±π / ``turns``.
+    ``angle`` [rad] may have any shape; the results are within ±π / ``turns``.
     """
     part = 2.0 * np.pi / turns
     return np.asarray(np.remainder(angle + part / 2.0, part) - part / 2.0)

@@ -37,7 +37,7 @@ class NumberNames:
 
 @final
 class Observer:
-    """Maker of observations, with numbers as float64 and RGB images as uint8."""
+    """Makes observations, in which numbers are float64 and RGB images are uint8."""
 
     def __init__(self, copies: Copies) -> None:
         self._copies = copies

@@ -22,7 +22,7 @@ def register(
     """Register your own task for ``gymnasium.make`` and ``gymnasium.make_vec``.
 
     If a module registers its tasks when it is imported, the name of the module can
-    precede the id, such as in ``gymnasium.make("my_module:MyTask-v0")``.
+    precede the id, as in ``gymnasium.make("my_module:MyTask-v0")``.
 
     Args:
         env_id: Id of the environment, such as ``MyTask-v0`` or ``my_lab/MyTask-v0``.

@@ -76,7 +76,10 @@ class Sizes:
         3)."""
 
     def draw(self, rng: np.random.Generator) -> Array:
-        """Return random size factors of all objects, (k,); constant sizes have 1."""
+        """Return random size factors of all objects, (k,).
+
+        The factor of an object of constant size is 1.
+        """
         factors = np.ones(len(self._own))
         if self.names:
             factors[[*self._resized]] = rng.uniform(*self._ranges.T)
@@ -93,7 +96,7 @@ class Sizes:
             batch.set_size(name, size if own.size > 1 else size[:, 0], which)
 
     def risen(self, places: Array) -> Array:
-        """Return places (n, k, 3) [m] that keep the height of the objects' bottoms."""
+        """Return places (n, k, 3) [m] that keep the heights of the objects' bottoms."""
         if not self.names:
             return places
         higher = (self.extents - self._own)[..., 2] / 2.0

@@ -178,8 +178,8 @@ class Task(abc.ABC):
     instruction: str = ""
     """Description of the task as an instruction to a robot."""
     objects: tuple[str, ...] = ()
-    """Names of the objects that a start places, in the order of ``State``.  The objects
-    are movable, or remain fixed at their places."""
+    """Names of the objects that a start places, in the order of ``State``.  Each object
+    is either movable or fixed at its place."""
     goal_names: tuple[str, ...] = ()
     """Names of the columns of a goal."""
     arms: tuple[str, ...] = ()

@@ -35,7 +35,7 @@ FINE, FINE_GAIN = 0.003, 0.3
 """Distance to the target below which a held object is moved more slowly [m], and
 fraction of the remaining distance that is commanded per step."""
 BEGUN = 0.0003
-"""Least commanded downward motion of an object that is being lowered [m]."""
+"""Smallest commanded downward motion of an object that is being lowered [m]."""
 PUSH_OPENING = 0.4
 """Opening of the gripper during a push, as a fraction of the cube's edge.  Two separate
 fingers prevent the cube from turning."""

@@ -45,7 +45,7 @@ CUBE_MASS, CUBE_FRICTION = 0.1, 1.0
 """Mass [kg] and coefficient of friction of a cube, unless these values are
 randomized."""
 HOVER = 0.02
-"""Least clearance between the fingertips and the cubes below them [m]."""
+"""Minimum clearance between the fingertips and the cubes below them [m]."""
 RUN_UP = 0.03
 """Clearance between a cube's nearest corner and a tool that moves down to push the cube
 [m]."""
@@ -198,7 +198,7 @@ class Workspace:
 
     @property
     def lowest(self) -> float:
-        """Least height of the TCP at which the fingertips clear the table [m]."""
+        """Minimum height of the TCP at which the fingertips clear the table [m]."""
         return TABLE_TOP + self.reach + CLEARANCE
 
     @property

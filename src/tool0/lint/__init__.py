@@ -1,1 +1,1 @@
-"""Finds faults in launch files, robots, controllers and packages before their use."""
+"""Finds faults in launch files, robots, controllers and packages before use."""

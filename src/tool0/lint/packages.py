@@ -88,7 +88,7 @@ class PackageIndex:
         return near if is_meant else None
 
     def unknown(self, name: str, user: str, location: SourceLocation) -> Finding:
-        """Return the finding that ``user`` needs a package that does not exist."""
+        """Return a finding that reports that ``user`` needs a missing package."""
         near = self.nearest(name)
         is_name = _NAME.fullmatch(name) is not None
         message = f"{user} names no package: '{short(name)}' is not a valid name"

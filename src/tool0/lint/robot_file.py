@@ -73,7 +73,7 @@ class XacroSource:
     """Absolute paths of the files that the file includes, whatever its arguments
     are."""
     needs: tuple[str, ...]
-    """Arguments that have no default value, or an empty default value, where they are
+    """Arguments with no default value, or an empty one, at the place where they are
     used."""
 
 
@@ -107,7 +107,7 @@ def read_robot(
             name = "nothing" if root is None else f"<{root.tagName}>"
             wrong = Tool0Error(f"begins with {name}, and no <robot>")
             return ParsedRobot(None, (finding_of(wrong, "no-robot", file),))
-        # a .srdf.xacro file contains groups of joints, and no robot
+        # a .srdf.xacro file contains groups of joints, but no robot
         if file.name.endswith(".srdf.xacro"):
             return ParsedRobot(None, ())
         findings = (

@@ -15,8 +15,8 @@ from tool0.description.packages import package_name
 from tool0.errors import ConfigError, SourceLocation
 
 LARGEST = 5_000_000
-"""Size of the largest file that is read [bytes].  Typical descriptions have a hundredth
-of this size."""
+"""Size of the largest file that is read [bytes].  Typical descriptions are a hundred
+times smaller."""
 _NOT_SOURCES = ("build", "devel", "install", "log", "logs", "node_modules")
 _IGNORED = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 _LAUNCHES = "def generate_launch_description("

@@ -28,8 +28,8 @@ images."""
 _THREADS: Final = 4
 """Number of threads that encode images or wait for the rendering thread."""
 _LEVEL: Final = 1
-"""Compression level of zlib, which needs a quarter of the time of the default level and
-results in 1.5 times the size."""
+"""Compression level of zlib.  This level takes a quarter of the time of the default
+level, and the images are 1.5 times as large."""
 
 
 @final
@@ -56,7 +56,7 @@ class _Rendering:
 
 @final
 class CameraImages:
-    """Renderer of images in threads, used only in the server's event loop."""
+    """Renders images in threads; its methods are called only in the event loop."""
 
     def __init__(self, cameras: CameraRenderer) -> None:
         self._cameras = cameras

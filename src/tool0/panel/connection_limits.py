@@ -70,7 +70,7 @@ class Visitor:
             self._idle_since = asyncio.get_running_loop().time()
 
     def is_idle(self) -> bool:
-        """Return whether the connection has been idle longer than ``IDLE_AFTER``."""
+        """Return whether the connection was idle for longer than ``IDLE_AFTER``."""
         age = asyncio.get_running_loop().time() - self._idle_since
         is_read = not self.transport.get_write_buffer_size()
         return not self.is_answered and is_read and age > IDLE_AFTER

@@ -48,7 +48,7 @@ class LastRecording:
         return file if file.is_file() else None
 
     async def replay(self, file: Path) -> str:
-        """Start to replay a file unless it is being replayed.
+        """Start replaying a file unless it is already being replayed.
 
         Return the page's address.
 
@@ -63,7 +63,7 @@ class LastRecording:
             return await asyncio.to_thread(replay.address)
 
     async def close(self) -> None:
-        """End the replay; it may be ended more than once."""
+        """End the replay if there is a replay."""
         replay, self._replay = self._replay, None
         if replay is not None:
             await asyncio.to_thread(replay.close)

@@ -1,4 +1,4 @@
-"""Messages to a page after ``subscribe_view``, which contain the view of the robot.
+"""Messages that contain the view of the robot, sent to a page that subscribed to it.
 
 Each message is a JSON object with its name in ``type``.  ``web/protocol.schema.json``
 and the page's TypeScript types are generated from the classes below and the contract.

@@ -283,7 +283,7 @@ class Panel(AbstractContextManager["Panel"]):
         self._server = Server(backend, [service])
 
     def close(self) -> None:
-        """Close all connections and stop serving; it may be closed more than once."""
+        """Close all connections and stop serving; further calls have no effect."""
         self._server.close()
 
     def __exit__(self, *_: object) -> None:

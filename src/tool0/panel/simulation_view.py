@@ -58,7 +58,7 @@ class SimulationView:
     """Source of frames and statuses of a simulation; see ``view_feed.ViewSource``."""
 
     def __init__(self, backend: Backend) -> None:
-        """Observe a backend that has states."""
+        """Observe a backend whose field ``states`` is not None."""
         states = backend.states
         assert states is not None
         self._backend, self._states = backend, states

@@ -53,7 +53,7 @@ class ViewSource(Protocol):
         """
 
     def frame(self) -> StateMessage:
-        """Return the current frame, which is the same instance until a change."""
+        """Return the current frame; it is the same instance until the view changes."""
 
     def need_forces(self, *, contacts: bool, wrenches: bool) -> None:
         """Set whether frames contain contacts and wrenches."""
@@ -175,7 +175,7 @@ class ViewFeed:
             self._update_needs()
 
     def _update_needs(self) -> None:
-        """Request only the forces that a page requires from the source."""
+        """Request from the source only the forces that a page requires."""
         wanted = self._sessions.values()
         self._source.need_forces(
             contacts=any(item.contacts for item in wanted),

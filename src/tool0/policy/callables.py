@@ -1,4 +1,4 @@
-"""Policies that are Python functions or classes, like in ``tool0 collect``."""
+"""Policies that are Python functions or classes, as in ``tool0 collect``."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ class ChunkOptions:
     ensemble: float | None = None
     """Decay rate of a temporal ensemble.  The policy is queried in each step, and the
     weighted mean of all its predictions for the step is executed.  The i-th oldest
-    prediction has the weight exp(-ensemble · i), like in ACT (Zhao et al. 2023)."""
+    prediction has the weight exp(-ensemble · i), as in ACT (Zhao et al. 2023)."""
     compensate: bool = True
     """Whether to skip the actions for steps that have passed when a chunk is
     received."""

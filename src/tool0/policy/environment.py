@@ -14,8 +14,8 @@ Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
 TOLERANCE = 0.1
-"""Largest excess of a component of an action over its limits that is clipped, as a
-fraction of the component's range.  Larger excesses are rejected."""
+"""Largest amount by which a component of an action may exceed its limits and still be
+clipped, as a fraction of the component's range.  Larger excesses are rejected."""
 
 
 @final

@@ -1,6 +1,6 @@
 """Policies of openpi servers, which are accessed over a WebSocket.
 
-The protocol is the protocol of openpi_client 0.1.2 (websocket_client_policy.py and
+The protocol is that of openpi_client 0.1.2 (websocket_client_policy.py and
 msgpack_numpy.py, https://github.com/Physical-Intelligence/openpi).  The server sends
 its metadata once.  The server answers each dictionary of arrays and strings with a
 dictionary that contains ``actions``, shape (h, m).  Messages are encoded with msgpack.

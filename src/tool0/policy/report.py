@@ -33,7 +33,8 @@ class Report:
     """Median, 95 % quantile and maximum of the wall time of the policy's answers
     [s]."""
     n_held: int
-    """Number of steps in all episodes in which no action had been received yet."""
+    """Number of steps, summed over all episodes, in which no action had been received
+    yet."""
 
     @property
     def success_rate(self) -> float:

@@ -183,8 +183,8 @@ class RobotEnvironment:
         """Send targets [rad | m], shape (m,), and wait for one control period.
 
         Raises:
-            ActionRefusedError: If the action requires too high a speed of an arm's
-                joint.
+            ActionRefusedError: If the action requires a joint of an arm to move too
+                fast.
             ControlError: If the robot rejects the targets, or the policy no longer
                 controls the arm.
         """

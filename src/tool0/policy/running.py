@@ -199,7 +199,7 @@ class _Run:
 
 @final
 class _OutOfTime:
-    """Queries of a policy while time is paused, with answers after the latency."""
+    """Queries of a policy while time is paused; answers are used after the latency."""
 
     def __init__(
         self, policy: Source, environment: Environment, options: RunOptions

@@ -42,7 +42,7 @@ def opened(name: str | Policy, *, device: str = "cpu", keys: dict[str, str]) -> 
     """Return the policy with this name, which is ready to answer.
 
     Args:
-        name: ``module:name`` or ``file.py:name``, like in ``tool0 collect``;
+        name: ``module:name`` or ``file.py:name``, as in ``tool0 collect``;
             ``lerobot:FOLDER`` for a pretrained LeRobot policy; ``ws://HOST:PORT`` for a
             server with openpi's protocol; or a function or class.
         device: Device on which LeRobot's policies run, such as ``cpu`` or ``cuda``.

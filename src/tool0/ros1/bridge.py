@@ -33,7 +33,7 @@ _SNAPSHOT_TIMEOUT = 0.2
 
 @final
 class Ros1Bridge(contextlib.AbstractContextManager["Ros1Bridge"]):
-    """Context manager that presents one robot like ros_control and gazebo_ros do.
+    """Context manager that presents one robot as ros_control and gazebo_ros do.
 
     A process can have only one bridge in its lifetime, because rospy allows only one
     node in a process.

@@ -51,9 +51,9 @@ _READ_ONLY = (("hardware_interface/JointStateInterface", ()),)
 class ControllerManagerBridge:
     """Acts like ros_control's controller_manager, and presents the loaded controllers.
 
-    The manager and the controllers are in one namespace, and they have their names in
-    this namespace.  The bridge follows every change that is made in ROS, the panel or
-    the command line.  Like in ROS, a controller has topics while it is loaded.
+    The manager and the controllers are in one namespace, and their names are relative
+    to this namespace.  The bridge follows every change that is made in ROS, the panel
+    or the command line.  As in ROS, a controller has topics while it is loaded.
     """
 
     def __init__(self, ros: RosNamespace, robot: Robot) -> None:
@@ -74,7 +74,7 @@ class ControllerManagerBridge:
         self._offer_operation("ReloadControllerLibraries", self._reload)
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish for running controllers, and detect loading and unloading."""
+        """Publish topics of running controllers, and detect loading and unloading."""
         names = (status.name for status in snapshot.controllers)
         loaded = tuple(filter(self._ros.owns, names))
         if loaded != self._loaded:
@@ -182,8 +182,8 @@ class ControllerManagerBridge:
     def _reload(self, request: Message) -> None:
         """Unload all controllers if ``force_kill`` is set.  No libraries are reloaded.
 
-        Without ``force_kill``, the request is refused if a controller is loaded, like
-        in ROS.
+        Without ``force_kill``, the request is refused if a controller is loaded, as in
+        ROS.
         """
         loaded = [status.name for status in self._controllers()]
         if loaded and not request.force_kill:

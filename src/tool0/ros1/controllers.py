@@ -176,7 +176,7 @@ class JointTrajectoryBridge:
     def _filled(self, message: Message, state: TrajectoryState) -> Message:
         """Fill a state or feedback message.
 
-        Like in ROS, only the desired motion has accelerations.
+        As in ROS, only the desired motion has accelerations.
         """
         message.header.stamp = self._ros.node.clock.to_ros(state.time)
         message.joint_names = list(map(self._ros.to_ros, state.joint_names))

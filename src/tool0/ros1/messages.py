@@ -51,7 +51,7 @@ def transform_message(header: Message, child_frame_id: str, pose: Transform) -> 
 def to_transform(pose: Message) -> Transform:
     """Convert a geometry_msgs/Pose.
 
-    A zero quaternion means no rotation, like in Gazebo.
+    A zero quaternion means no rotation, as in Gazebo.
 
     Raises:
         ControlError: If a value is not finite or too large.

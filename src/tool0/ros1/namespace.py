@@ -26,11 +26,11 @@ _JOINT_LIMITS = "joint_limits"
 class RosNamespace:
     """A ROS namespace that contains the whole robot, or one robot of a cell.
 
-    In its own namespace, a robot of a cell has the names that it has outside a cell.
-    For example, the model's ``left_elbow_joint`` is ``elbow_joint`` in ``/left``, and
+    In its own namespace, a robot of a cell has the same names as outside a cell.  For
+    example, the model's ``left_elbow_joint`` is ``elbow_joint`` in ``/left``, and
     ``left_tool0`` is the frame ``left/tool0``.  The class RosNamespace translates all
-    names. *Full* names are the model's names, and *own* names are the names in ROS.  If
-    a robot has no namespace of its own, its full names and own names are the same.
+    names.  *Full* names are the model's names, and *own* names are the names in ROS.
+    If a robot has no namespace of its own, its full names and own names are the same.
     """
 
     def __init__(

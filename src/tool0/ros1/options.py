@@ -9,8 +9,8 @@ from typing import final
 from tool0.errors import ConfigError
 
 NODE_NAME = "gazebo"
-"""Name of the node with every engine.  Clients, including launch files, wait for the
-services of this node, such as /gazebo/…."""
+"""Name of the node, which is the same for all physics engines.  Clients, including
+launch files, wait for the services of this node, such as /gazebo/…."""
 
 _NAMESPACE = re.compile(r"(/?[A-Za-z]\w*)(/[A-Za-z]\w*)*/?|/?")
 

@@ -63,7 +63,7 @@ def sensor_publishers(
 
 @final
 class WrenchPublisher:
-    """Topic ``wrench`` and a service that tares it, with the names in UR's driver.
+    """Topic ``wrench`` and a service that tares the sensor, named as in UR's driver.
 
     If there are several sensors, the names of the topic and the service start with a
     ``prefix``.  The first subscriber starts the sensor.  The sensor continues without

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @final
 class Ros2Node(Companion):
-    """Context manager that presents a robot in ROS 2 like ros2_control does.
+    """Context manager that presents a robot in ROS 2 as ros2_control does.
 
     The node runs in a separate process, with the Python interpreter of a ROS 2
     installation.

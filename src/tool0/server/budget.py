@@ -191,7 +191,7 @@ class Account:
 
     @contextmanager
     def working(self) -> Iterator[None]:
-        """Charge the work of this thread, which is the event loop's, to this client."""
+        """Charge the work of this thread, which runs the event loop, to this client."""
         start = self._budget.begin_work()
         try:
             yield

@@ -110,7 +110,7 @@ class Companion:
         return None if child is None else child.pid
 
     def close(self) -> None:
-        """End the program; it may be closed more than once."""
+        """End the program; further calls have no effect."""
         self._is_closing.set()
         child = self._child
         if child is not None:

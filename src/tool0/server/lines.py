@@ -1,4 +1,4 @@
-"""Lines of JSON over the Unix socket, which are read only as fast as processed."""
+"""Lines of JSON over the Unix socket, read only as fast as they are processed."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ READING: Final = 1.0
 """Wall time after an outage within which messages that were sent during the outage are
 read [s]."""
 _REPEATED: Final = 1.0
-"""Least wall time between two equal errors that are sent to one peer for requests
+"""Minimum wall time between two equal errors that are sent to one peer for requests
 without a reply [s]."""
 PAUSE: Final = 0.5
 """Wall time without setpoints after which a refused stream is treated as a new stream

@@ -252,7 +252,7 @@ class Session:
             self._was_read.set()
 
     def _next(self) -> list[bytes]:
-        """Return the next texts to send, which are empty if there are none."""
+        """Return the next texts to send; the result is empty if there are no texts."""
         if self._queue:
             texts, size = [], 0
             while self._queue and size < _SENT_AT_ONCE:
@@ -340,7 +340,7 @@ class Session:
         return self.account.may_go_on and self._n_unread < MAX_UNREAD
 
     async def _decode(self) -> None:
-        """Decode waiting messages at the pace of the account and the reading peer."""
+        """Decode waiting messages as fast as the account permits and the peer reads."""
         while True:
             await self._has_text.wait()
             self._has_text.clear()

@@ -43,7 +43,7 @@ class SetpointStreams:
         """Replace the waiting setpoint with ``setpoint``.
 
         Joints that are only in the older setpoint of the same sender keep their
-        positions from this setpoint.
+        positions from the older setpoint.
         """
         key = getattr(setpoint.request, "controller", "")
         before = self._waiting.get(key)

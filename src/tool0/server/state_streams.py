@@ -44,7 +44,8 @@ _FLUSH_PERIOD: Final = 0.05
 """Wall time after which a delayed state is sent in all cases [s]."""
 _FAST_PERIOD: Final = 0.02
 """Wall time between states while simulated time runs fast [s].  Each state delays the
-tick by about 0.4 ms, because both need the interpreter's lock."""
+tick by about 0.4 ms, because the stream and the tick both need the interpreter's
+lock."""
 _COMPANION_LOGGERS: Final = ("tool0.ros2", "tool0.ur")
 """Loggers of messages that companions have already logged."""
 _ROUNDING: Final = 1e-6

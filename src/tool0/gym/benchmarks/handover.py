@@ -28,31 +28,31 @@ LENGTH, MASS, WIDEST = 0.24, 0.1, 0.03
 HELD_AT = 0.085
 """Distance from the bar's center at which a gripper holds the bar [m]."""
 NEAR, FAR, SIDE = 0.34, 0.52, 0.3
-"""Limits of the initial position of the bar's center: least and largest distance in
-front of the giver, and largest distance to each side, for arms of scale 1 [m]."""
+"""Limits of the initial position of the bar's center: minimum and maximum distance in
+front of the giver, and maximum distance to each side, for arms of scale 1 [m]."""
 EDGE = 0.31
-"""Least distance of the bar in front of the giver, which is the distance of the table's
-edge, for an arm of scale 1 [m]."""
+"""Minimum distance of the bar in front of the giver, which is the distance of the
+table's edge, for an arm of scale 1 [m]."""
 CLOSE = 0.4
-"""Least distance from the giver's axis to the TCP when it grasps the bar, for an arm of
-scale 1 [m].  At a shorter distance, a small arm with a long gripper would collide with
-itself."""
+"""Minimum distance from the giver's axis to the TCP when it grasps the bar, for an arm
+of scale 1 [m].  At a shorter distance, a small arm with a long gripper would collide
+with itself."""
 PARTS = 13
 """Number of points along the bar that the taker must not reach."""
 ATTEMPTS = 200
 """Number of attempts to draw a valid place.  If all attempts fail, the last place is
 used."""
 LIFTED = 0.08
-"""Least height of a lifted bar above its initial height [m]."""
+"""Minimum height of a lifted bar above its initial height [m]."""
 RELEASED = 0.006
-"""Excess of the gripper's opening over the bar's width above which the bar is released
-[m]."""
+"""The bar is released when the gripper's opening exceeds the bar's width by more than
+this length [m]."""
 AT_END = 0.03
-"""Largest distance between a TCP and the grasp point of an end of the bar at which the
-TCP is at this end [m]."""
+"""Largest distance between a TCP and the grasp point at an end of the bar for which the
+TCP is considered to be at that end [m]."""
 BELOW = 0.03
-"""Distance below the height of the handover at which a bar first rises vertically
-[m]."""
+"""A bar that is below the handover height by more than this distance first rises
+vertically [m]."""
 MET, STRAIGHT = 0.006, 0.06
 """Largest position error [m] and angle [rad] of the bar at which the taker approaches
 the bar."""
@@ -63,7 +63,7 @@ LEAVE = 0.12
 
 
 class _Ends(NamedTuple):
-    """State as seen by each arm, with the bar's x axis from the giver to the taker."""
+    """State as seen by each arm; the bar's x axis points from giver to taker."""
 
     give: State
     take: State
@@ -251,5 +251,5 @@ def _turned(quat: Array) -> Array:
 
 
 def _place(state: State, hold: Hold) -> Array:
-    """Return the TCP's position to hold the bar [m], shape (n, 3)."""
+    """Return the TCP position at which a gripper holds the bar [m], shape (n, 3)."""
     return hold.places(state.object_position[:, 0], state.object_quat[:, 0])

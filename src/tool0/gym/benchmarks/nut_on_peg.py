@@ -31,12 +31,13 @@ HELD_AT = 0.07
 PEG_WIDTH, PEG_HEIGHT = 0.024, 0.08
 """Width and height of the peg [m]."""
 APART = 0.17
-"""Least distance between the nut and the peg at the start [m]."""
+"""Minimum distance between the nut and the peg at the start [m]."""
 AROUND, LEVEL, RELEASED = 0.006, 0.006, 0.006
-"""Largest horizontal offset and largest height error of a nut on the peg, and excess of
-the gripper's opening over the handle's width above which the nut is released [m]."""
+"""Largest horizontal offset and largest height error of a nut on the peg, and smallest
+excess of the gripper's opening over the handle's width at which the nut is released
+[m]."""
 RAISED, LOW = 0.015, 0.002
-"""Height above the peg at which the nut is carried to the peg, and least height above
+"""Height above the peg at which the nut is carried to the peg, and minimum height above
 the peg at which the nut may move horizontally [m]."""
 OVER, STRAIGHT = 0.001, 0.03
 """Largest offset [m] and angle [rad] at which the nut may be lowered over the peg."""

@@ -34,7 +34,7 @@ HELD_AT = 0.047
 """Distance of the TCP in front of the drawer [m], at which the gripper's base clears
 the cabinet."""
 PULLED = 0.1
-"""Least travel of an open drawer [m]."""
+"""Minimum travel of an open drawer [m]."""
 TURNED = 0.4
 """Largest angle between the cabinet's front direction and the direction to the robot
 [rad]."""

@@ -31,15 +31,15 @@ steel."""
 HELD_AT = 0.025
 """Height of the TCP above the peg's middle [m]."""
 DEPTH = 0.025
-"""Least depth of an inserted peg [m]."""
+"""Minimum depth of an inserted peg [m]."""
 INSIDE = 0.002
-"""Largest horizontal offset of a peg's end from the hole at which the peg is in the
-hole [m]."""
+"""Largest horizontal offset between a peg's end and the hole for which the peg is
+considered to be in the hole [m]."""
 FAR_ABOVE, ABOVE = 0.02, 0.004
 """Height of the peg's end above the socket, first far from the hole and then above the
 hole [m]."""
 BEGUN = 0.002
-"""Height of the peg's end above the socket below which the peg is entering the hole
+"""The peg is entering the hole if its end is less than this height above the socket
 [m]."""
 CENTRED, STRAIGHT = 0.00015, 0.006
 """Largest offset [m] and angle [rad] at which the peg may be lowered."""

@@ -36,12 +36,12 @@ DENSITY = 900.0
 LARGEST_EDGE = 0.036
 """Largest edge of the target cube [m]."""
 LIFTED = 0.08
-"""Least height of a lifted target above its initial height [m]."""
+"""Minimum height of a lifted target above its initial height [m]."""
 FINGER_ROOM, FINGER_WIDTH = 0.032, 0.03
 """Space that a finger needs beside the target, along the closing direction of the pads
 and perpendicular to this direction [m]."""
 GAP, SPREAD = 0.003, 0.03
-"""Least gap between objects, and width of the ring around the target in which the
+"""Minimum gap between objects, and width of the ring around the target in which the
 objects are placed [m].  The ring is widened if it has no free place."""
 CROWDED = 400
 """Number of attempts to place one object before the ring is widened."""

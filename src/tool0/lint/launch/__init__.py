@@ -1,4 +1,4 @@
 """ROS 1 launch files as values.
 
-The launch files are read like in roslaunch, but without ROS.
+The launch files are read as in roslaunch, but without ROS.
 """

@@ -49,10 +49,10 @@ class _Use:
     location: SourceLocation
     is_off: bool = False
     argument: tuple[LaunchFile, str] | None = None
-    """An argument of this file or of an included file, with the arguments in ``names``
-    in its value."""
+    """The argument of this file or of an included file whose value contains the
+    arguments in ``names``."""
     xacro: tuple[Parameter, str] | None = None
-    """An argument of xacro, with the arguments in ``names`` in its value."""
+    """The argument of xacro whose value contains the arguments in ``names``."""
 
 
 @final
@@ -211,8 +211,8 @@ def argument_flow(
     """Return an item for each file that has arguments, with their uses in the file.
 
     For an included file, the item lists only arguments whose values do not come from an
-    argument of another file.  Each remaining argument appears on the path that starts
-    at the argument from which its value comes.
+    argument of another file.  Every other argument is listed below the argument from
+    which its value comes.
 
     Args:
         launch: The launch file.
@@ -274,7 +274,7 @@ class _FlowExplainer:
     def _uses(
         self, launch: LaunchFile, name: str, path: tuple[tuple[int, str], ...]
     ) -> Iterator[Item]:
-        """Yield the uses of an argument, with the uses of arguments that it sets."""
+        """Yield the uses of an argument, including uses through other arguments."""
         here = (id(launch), name)
         if here in path:
             return

@@ -2,7 +2,7 @@
 
 roslaunch passes the expression to Python.  This module evaluates the syntax tree of the
 expression directly, and supports only the constructs below.  Sizes are bounded, so that
-no expression takes long.
+every expression is evaluated quickly.
 """
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ class LoadContext:
         self._anonymous = 0
 
     def spend(self, what: str, count: int = 1) -> bool:
-        """Add ``count`` to a counter, and return whether its limit is still kept."""
+        """Add ``count`` to a counter; return False if the limit is exceeded."""
         self._left[what] -= count
         return self._left[what] >= 0
 
@@ -66,7 +66,7 @@ class LoadContext:
         return True
 
     def leave(self) -> None:
-        """Finish reading the file that was started last."""
+        """Finish reading the file whose reading was started last."""
         self._open.pop()
 
     def text_line(self, path: Path, element: Element) -> int | None:

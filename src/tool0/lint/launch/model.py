@@ -135,8 +135,8 @@ class Parameter:
     content: Text
     """Text of the value, of the file's path, or of the command."""
     words: tuple[str, ...] = ()
-    """Words of the command, split like by a shell; empty if there is no command, or if
-    it is unresolved."""
+    """Words of the command, split as by a shell; empty if there is no command, or if it
+    is unresolved."""
 
     @property
     def texts(self) -> tuple[NamedText, ...]:
@@ -186,7 +186,7 @@ class Node:
     full_name: str | None
     args: Text | None
     words: tuple[str, ...]
-    """Arguments of the node, split like by a shell; empty if they are unresolved."""
+    """Arguments of the node, split as by a shell; empty if they are unresolved."""
     settings: tuple[NamedText, ...] = ()
     """All other attributes, such as ``output`` and ``respawn``."""
     parameters: tuple[Parameter, ...] = ()
@@ -296,7 +296,7 @@ class LaunchFile:
         return (item for item in self.settings() if isinstance(item, Rosparam))
 
     def settings(self, *, active_only: bool = True) -> Iterator[Parameter | Rosparam]:
-        """Yield the elements that set parameters, in the order of roslaunch."""
+        """Yield the elements that set parameters, in roslaunch's processing order."""
         for entry in self.walk(active_only=active_only):
             inner: tuple[Entry, ...] = (entry,)
             if isinstance(entry, Node):

@@ -1,9 +1,9 @@
-"""Reads launch files like roslaunch does, with arguments, groups and includes.
+"""Reads launch files as roslaunch does, with arguments, groups and includes.
 
-Python launch files are read like in ROS 2 (package ``python``).
+Python launch files are read as in ROS 2 (package ``python``).
 
-Every problem is reported as a finding, and reading continues.  Values that depend on a
-problem are unresolved.
+Every problem is reported as a finding, and reading continues.  Values that are affected
+by a problem remain unresolved.
 """
 
 from __future__ import annotations
@@ -212,7 +212,7 @@ class _FileReader:
                 file=path,
                 element=root,
                 namespace=include.place.namespace,
-                # like in roslaunch, an empty list is not shared
+                # as in roslaunch, an empty list is not shared
                 private=scope.private or [],
                 environment=[*scope.environment, *environment],
             )

@@ -62,7 +62,7 @@ class Scope:
         return inner
 
     def children(self) -> Iterator[Scope]:
-        """Yield the scopes of this element's children that roslaunch allows."""
+        """Yield the scope of each child element that roslaunch allows here."""
         for child in children(self.element):
             if child.tagName in grammar.CHILDREN[self.tag]:
                 inner = self.at(child)
@@ -183,7 +183,7 @@ class Scope:
             return ()
 
     def inner_namespace(self) -> str | None:
-        """Return the namespace of the element's ``ns``, relative to this namespace."""
+        """Return the full namespace inside the element, which ``ns`` may extend."""
         text = self.text("ns")
         clears = self.boolean("clear_params")
         if clears and self.tag not in ("node", "test") and not (text and text.raw):

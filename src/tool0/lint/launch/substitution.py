@@ -85,7 +85,7 @@ class Substitution:
             return None
 
     def _replaced(self, raw: str) -> str | None:
-        """Replace ``find`` after all other substitutions, like roslaunch does."""
+        """Replace ``find`` after all other substitutions, as roslaunch does."""
         is_whole = True
         parts: list[str] = []
         length = end = 0

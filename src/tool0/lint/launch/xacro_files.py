@@ -48,7 +48,7 @@ class XacroUse:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class XacroFile:
-    """A xacro file, including the files that it includes."""
+    """A xacro file, together with all files that it includes."""
 
     file: Path | None
     """Path of the file; None if it is unknown."""

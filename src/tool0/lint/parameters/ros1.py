@@ -295,7 +295,7 @@ for that gripper."""
 def unknown_joints(
     entries: Sequence[tuple[str, YamlEntry]], robot: RobotFacts | None
 ) -> Iterator[Finding]:
-    """Yield a finding for each joint in a list that the robot does not have."""
+    """Yield a finding for each listed joint that the robot does not have."""
     names = [name for name, _ in entries]
     if robot is not None:
         known = set(robot.movable_joints)

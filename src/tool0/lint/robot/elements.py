@@ -110,7 +110,7 @@ class Tag:
         return next(self.children(tag), Tag(None))
 
     def descendants(self, tag: str | None = None) -> Iterator[Tag]:
-        """Yield the element and its descendants, or all ``tag`` elements, in order."""
+        """Yield the element and its descendants in order, or only ``tag`` elements."""
         waiting = [self]
         while waiting:
             found = waiting.pop()

@@ -248,7 +248,7 @@ def facts_of(root: Tag) -> RobotFacts:
         transmissions=tuple(
             _transmission(item)
             for item in root.children("transmission")
-            # a transmission with a type attribute is of the PR2, not of ros_control
+            # a transmission with a type attribute is for the PR2, not for ros_control
             if "type" not in item
         ),
         plugins=tuple(

@@ -157,7 +157,7 @@ def extension_findings(robot: Robot) -> Iterator[Finding]:
 
 
 def follower_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the mimic joints that do not follow, or that a plugin sets directly."""
+    """Yield mimic joints that follow no joint, or whose position a plugin sets."""
     if robot.is_controlled and not robot.facts.ros2_joints:
         yield from _loose(robot)
     for plugin in filter(_is_upatras_mimic, robot.facts.plugins):

@@ -16,7 +16,7 @@ _REFUSED = "so ROS refuses the whole robot_description"
 
 
 def tree_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the faults because of which links and joints do not form one tree."""
+    """Yield the faults that prevent the links and joints from forming one tree."""
     root, facts = robot.root, robot.facts
     for tag in (root, *root.children("link"), *root.children("joint")):
         if not tag["name"]:

@@ -23,7 +23,7 @@ _PARAMETER = re.compile(
 _FIND = re.compile(r"\$\(find\s+([^\s)]+)\s*\)")
 _TRUE = ("true", "1")
 _PATTERN = re.compile(r"[*?\[]")
-"""Wildcards of an include. xacro includes all files that match; there may be none."""
+"""Wildcards of an include. xacro includes all matching files, if there are any."""
 _WORD = re.compile(r"[^\W\d]\w*")
 _OUTER = "^"
 """Default value that stands for the parameter of the same name in the calling macro."""
@@ -44,7 +44,7 @@ class MacroParameter:
 
 
 def own_tags(macro: Tag) -> Iterator[Tag]:
-    """Yield the elements in ``macro``, without inner macros of the same parameters."""
+    """Yield elements in ``macro``, except inner macros that redefine a parameter."""
     names = {parameter.name for parameter in parameters_of(macro)}
     waiting = [macro]
     while waiting:

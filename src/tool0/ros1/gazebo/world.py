@@ -139,7 +139,7 @@ class WorldState:
         return self.models().get(ROBOT if self._world.is_robot(name) else name)
 
     def link(self, name: str) -> FrameMotion | None:
-        """Return a link.  The names of the robot's links need no model name."""
+        """Return a link; names of the robot's links need not contain a model name."""
         model, separator, link = name.rpartition("::")
         if not separator or self._world.is_robot(model):
             return self._robot_links.get(link)
@@ -261,7 +261,7 @@ class GazeboChanges:
         If the duration is negative, the wrench has no end.
 
         The force acts at the reference point.  If there is no reference frame, the
-        force acts at the center of mass, like in gazebo_ros.
+        force acts at the center of mass, as in gazebo_ros.
         """
         duration = request.duration.to_sec()
         if duration == 0.0:

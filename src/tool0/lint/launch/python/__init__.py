@@ -1,1 +1,1 @@
-"""Reads Python launch files of ROS 2 by their syntax trees, without executing them."""
+"""Reads the syntax trees of ROS 2 Python launch files, without executing the files."""

@@ -51,8 +51,8 @@ class Expressions:
     call: Callable[[Call], Value]
     look_up: Callable[[str, Scope], Value]
     misused: Callable[[Made, SourceLocation], None]
-    """Function that is called with a substitution that is used as a text where the
-    substitution has no value yet."""
+    """Function that is called with each substitution that is used as text before the
+    substitution has a value."""
     locate: Callable[[ast.AST], SourceLocation]
     spend: Callable[[], None]
     """Function that counts one step and raises an error if there were too many
@@ -321,7 +321,7 @@ def _attribute(owner: Value, name: str) -> Value:
 
 
 def _joined(left: list[Value] | tuple[Value, ...], right: Value) -> Value:
-    """Return a list that is joined with ``right``, which may be unknown."""
+    """Return ``left`` joined with ``right``, whose value may be unknown."""
     if isinstance(right, list | tuple):
         if len(left) + len(right) > MAX_ITEMS:
             return Unknown(f"more than {MAX_ITEMS} items")

@@ -26,7 +26,7 @@ _OTHER_SOURCES: Final = (
 def read_include(made: Made, resolver: Resolver) -> Include:
     """Return an ``IncludeLaunchDescription`` action as an include.
 
-    The include has a reason if its file is not read.
+    If the file is not read, the field ``reason`` of the include contains the reason.
     """
     source = made.get("launch_description_source")
     where, is_other = made.location, False
@@ -84,7 +84,7 @@ def _passed(made: Made, resolver: Resolver) -> tuple[Passed, ...]:
 
 
 def set_passed(include: Include, resolver: Resolver) -> None:
-    """Set the configurations that an include passes, which remain set after it."""
+    """Set the configurations that an include passes; they remain set afterwards."""
     state = resolver.state
     for item in include.passed:
         if item.value is not None:

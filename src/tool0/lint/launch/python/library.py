@@ -136,7 +136,7 @@ def change(
     values: tuple[Value, ...],
     is_certain: bool,
 ) -> bool:
-    """Change a list or dict, and return whether the method changes its object.
+    """Apply a method that changes a list or dict; return False for other methods.
 
     Args:
         owner: The list or dict that is changed.

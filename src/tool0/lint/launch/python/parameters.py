@@ -30,7 +30,7 @@ class ParameterReader:
         namespace: str | None,
         full_name: str | None,
     ) -> None:
-        """Prepare to read the parameters of a node.  Its name may be unknown."""
+        """Prepare to read a node's parameters; the node's name may be unknown."""
         self._resolver, self._where = resolver, where
         self._namespace, self._full_name = namespace, full_name
 

@@ -1,7 +1,7 @@
 """Reads the actions of Python launch files of ROS 2, in launch order.
 
 First, the file is interpreted (``interpreter``), which gives the tree of its actions.
-After that, the actions are processed in the same way as in launch, but no program is
+After that, the actions are processed in the same way as by launch, but no program is
 started.  Any part that cannot be determined without running Python is reported as a
 note.
 """
@@ -70,7 +70,8 @@ _NESTED = {
     "OnProcessIO": ("on_stdin", "on_stdout", "on_stderr"),
     "OnShutdown": (),
 }
-"""Arguments that contain actions to execute later, by action or event handler."""
+"""Arguments that contain actions to execute later, listed by the class of the action or
+event handler."""
 
 
 def read_python_launch(

@@ -39,8 +39,8 @@ class Resolver:
     file: Path
     state: LaunchState
     report: Report
-    """Function that reports a finding.  Its arguments are the location, rule, key,
-    message, remedy and severity."""
+    """Function that reports a finding.  The function's arguments are the location,
+    rule, key, message, remedy and severity."""
 
     def text(self, value: Value, location: SourceLocation) -> Text:
         """Return a text, a list of texts or a substitution as a ``Text``."""

@@ -28,7 +28,7 @@ class Unknown:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Choice:
-    """A value that may be any of several values, depending on something unknown."""
+    """A value that may be any of several values, depending on an unknown condition."""
 
     values: tuple[Value, ...]
 
