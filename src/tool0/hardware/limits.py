@@ -226,7 +226,7 @@ class EffortLimiter:
 def velocity_window(
     position: float, hard: JointLimits, soft: SafetyController | None
 ) -> tuple[float, float]:
-    """Return the allowed velocities at ``position``, which soft limits narrow early."""
+    """Return the range of velocities that soft limits allow at ``position``."""
     most = hard.velocity
     if soft is None:
         return -most, most

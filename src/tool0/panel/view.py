@@ -122,7 +122,7 @@ class RobotView:
     def post(
         self, request: Request[Any], when_failed: Callable[[Exception], None]
     ) -> None:
-        """Do nothing, because there are no ticks for streams."""
+        """Do nothing: without a simulation, no tick processes streamed requests."""
 
     def check_setpoint(self, request: Request[Any]) -> None:
         assert isinstance(request, PoseJoints)  # the only supported stream

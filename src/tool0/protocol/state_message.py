@@ -234,9 +234,10 @@ def changes(
 
 
 def snapshot_of(message: StateMessage, before: Snapshot | None = None) -> Snapshot:
-    """Return the snapshot in a message that follows ``before`` in a stream.
+    """Return the snapshot that a message contains.
 
-    The snapshot contains only the requested fields; it never contains ``motions``.
+    ``before`` is the previous snapshot of the stream.  The snapshot contains only the
+    requested fields, and never contains ``motions``.
     """
     found = {
         name: value for name in _READ if (value := getattr(message, name)) is not UNSET

@@ -151,7 +151,7 @@ class _Drive:
         self.lag = 0.0
         """Distance of the joint from its setpoint [rad | m]."""
         self.lagging_since = math.inf
-        """Time at which the joint started to be far from its setpoint without moving
+        """Time since when the joint has been far from its setpoint and has not moved
         [s]."""
         self._most = LARGEST_LAG * limits.velocity
         self._lags_at = 0.0

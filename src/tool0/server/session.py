@@ -55,8 +55,8 @@ MAX_BACKLOG: Final = 4096
 """Largest size of the waiting requests of one connection, in chunks, which is 16 MiB.
 Additional requests are rejected, so later messages are always read."""
 _SENT_AT_ONCE: Final = 1 << 14
-"""Size at which replies are sent together [bytes], because sending needs more processor
-time than encoding."""
+"""Total size of the replies that are combined into one send [bytes].  Replies are
+combined because sending takes more processor time than encoding."""
 _REPLY_COST: Final = 0.1e-3
 """Processor time of sending a reply [s]."""
 _REQUEST_COST: Final = 0.3e-3

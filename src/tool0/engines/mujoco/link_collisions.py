@@ -154,7 +154,10 @@ class LinkShapes:
         )
 
     def colliding_at(self, pose: Mapping[str, float]) -> frozenset[LinkPair]:
-        """Return the pairs of links that collide at positions by joint [rad | m]."""
+        """Return the pairs of links that collide in a pose.
+
+        ``pose`` contains the positions of the joints by name [rad | m].
+        """
         given = {name: np.array([position]) for name, position in pose.items()}
         ((codes, depths),) = self._contacts(given, 1)
         return frozenset(self._pair(code) for code in codes[depths < 0.0])

@@ -64,7 +64,7 @@ class ControlScript:
 
 
 def parse(text: str) -> ControlScript | None:
-    """Return ur_rtde's program from a script; None if the script is another program.
+    """Recognize ur_rtde's control program in a script; return None for other programs.
 
     Raises:
         ConfigError: If the script is ur_rtde's program, but contains a path that

@@ -51,15 +51,15 @@ class Names:
         return full.startswith(self.prefix) and not full.startswith(self._longer)
 
     def to_ros(self, full: str) -> str:
-        """Return the own name for a full name.  Names of other robots do not change."""
+        """Return the name in ROS for a full name.  Names of other robots do not change."""
         return full[len(self.prefix) :] if self.owns(full) else full
 
     def to_model(self, own: str) -> str:
-        """Return the full name for an own name."""
+        """Return the full name for a name in ROS."""
         return self.prefix + own
 
     def text(self, text: object) -> str:
-        """Return a message with own names and with commands of ``ros2 control``."""
+        """Return a message with names in ROS and with commands of ``ros2 control``."""
         own = self._in_text.sub("", str(text)) if self.prefix else str(text)
         return _COMMAND.sub(self._ros_command, own)
 
@@ -70,7 +70,7 @@ class Names:
         return f"`ros2 control {_ROS_COMMANDS[verb].format(rest)}{manager}`"
 
     def own_values(self, value: Any) -> Any:
-        """Return plain values with own names in keys and texts."""
+        """Return plain values with names in ROS in keys and texts."""
         return _renamed(value, self.text) if self.prefix else value
 
     def topic(self, relative: str) -> str:
