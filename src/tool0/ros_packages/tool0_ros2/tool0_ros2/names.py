@@ -51,7 +51,10 @@ class Names:
         return full.startswith(self.prefix) and not full.startswith(self._longer)
 
     def to_ros(self, full: str) -> str:
-        """Return the name in ROS for a full name.  Names of other robots do not change."""
+        """Return the name in ROS for a full name.
+
+        Names of other robots do not change.
+        """
         return full[len(self.prefix) :] if self.owns(full) else full
 
     def to_model(self, own: str) -> str:
