@@ -70,7 +70,8 @@ def error_at(
     *,
     severity: Severity = "error",
 ) -> Finding:
-    """Return a finding, which is an error by default; see ``Finding``'s fields."""
+    """Return a finding, which is an error by default; ``Finding`` describes the
+    fields."""
     return Finding(
         location=location,
         rule=rule,
@@ -93,7 +94,7 @@ def quoted(names: Iterable[str]) -> str:
 
 
 def short(text: str) -> str:
-    """Return ``text``, without its middle part if it is too long for a message."""
+    """Return ``text``, with its middle part omitted if it is too long for a message."""
     if len(text) <= _LONGEST:
         return text
     half = _LONGEST // 2 - 1

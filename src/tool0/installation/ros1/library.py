@@ -89,9 +89,8 @@ def message_folders(package: str) -> list[Path]:
 
 
 def find_node(name: str) -> Path | None:
-    """Return the path of the node ``package/program``.
-
-    rosrun finds the path in the same way.
+    """Return the path of the node ``package/program``.  The search is the same as that
+    of rosrun.
     """
     files = (root / "lib" / name for root in prefixes())
     return next((file for file in files if os.access(file, os.X_OK)), None)
