@@ -215,8 +215,7 @@ def _view_of_all(model: RobotModel) -> tuple[Vector3, Vector3]:
 
 
 def merged(*groups: Iterable[Camera]) -> dict[str, Camera]:
-    """Return cameras by name; a camera replaces any camera of the same name in an
-    earlier group.
+    """Return cameras by name; later groups take precedence over earlier groups.
 
     Raises:
         ConfigError: If a camera name occurs twice in one group.

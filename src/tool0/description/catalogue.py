@@ -63,8 +63,7 @@ class CataloguePart:
         return own if own.is_file() else shared_folder(self.kind) / name
 
     def load(self, what: str) -> Mapping[str, Any]:  # Any: any YAML value
-        """Return the mapping ``what`` from ``<what>.yaml``, or an empty mapping if
-        there is no such file.
+        """Return the mapping in ``<what>.yaml``; empty if there is no such file.
 
         Raises:
             ConfigError: If the file cannot be read, or does not contain the mapping
@@ -116,8 +115,7 @@ def find_part(kind: PartKind, name: str) -> CataloguePart:
 
 
 def shared_folder(kind: PartKind) -> Path:
-    """Return the folder that contains the built-in parts of a kind and the files that
-    they share."""
+    """Return the folder of the built-in parts of a kind and their shared files."""
     return find_package("tool0_description") / "config" / f"{kind}s"
 
 

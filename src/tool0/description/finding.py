@@ -70,8 +70,7 @@ def error_at(
     *,
     severity: Severity = "error",
 ) -> Finding:
-    """Return a finding, which is an error by default; ``Finding`` describes the
-    fields."""
+    """Return a finding, by default an error; ``Finding`` describes the fields."""
     return Finding(
         location=location,
         rule=rule,

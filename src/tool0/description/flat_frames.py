@@ -29,8 +29,7 @@ class FlatTree:
     """
 
     def __init__(self, joints: Sequence[TreeJoint], root: Array | None = None) -> None:
-        """Precompute the frames of ``joints``; all results are rotated by ``root``, (3,
-        3)."""
+        """Precompute frames of ``joints``; ``root``, (3, 3), rotates all results."""
         self.turns: list[Array] = [turn_z_to(joint.axis) for joint in joints]
         """Rotation of each joint's frame, shape (3, 3); the third column is the joint's
         axis."""
@@ -96,8 +95,7 @@ class FlatTree:
 
 
 def flat_frame(rotation: Array, origin: Array) -> Frame:
-    """Return the frame with the given rotation, shape (3, 3), and origin, shape
-    (3,)."""
+    """Return the frame with the given rotation, (3, 3), and origin, (3,)."""
     return (*rotation.T.ravel().tolist(), *origin.tolist())
 
 

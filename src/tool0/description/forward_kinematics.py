@@ -192,8 +192,7 @@ class FrameMotion:
         )
 
     def placed_in(self, frame: Transform) -> FrameMotion:
-        """Return this motion, which is given in the static ``frame``, in the parent of
-        ``frame``."""
+        """Return this motion, given in the static ``frame``, in the parent of it."""
         return FrameMotion(
             pose=frame @ self.pose,
             linear=frame.rotate(self.linear),

@@ -47,8 +47,7 @@ class JointFrames(NamedTuple):
 
 @final
 class JointTree:
-    """Tree of joints; each joint's frame is given in that of an earlier joint or in the
-    root."""
+    """Tree of joints; each joint is placed relative to an earlier joint or the root."""
 
     def __init__(self, joints: Sequence[TreeJoint]) -> None:
         self._joints = tuple(joints)

@@ -224,8 +224,7 @@ class JointLimits:
         return min(max(position, self.lower), self.upper)
 
     def range_from(self, start: float) -> tuple[float, float]:
-        """Return the smallest and largest positions allowed for a motion from
-        ``start``.
+        """Return the smallest and largest positions for a motion from ``start``.
 
         If the joint starts outside its limits, by up to ``RECOVERABLE``, the range is
         extended to the start position, so that the joint can return.

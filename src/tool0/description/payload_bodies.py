@@ -27,8 +27,7 @@ def modelled_payload(model: RobotModel, flange: str) -> Payload:
 def replaced_tools(
     model: RobotModel, payloads: Mapping[str, Payload]
 ) -> dict[str, tuple[BodyInertia, ...]]:
-    """Return the bodies that replace the tool on each flange with a payload when they
-    are added to the flange."""
+    """Return the bodies to add to the flanges to replace the tools with payloads."""
     return {
         flange: (payload_inertia(payload), _negative(tool_inertia(model, flange)))
         for flange, payload in payloads.items()

@@ -102,8 +102,7 @@ class PoseStore:
         return poses[name]
 
     def goal(self, name: str, robot: str | None = None) -> dict[str, float]:
-        """Return the joints that take part in a move to a pose, and their targets [rad
-        | m].
+        """Return the joints involved in a move to a pose, and their targets [rad | m].
 
         A pose that contains joints of an arm does not move the gripper.
 
@@ -121,8 +120,7 @@ class PoseStore:
         return joints_of_robot(self._description.model, positions, robot)
 
     def moved(self, pose: NamedPose) -> dict[str, float]:
-        """Return the joints that take part in a move to ``pose``, and their targets
-        [rad | m].
+        """Return the joints involved in a move to ``pose``, and their targets.
 
         A pose that contains joints of an arm does not move the gripper, which could
         otherwise drop an object.

@@ -1,5 +1,4 @@
-"""Postures with which an arm reaches a pose, and the branches into which they are
-divided."""
+"""Postures with which an arm reaches a pose, and the branches they belong to."""
 
 from __future__ import annotations
 

@@ -127,8 +127,9 @@ def read_geometry(
         kind: The kind of shape.
         numbers: Function that reads ``size``, ``radius``, ``length`` or ``scale`` from
             attributes, child elements or YAML values.  The function's arguments are the
-            name, the number of values and an optional default. uri: Function that
-            returns the URI of a mesh, and the source location of the URI.
+            name, the number of values and an optional default.
+        uri: Function that returns the URI of a mesh, and the source location of the
+            URI.
 
     Raises:
         DescriptionError: If a mesh file is missing or its format is not supported.

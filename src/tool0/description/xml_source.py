@@ -39,8 +39,7 @@ class LocatedElement(Element):
 
     @property
     def attributes(self) -> Any:  # type: ignore[override]  # a NamedNodeMap in minidom
-        """Copy of the attributes; xacro uses only its methods ``items`` and
-        ``keys``."""
+        """Copy of the attributes; xacro calls only its ``items`` and ``keys``."""
         return dict(self._values)
 
     def hasAttribute(self, name: str) -> bool:
@@ -77,8 +76,7 @@ class LocatedElement(Element):
     def writexml(
         self, writer: Any, indent: str = "", addindent: str = "", newl: str = ""
     ) -> None:
-        """Write the element and its children; an element that contains only text is
-        written on one line."""
+        """Write the element and its children; one with only text gets a single line."""
         attributes = "".join(
             f' {name}="{value.translate(_ESCAPES)}"'
             for name, value in self._values.items()

@@ -71,8 +71,7 @@ class BridgeListener:
     def accept(
         self, dt: float, check: Callable[[], None], timeout: float
     ) -> socket.socket:
-        """Return the socket of a bridge that has this ``VERSION`` and makes steps of
-        ``dt`` [s].
+        """Return the socket of a bridge of this ``VERSION``, with time step ``dt`` [s].
 
         ``check`` is called while waiting, and must raise an error if the bridge can no
         longer connect.

@@ -278,8 +278,7 @@ def _free_port() -> int:
 
 
 def _exit_report(why: str, process: ChildProcess, log: Path) -> str:
-    """Return ``why``, followed by the exit status of ``process`` and the end of its
-    log."""
+    """Return ``why``, the exit status of ``process``, and the end of its log."""
     status = process.exit_status
     if status is None:
         how = ""
@@ -293,8 +292,7 @@ def _exit_report(why: str, process: ChildProcess, log: Path) -> str:
 
 
 def _log_lines(log: Path) -> list[str]:
-    """Return the lines of a log, without color codes and without lines that match
-    ``_NOISE``."""
+    """Return a log's lines that do not match ``_NOISE``, without color codes."""
     try:
         text = log.read_text(errors="replace")
     except OSError:

@@ -122,8 +122,7 @@ def _slabs(triangles: Points, axis: int) -> list[Points]:
 
 
 def _side(triangles: Points, axis: int, place: float, sign: int) -> Points:
-    """Return the triangles on one side of a plane; the side is the lower one if
-    ``sign`` is 1."""
+    """Return the triangles on one side of a plane, below it if ``sign`` is 1."""
     depths = sign * (place - triangles[:, :, axis])
     inside = depths >= 0.0
     counts = inside.sum(axis=1)

@@ -124,8 +124,7 @@ class Detail:
         self._radii = model.geom_rbound[self._fine]
 
     def choose(self, data: Any, camera: Camera, frame: Transform) -> None:
-        """Show coarse meshes instead of those far from ``camera``, which is at
-        ``frame``."""
+        """Replace meshes far from ``camera``, at pose ``frame``, by coarse ones."""
         forward = [row[2] for row in frame.rotation]
         away = (data.geom_xpos[self._fine] - frame.position) @ forward - self._radii
         pixel = 2.0 * math.tan(camera.field_of_view / 2.0) / camera.height

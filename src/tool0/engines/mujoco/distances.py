@@ -154,8 +154,7 @@ class DistanceModel:
         return found.reshape(3, 3)
 
     def joints_above(self, body: int) -> Iterator[tuple[str, float]]:
-        """Yield the joints that move a body, nearest first, each with its distance
-        bound.
+        """Yield the joints that move a body, nearest first, with distance bounds.
 
         The bound [m] is an upper bound on the distance from the body's origin to the
         joint's axis.  The bound is valid for all positions of the joints between the

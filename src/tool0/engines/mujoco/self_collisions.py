@@ -20,8 +20,7 @@ def excluded_pairs(
     at_rest: Sequence[Link],
     colliding: frozenset[str],
 ) -> Iterator[tuple[str, str]]:
-    """Yield the pairs of bodies that never collide; at least one body of each pair can
-    move.
+    """Yield the pairs of bodies that never collide, unless both bodies are at rest.
 
     Bodies of one mechanism can overlap, since the links of a linkage share pivots that
     cannot be expressed in the tree of a URDF.  Within a mechanism, only the pads

@@ -147,8 +147,7 @@ def set_geom_friction(
     friction: wp.array2d[wp.vec3],
     pair_friction: wp.array2d[vec5],
 ) -> None:
-    """Set the sliding friction of geoms; each pair gets the smaller of its geoms'
-    values.
+    """Set the sliding friction of geoms; each pair gets the smaller value.
 
     ``ends`` contains the two geoms of each pair in ``pairs``.
     """

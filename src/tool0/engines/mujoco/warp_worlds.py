@@ -167,8 +167,7 @@ class WarpWorlds:
             )
 
     def recorded(self, launch: Callable[[], None]) -> Callable[[], None]:
-        """Return a CUDA graph that executes all kernel launches of ``launch`` in one
-        launch.
+        """Return a CUDA graph that combines all launches of ``launch`` in one launch.
 
         The kernels must have been compiled.  Without CUDA, the method returns
         ``launch``.

@@ -101,8 +101,7 @@ class MujocoWorld:
 
     @property
     def has_no_contact(self) -> bool:
-        """Whether there can be no contacts, because no step has followed the last
-        reset."""
+        """Whether contacts are impossible, since no step followed the last reset."""
         return self._contacts == (self._data.time, ())
 
     def reset(self, position: Sequence[float], time: float) -> None:

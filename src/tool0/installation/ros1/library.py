@@ -89,9 +89,7 @@ def message_folders(package: str) -> list[Path]:
 
 
 def find_node(name: str) -> Path | None:
-    """Return the path of the node ``package/program``.  The search is the same as that
-    of rosrun.
-    """
+    """Return the path of the node ``package/program``, as rosrun finds it."""
     files = (root / "lib" / name for root in prefixes())
     return next((file for file in files if os.access(file, os.X_OK)), None)
 

@@ -193,8 +193,7 @@ def _roscore(master: Master) -> ChildProcess:
 
 @final
 class MasterWatch:
-    """Registers our node again if the master was unavailable or lost the
-    registration."""
+    """Registers our node again if the master was unavailable or lost our node."""
 
     def __init__(
         self, master: Master, node: str, uri: str, register: Callable[[], None]

@@ -150,8 +150,7 @@ def _select(prefix: Path) -> None:
 
 
 def why_not_installable() -> str | None:
-    """Return the reason why no wheels fit this machine, or None if suitable wheels are
-    available."""
+    """Return why no wheels fit this machine, or None if there are suitable wheels."""
     version = sys.version_info[:2]
     advice = (
         "install ROS 2 another way, and source its setup file (docs/how-to/ros2.md)"
