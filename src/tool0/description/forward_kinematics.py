@@ -192,7 +192,7 @@ class FrameMotion:
         )
 
     def placed_in(self, frame: Transform) -> FrameMotion:
-        """Return this motion, given in the static ``frame``, in the parent of it."""
+        """Return this motion, given in the static ``frame``, in that frame's parent."""
         return FrameMotion(
             pose=frame @ self.pose,
             linear=frame.rotate(self.linear),
