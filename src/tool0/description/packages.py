@@ -3,10 +3,9 @@
 The search has three steps.  Bundled packages are searched first.  Then the entries of
 ``ROS_PACKAGE_PATH`` are searched; an entry is a package or a folder that contains
 packages.  Finally, the packages that ROS 2 has installed below the entries of
-``AMENT_PREFIX_PATH`` are searched.  ``preferring`` gives other packages, such as those
-of a file's workspace, which ``packages_around`` returns, precedence over all of these
-packages.  For example, the packages of a file's workspace, which ``packages_around``
-returns, can get precedence.
+``AMENT_PREFIX_PATH`` are searched.  ``preferring`` gives other packages precedence over
+all of these packages, for example the packages of a file's workspace, which
+``packages_around`` returns.
 """
 
 from __future__ import annotations

@@ -120,7 +120,7 @@ class PoseStore:
         return joints_of_robot(self._description.model, positions, robot)
 
     def moved(self, pose: NamedPose) -> dict[str, float]:
-        """Return the joints involved in a move to ``pose``, and their targets.
+        """Return the joints involved in a move to ``pose``, and targets [rad | m].
 
         A pose that contains joints of an arm does not move the gripper, which could
         otherwise drop an object.

@@ -20,8 +20,7 @@ from tool0.description.packages import (
 from tool0.errors import DescriptionError, SourceLocation, is_typo, nearest_name
 
 _STANDARD = {"xacro": Path("/opt/ros/noetic/share/xacro")}
-"""Packages that are accepted without ROS, because tool0 implements
-their programs."""
+"""Packages that are accepted without ROS, because tool0 implements their programs."""
 _NAME = re.compile(r"[A-Za-z][\w-]{0,99}")
 _MAX_FILES = 500
 _MAX_SEARCHES = 200

@@ -1,4 +1,4 @@
-"""Measurement of the delay of packages that the network and both computers cause."""
+"""Measurement of package delays caused by the network and both computers."""
 
 from __future__ import annotations
 

@@ -217,7 +217,7 @@ def ros2(examined: Machine) -> list[ProbeResult]:
 
 
 def workspace(examined: Machine) -> list[ProbeResult]:
-    """Return the results for building and launching the ``tool0 workspace``."""
+    """Return the results for building and launching a ``tool0 workspace``."""
     return [_catkin(examined), _native_gazebo_ros(examined)]
 
 
