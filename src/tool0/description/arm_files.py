@@ -48,7 +48,7 @@ _LIMITS = tuple(
     + ["has_soft_limits", "min_position"]
     + [f"max_{name}" for name in _QUANTITIES]
 )
-"""Valid keys of one joint, including those of ur_description's files."""
+"""Keys that are valid for a joint, including the keys in ur_description's files."""
 
 
 def check_arm_files(files: Mapping[str, Path]) -> None:

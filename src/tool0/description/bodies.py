@@ -2,8 +2,8 @@
 
 Fixed links are merged into their movable parent link.  Loads and the mass matrix are
 computed without a physics engine: forward kinematics gives the body frames, and a
-joint's load is a sum over the bodies that the joint moves.  Plain floats are used
-instead of NumPy arrays, because the computation runs in every tick.
+joint's load is a sum over the bodies that the joint moves.  The computation runs in
+every tick, and plain floats make it faster than NumPy arrays would.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class BodyInertia:
 @final
 @dataclass(frozen=True, slots=True)
 class MovingBody:
-    """A movable link together with all links that are fixed to the movable link."""
+    """A movable link and all links that are fixed to it."""
 
     joint: Joint
     parent: int
@@ -269,8 +269,8 @@ class JointDynamics:
         self._mass: list[float] = []
         self._center: list[tuple[float, float, float]] = []
         self.tensors: list[Matrix] = []
-        """Inertia of each body about the body's center of mass, in the frame that
-        ``frames`` returns."""
+        """Inertia of each body about its center of mass, in the frame that ``frames``
+        returns."""
         for body, turn in zip(bodies, self._tree.turns, strict=True):
             self._mass.append(body.inertia.mass)
             x, y, z = (turn.T @ body.inertia.center).tolist()
@@ -432,7 +432,7 @@ class JointDynamics:
     def frames(self, position: Sequence[float]) -> list[Frame]:
         """Return each body's frame in the root, rotated so that its joint acts along z.
 
-        If gravity is not along -z, the root is rotated such that gravity is along -z.
+        If gravity is not along -z, the root is rotated so that it is.
         """
         return self._tree.frames(position)
 

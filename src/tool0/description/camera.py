@@ -195,7 +195,7 @@ def _view_of_all(model: RobotModel) -> tuple[Vector3, Vector3]:
     for name, arm in find_arms(model).items():
         length = sum(math.hypot(*joint.origin.xyz) for joint in arm.joints)
         scale = round(length / _ARM_LENGTH, 2)
-        # The frame of a UR's first joint has an x axis that points backwards.
+        # The x axis of the frame of a UR's first joint points backwards.
         T_root_base = Transform(
             position=poses[arm.joints[0].parent].position,
             rotation=poses[base_of(model, name)].rotation,
@@ -215,7 +215,7 @@ def _view_of_all(model: RobotModel) -> tuple[Vector3, Vector3]:
 
 
 def merged(*groups: Iterable[Camera]) -> dict[str, Camera]:
-    """Return cameras by name; cameras of later groups replace those of earlier groups.
+    """Return cameras by name; later groups take precedence over earlier groups.
 
     Raises:
         ConfigError: If a camera name occurs twice in one group.

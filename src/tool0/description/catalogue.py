@@ -3,8 +3,8 @@
 Each part is a folder with YAML files.  The folders of the built-in parts are in
 ``arms`` and ``grippers`` of ``tool0_description/config``.  A folder contains
 kinematics, limits, masses, appearance, poses and display names.  A gripper's folder
-also contains the gripper's xacro macro.  If a folder does not contain a file, the file
-that all arms, or all grippers, share is used.
+also contains the gripper's xacro macro.  A file that is missing from a folder is
+replaced by the file that all arms, or all grippers, share.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from tool0.errors import ConfigError, DescriptionError, did_you_mean
 from tool0.user_data import expanded
 
 NO_GRIPPER = "none"
-"""Value that stands for "no gripper" in place of a gripper's name."""
+"""Value given instead of a gripper's name if there is no gripper."""
 
 PartKind = Literal["arm", "gripper"]
 
@@ -63,7 +63,7 @@ class CataloguePart:
         return own if own.is_file() else shared_folder(self.kind) / name
 
     def load(self, what: str) -> Mapping[str, Any]:  # Any: any YAML value
-        """Return the mapping ``what`` in ``<what>.yaml``; empty if the file is missing.
+        """Return the mapping in ``<what>.yaml``; empty if there is no such file.
 
         Raises:
             ConfigError: If the file cannot be read, or does not contain the mapping
@@ -115,7 +115,7 @@ def find_part(kind: PartKind, name: str) -> CataloguePart:
 
 
 def shared_folder(kind: PartKind) -> Path:
-    """Return the folder with the built-in parts of a kind and their shared files."""
+    """Return the folder of the built-in parts of a kind and their shared files."""
     return find_package("tool0_description") / "config" / f"{kind}s"
 
 

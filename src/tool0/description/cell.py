@@ -28,7 +28,7 @@ def merge_robots(cell: Cell, name: str, documents: Sequence[Document]) -> Docume
     All robots share the link ``world``.
 
     Raises:
-        ConfigError: If two robots have a link or joint of the same name.
+        ConfigError: If two robots have a link or joint with the same name.
     """
     merged = parse_text("<robot/>")
     root = _root(merged)
@@ -60,7 +60,7 @@ def _root(document: Document) -> Element:
 
 
 class _Footprint(NamedTuple):
-    """Vertical cylinder, in the world, around the space that a base occupies."""
+    """Vertical cylinder that encloses the space occupied by a base, in the world."""
 
     x: float
     y: float
@@ -107,7 +107,7 @@ def _fixed_below(model: RobotModel, link: str) -> list[str]:
 
 
 def _half_extents(solid: Solid, T: Transform) -> tuple[float, float]:
-    """Return upper bounds of half the width and half the height of a solid [m]."""
+    """Return upper bounds on half the width and half the height of a solid [m]."""
     match solid:
         case Sphere(radius=radius):
             return radius, radius

@@ -10,10 +10,11 @@ A cell consists of several robots and the objects around them::
         initial_pose: up
     scene: table_and_bin
 
-The other keys of a robot are ``mount`` (of the gripper on tool0), ``initial_pose``,
-``controllers_file`` and the fields of ``DescriptionConfig``.  The scene is the name of
-a built-in scene, a file, or a mapping with the keys of a scene file.  Paths are
-relative to the folder of the cell's file.
+The other keys of a robot are ``mount`` (orientation of the gripper in the frame
+``tool0``), ``initial_pose``, ``controllers_file`` and the fields of
+``DescriptionConfig``.  The value of ``scene`` is the name of a built-in scene, a file,
+or a mapping with the keys of a scene file.  Paths are relative to the folder of the
+cell's file.
 """
 
 from __future__ import annotations

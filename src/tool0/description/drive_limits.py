@@ -15,8 +15,8 @@ from tool0.errors import ControlError
 class DriveLimits:
     """Speed and force limits of a gripper goal, equivalent to rSP and rFR.
 
-    Speed and force are those of the pads.  The limits of the joint depend on the
-    joint's position: ``velocity = speed / lever`` and ``effort = force · lever``.
+    Speed and force are those of the pads.  The limits of the joint depend on its
+    position: ``velocity = speed / lever`` and ``effort = force · lever``.
 
     Raises:
         ControlError: If a value is outside the gripper's range.

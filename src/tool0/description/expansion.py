@@ -127,8 +127,8 @@ def _defaults_of_root(document: Document) -> dict[str, str]:
 def _imported() -> ModuleType:
     """Return PyPI's xacro, without Python 3.10's warnings about xacro's private names.
 
-    If a ROS installation is sourced, its xacro, in any version, comes first in
-    PYTHONPATH.
+    If a ROS installation is sourced, the xacro of that installation, whatever its
+    version, comes first in PYTHONPATH.
     """
     before = list(sys.path)
     of_ros = set(os.environ.get("PYTHONPATH", "").split(os.pathsep))
@@ -210,7 +210,7 @@ class _Expansion:
         return str(resolve_args(text, context=context))
 
     def _why_no_file(self, path: Path, *, is_empty: bool) -> str:
-        """Return the reason why a path is not a file, such as empty arguments."""
+        """Return the reason why a path is not a file, such as an empty argument."""
         if is_empty:
             args: dict[str, str] = self._xacro.substitution_args_context["arg"]
             empty = sorted(name for name, value in args.items() if not value.strip())

@@ -70,7 +70,7 @@ def error_at(
     *,
     severity: Severity = "error",
 ) -> Finding:
-    """Return a finding, which is an error by default; see ``Finding``'s fields."""
+    """Return a finding, by default an error; ``Finding`` describes the fields."""
     return Finding(
         location=location,
         rule=rule,
@@ -93,7 +93,7 @@ def quoted(names: Iterable[str]) -> str:
 
 
 def short(text: str) -> str:
-    """Return ``text``, without its middle part if it is too long for a message."""
+    """Return ``text``, with its middle part omitted if it is too long for a message."""
     if len(text) <= _LONGEST:
         return text
     half = _LONGEST // 2 - 1

@@ -1,6 +1,6 @@
 """Frames as 12 plain floats, and forward kinematics of such frames for the tick.
 
-Computing 12 joints with plain floats takes less time than one NumPy call per joint.
+For 12 joints, plain floats take less time than one NumPy call per joint would.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class FlatTree:
     """
 
     def __init__(self, joints: Sequence[TreeJoint], root: Array | None = None) -> None:
-        """Precompute the frames of ``joints``; ``root`` (3, 3) rotates all results."""
+        """Precompute frames of ``joints``; ``root``, (3, 3), rotates all results."""
         self.turns: list[Array] = [turn_z_to(joint.axis) for joint in joints]
         """Rotation of each joint's frame, shape (3, 3); the third column is the joint's
         axis."""
@@ -95,7 +95,7 @@ class FlatTree:
 
 
 def flat_frame(rotation: Array, origin: Array) -> Frame:
-    """Return the frame with a rotation, shape (3, 3), and an origin, shape (3,)."""
+    """Return the frame with the given rotation, (3, 3), and origin, (3,)."""
     return (*rotation.T.ravel().tolist(), *origin.tolist())
 
 

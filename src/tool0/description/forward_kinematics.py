@@ -1,7 +1,7 @@
 """Forward kinematics with plain floats: joint positions, link poses and velocities.
 
 ``joint_tree`` computes the kinematics of many joint positions at the same time, and
-``flat_frames`` computes the kinematics in the tick.
+``flat_frames`` does so for the tick.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def link_poses(
 ) -> dict[str, Transform]:
     """Return the pose of every link in the root link.
 
-    A joint that is missing in ``position`` [rad | m] is at 0, or follows its master
+    A joint that is missing from ``position`` [rad | m] is at 0, or follows its master
     joint.
 
     Raises:
@@ -169,7 +169,7 @@ class FrameMotion:
     """Angular velocity of the frame [rad/s]."""
 
     def carry(self, fixed: Transform) -> FrameMotion:
-        """Return the motion of a frame with constant pose ``fixed`` in this frame."""
+        """Return the motion of a frame whose pose in this frame is always ``fixed``."""
         pose = self.pose @ fixed
         arm = subtract(pose.position, self.pose.position)
         return FrameMotion(

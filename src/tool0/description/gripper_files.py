@@ -2,8 +2,7 @@
 
 Errors state the file and the line.  The checks cover the keys that all grippers have,
 regardless of the mechanism that the macro in the folder describes.  If the macro needs
-an additional key and this key is missing, xacro reports the mapping in which the key is
-missing.
+an additional key that is missing, xacro reports the mapping in which it is missing.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Forward kinematics of the moving joints for many joint positions.
 
 Fixed joints are merged into the placements of the moving joints.
-``forward_kinematics`` computes the kinematics of a single posture from positions by
-joint name, and ``flat_frames`` does this in the tick.
+``forward_kinematics`` computes the kinematics of a single posture, given by joint name,
+and ``flat_frames`` is used in the tick.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class JointFrames(NamedTuple):
 
 @final
 class JointTree:
-    """Tree of joints; each joint is placed in an earlier joint or in the root."""
+    """Tree of joints; each joint is placed relative to an earlier joint or the root."""
 
     def __init__(self, joints: Sequence[TreeJoint]) -> None:
         self._joints = tuple(joints)
@@ -86,8 +86,8 @@ class PlacedLinks(NamedTuple):
     tree: tuple[TreeJoint, ...]
     """The elements of ``joints``, in the form used by ``JointTree``."""
     placements: dict[str, tuple[int, Transform]]
-    """Map from a link to the index of the joint that carries the link (-1 if no joint
-    carries it), and the link's pose in the frame of that joint."""
+    """Map from a link to two values: the index of the joint that carries the link (-1
+    if no joint does), and the link's pose in that joint's frame."""
 
 
 def place_links(

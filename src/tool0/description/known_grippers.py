@@ -24,8 +24,8 @@ _JOINTS: Final = (
 """Names, without prefix, of the driven joints in the descriptions of ros-industrial and
 PickNik."""
 _OF_140: Final = 0.72
-"""Upper joint limit below which a gripper is a 2F-140 [rad].  A 2F-85 is closed at 0.8
-rad."""
+"""A gripper whose upper joint limit is below this value is a 2F-140 [rad].  A 2F-85 is
+closed at 0.8 rad."""
 
 
 def add_known_grippers(

@@ -72,7 +72,7 @@ Poses = Mapping[str, Mapping[str, float]]
 def load_description(
     config: DescriptionConfig, *, spawn_z: float = SPAWN_Z
 ) -> RobotDescription:
-    """Return the robot of ``config``; catalogue arms are fixed to ``world``.
+    """Return the selected robot; an arm from the catalogue is fixed to ``world``.
 
     The arm's pedestal reaches the ground, which is ``spawn_z`` [m] below ``world``.
 
@@ -218,7 +218,7 @@ def load_robot(
     is_driven: bool = False,
     relax_inertia: bool = False,
 ) -> RobotDescription:
-    """Return the robot in your own file: a xacro file, unless its suffix is ``.urdf``.
+    """Return the robot in your own file, a xacro file unless it ends in ``.urdf``.
 
     Packages of the workspace that contains the file take precedence over all other
     packages.  If ``is_driven`` is set and the file does not declare which joints are

@@ -36,8 +36,8 @@ deliberately low."""
 DEFAULT_SLIDE_VELOCITY = 0.25
 """Velocity limit of prismatic joints without a stated limit [m/s]."""
 TIME_TO_FULL_SPEED = 0.4
-"""Time from rest to the largest speed at the default acceleration limit [s].  This
-value is an estimate, since datasheets do not state it.  With this value, the
+"""Time to accelerate from rest to the largest speed at the default acceleration limit
+[s].  This value is an estimate, since datasheets do not state it.  With this value, the
 acceleration limit of a UR5's shoulder is 7.9 rad/s², which the drive can achieve while
 the arm is outstretched."""
 _ROUNDING = 1e-3
@@ -224,7 +224,7 @@ class JointLimits:
         return min(max(position, self.lower), self.upper)
 
     def range_from(self, start: float) -> tuple[float, float]:
-        """Return the smallest and the largest position of a motion from ``start``.
+        """Return the smallest and largest positions for a motion from ``start``.
 
         If the joint starts outside its limits, by up to ``RECOVERABLE``, the range is
         extended to the start position, so that the joint can return.
@@ -338,8 +338,8 @@ class Transmission:
     """Inertia of the rotor on the motor side of the transmission [kg·m²]."""
     gravity_compensation: bool = False
     """Whether the drive compensates for gravity, so that the commanded effort is added
-    to the compensation.  Gravity compensation is meant for drives with such a large
-    reduction that gravity has little effect."""
+    to the compensation.  Gravity compensation is meant for drives with a reduction so
+    large that gravity hardly affects them."""
     command_limits: JointLimits = field(default_factory=JointLimits)
     """Limits of the drive's commands, in addition to the joint's limits."""
 
@@ -409,8 +409,8 @@ class LinearOpening:
     pad_offset: float
     """Distance of a pad from the center at q = 0 [m]."""
     pad_slope: float
-    """Change in a pad's distance from the center per change in the joint's position.
-    If the value is negative, an increasing position closes the pads."""
+    """Change in a pad's distance from the center [m] per unit of joint position.  If
+    the value is negative, an increasing position closes the pads."""
 
     def opening(self, position: float) -> float:
         """Return the distance between the pads [m] at joint ``position`` [m]."""
@@ -430,8 +430,8 @@ class LinearOpening:
 class ParallelGripper:
     """The relation between the opening of a parallel gripper and its driven joint.
 
-    The gripper closes when the position of the joint increases, so that a positive
-    effort closes the gripper.
+    The gripper closes when the position of the joint increases, so a positive effort
+    closes it.
     """
 
     name: str
@@ -447,8 +447,8 @@ class ParallelGripper:
     force: tuple[float, float]
     """Smallest and largest grip force at each pad [N]."""
     protocol: str | None = None
-    """Device protocol of the gripper's ports, one of ``GRIPPER_PROTOCOLS``.  The
-    protocol is None if the gripper does not use any of these protocols."""
+    """Device protocol of the gripper's ports, one of ``GRIPPER_PROTOCOLS``.  The value
+    is None if the gripper does not use any of these protocols."""
     passive: tuple[tuple[str, Mimic], ...] = ()
     """Mimic relations of the linkage's joints.  The relations are valid while the pads
     are parallel, and invalid when the fingers wrap around an object."""
@@ -502,7 +502,8 @@ class RobotModel:
     grippers: tuple[ParallelGripper, ...] = ()
     """Parallel grippers of the robot."""
     loops: tuple[LoopJoint, ...] = ()
-    """Loop-closing joints, each of which connects two links in addition to the tree."""
+    """Joints that close loops; each connects two links that the tree does not connect
+    directly."""
     self_collide: bool = False
     """Whether all links collide with each other, regardless of each link's flag."""
     hardware: tuple[HardwareComponent, ...] = field(default=(), hash=False)

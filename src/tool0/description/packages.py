@@ -4,8 +4,8 @@ The search has three steps.  Bundled packages are searched first.  Then the entr
 ``ROS_PACKAGE_PATH`` are searched; an entry is a package or a folder that contains
 packages.  Finally, the packages that ROS 2 has installed below the entries of
 ``AMENT_PREFIX_PATH`` are searched.  ``preferring`` gives other packages precedence over
-all of these packages.  For example, the packages of a file's workspace, which
-``packages_around`` returns, can get precedence.
+all of these packages, for example the packages of a file's workspace, which
+``packages_around`` returns.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _MAX_FOLDERS = 100
 _MAX_DEPTH = 6
 _MAX_WALKED = 5000
 """Largest number of folders that are searched for packages.  The number is limited,
-since a folder ``src`` can contain arbitrary files."""
+since a folder ``src`` can contain arbitrarily many folders."""
 _IGNORE = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
 
 
@@ -122,8 +122,8 @@ def source_path(path: Path) -> Path:
 
     CMake can install folders under other paths: ``description/urdf`` can become
     ``share/PACKAGE/urdf``.  If the path exists, it is returned unchanged.  The path is
-    also returned unchanged if the number of folders of the package that contain a
-    matching file is not exactly one.
+    also returned unchanged unless exactly one of the package's folders contains a
+    matching file.
     """
     if os.path.lexists(path):
         return path

@@ -2,8 +2,7 @@
 
 A payload replaces the model of all bodies beyond the flange, as ``set_payload`` does on
 a UR.  The drives then compensate for the weight and inertia of the payload instead of
-the weight and inertia of the tool in the description.  The simulated physics does not
-change.
+those of the tool in the description.  The simulated physics does not change.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ def modelled_payload(model: RobotModel, flange: str) -> Payload:
 def replaced_tools(
     model: RobotModel, payloads: Mapping[str, Payload]
 ) -> dict[str, tuple[BodyInertia, ...]]:
-    """Return the bodies that, added to each flange, replace its tool with a payload."""
+    """Return the bodies to add to the flanges to replace the tools with payloads."""
     return {
         flange: (payload_inertia(payload), _negative(tool_inertia(model, flange)))
         for flange, payload in payloads.items()

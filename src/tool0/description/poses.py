@@ -102,7 +102,7 @@ class PoseStore:
         return poses[name]
 
     def goal(self, name: str, robot: str | None = None) -> dict[str, float]:
-        """Return the joints that a move to a pose moves, and their targets [rad | m].
+        """Return the joints involved in a move to a pose, and their targets [rad | m].
 
         A pose that contains joints of an arm does not move the gripper.
 
@@ -120,10 +120,10 @@ class PoseStore:
         return joints_of_robot(self._description.model, positions, robot)
 
     def moved(self, pose: NamedPose) -> dict[str, float]:
-        """Return the joints that a move to ``pose`` moves, and their targets [rad | m].
+        """Return the joints involved in a move to ``pose``, and targets [rad | m].
 
-        A pose that contains joints of an arm does not move the gripper, because the
-        gripper could drop an object that it holds.
+        A pose that contains joints of an arm does not move the gripper, which could
+        otherwise drop an object.
         """
         grippers, positions = self._gripper_joints, pose.positions
         of_arms = {name: q for name, q in positions.items() if name not in grippers}
@@ -173,7 +173,7 @@ class PoseStore:
         return {robot.prefix + joint: q for joint, q in (pose or {}).items()}
 
     def save(self, name: str, positions: Positions, *, update: bool = False) -> None:
-        """Save a pose, and replace an existing saved pose of the same name.
+        """Save a pose, replacing any saved pose of the same name.
 
         If ``update`` is set, the positions of joints that are not in ``positions`` are
         kept from the existing pose.

@@ -1,4 +1,4 @@
-"""Postures with which an arm reaches a pose, and the branches of postures."""
+"""Postures with which an arm reaches a pose, and the branches they belong to."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class Branch:
     """
 
     shoulder: Literal["left", "right"] | None = None
-    """Side on which the upper arm is, relative to the line from the base to the wrist
-    center, seen from behind the base."""
+    """Side of the upper arm, relative to the line from the base to the wrist center,
+    seen from behind the base."""
     elbow: Literal["up", "down"] | None = None
     """Whether the elbow is above the line from the shoulder to the fourth joint.  The
-    meaning is reversed where the fourth joint and the wrist center are on different
+    meaning is reversed when the fourth joint and the wrist center are on different
     sides of the base's axis.  Therefore the value changes only in singular postures."""
     wrist: Literal["flip", "no_flip"] | None = None
     """Sign of the sine of the fifth joint's angle: negative for "no_flip", positive for

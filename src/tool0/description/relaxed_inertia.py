@@ -20,7 +20,7 @@ _PRODUCTS = ("ixy", "ixz", "iyz")
 def require_inertias(document: Document, *, relax: bool) -> None:
     """Reject impossible inertias, or replace them with a warning if ``relax`` is set.
 
-    The replacement has the middle principal moment about every axis.
+    The replacement has the same moment about every axis: the middle principal moment.
 
     Raises:
         ModelError: If a link has an impossible inertia and ``relax`` is not set, or if

@@ -86,7 +86,7 @@ class RigidModel:
     geometry: Solid
     link: str = "link"
     collisions: tuple[str, ...] = ("collision",)
-    """Names of the parts of the shape, in the order of the parts."""
+    """Names of the shape's parts, in the same order as the parts."""
     T_model_link: Transform = field(default_factory=Transform)
     T_model_shape: Transform = field(default_factory=Transform)
     """Pose of the shape's origin in the model.  The shape's origin is also the object's

@@ -120,7 +120,7 @@ def command_interfaces(robot: Element) -> dict[str, tuple[str, ...]]:
 
 
 def _is_other(item: HardwareItem, joints: Mapping[str, Joint]) -> bool:
-    """Return whether a ``<joint>`` tag describes no joint, as with some old drivers."""
+    """Return whether a ``<joint>`` tag describes no joint, as for some old drivers."""
     interfaces = (*item.commands, *item.states)
     moves = any(interface.name in _MOTION for interface in interfaces)
     return bool(interfaces) and not moves and item.name not in joints

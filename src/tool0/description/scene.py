@@ -19,8 +19,8 @@ from tool0.errors import ConfigError, SourceLocation
 
 DEFAULT_FRICTION = 1.0
 LONGEST_MODEL = 1_000_000
-"""Largest length of a model's text [characters].  This length is much larger than that
-of one body's text, and a text of this length can be parsed within one second."""
+"""Largest length of a model's text [characters].  One body's text is much shorter, and
+a text of this length can be parsed within one second."""
 DEFAULT_RGBA: RGBA = (0.90, 0.60, 0.00, 1.0)
 """Orange, a color that is not used by any bundled robot."""
 
@@ -105,8 +105,8 @@ class Scene:
     """Objects and cameras around the robot."""
 
     objects: tuple[SceneObject, ...] = ()
-    """Objects of the scene.  Each object has a unique name.  Lists of object poses have
-    the order of this tuple."""
+    """Objects of the scene.  Each object has a unique name.  Lists of object poses are
+    in the same order as this tuple."""
     locations: dict[str, SourceLocation] = field(
         default_factory=dict, compare=False, repr=False
     )

@@ -1,8 +1,8 @@
 """Reader of scenes in YAML files, and the list of built-in scenes.
 
 The keys are those of ``SceneObject`` and ``Camera``, with two differences.  The key of
-a shape is the kind of the shape, and a camera's pose can contain the point at which the
-camera looks::
+a shape is its kind, and a camera's pose can contain the point at which the camera
+looks::
 
     objects:
       - {name: table, box: {size: [0.6, 0.8, 40mm]}, pose: {xyz: [0.6, 0, 0]}}
@@ -191,7 +191,7 @@ def _objects(entry: YamlEntry, colors: Iterator[RGBA]) -> tuple[SceneObject, ...
 
 
 def _kind(values: Namespace, kinds: Sequence[str], owner: str) -> str:
-    """Return the one of ``kinds`` that is given, or raise ConfigError."""
+    """Return the kind, out of ``kinds``, that is given, or raise ConfigError."""
     given = [kind for kind in kinds if values.find(kind) is not None]
     if len(given) != 1:
         raise ConfigError(
@@ -225,7 +225,7 @@ def _compound(values: Namespace, of: str) -> Compound:
 
 
 def _geometry(kind: str, values: Namespace, of: str) -> Geometry:
-    """Return the shape described by ``values``; errors state ``of``, its owner."""
+    """Return the shape described by ``values``; errors state its owner, ``of``."""
     shape = _shape(values, kind)
 
     def numbers(

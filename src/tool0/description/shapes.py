@@ -41,7 +41,7 @@ class Box:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cylinder:
-    """A cylinder with the axis z, centered at its origin."""
+    """A cylinder along the z axis, centered at the origin."""
 
     radius: float
     """Radius of the cylinder [m]."""
@@ -127,7 +127,7 @@ def read_geometry(
         kind: The kind of shape.
         numbers: Function that reads ``size``, ``radius``, ``length`` or ``scale`` from
             attributes, child elements or YAML values.  The function's arguments are the
-            name, the count and an optional default.
+            name, the number of values and an optional default.
         uri: Function that returns the URI of a mesh, and the source location of the
             URI.
 

@@ -27,7 +27,7 @@ class Plane(NamedTuple):
     point: Vector3
     """Point on the plane [m], in the robot's root."""
     normal: Vector3
-    """Unit normal that points to the side on which the robot is."""
+    """Unit normal that points to the robot's side of the plane."""
 
 
 @final

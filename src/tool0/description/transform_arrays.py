@@ -159,7 +159,7 @@ def from_quats(quat_wxyz: Array) -> Array:
 
 
 def yaws_of_quats(quat_wxyz: Array) -> Array:
-    """Return ``yaw_of`` for the rotations of unit quaternions, (n, 4); shape (n,)."""
+    """Return ``yaw_of``, shape (n,), of rotations given as unit quaternions, (n, 4)."""
     w, x, y, z = quat_wxyz.T
     return np.asarray(np.arctan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z)))
 

@@ -77,13 +77,13 @@ Radians = Annotated[float, ANGLE]
 MetresPerSecond = Annotated[float, SPEED]
 
 FAR: Final = 100.0
-"""Distance of an object from the nearest link at and above which the object's position
-is probably in mm [m]."""
+"""Distance from the nearest link [m] at and above which an object's position is assumed
+to be in mm."""
 LARGEST_MOVABLE: Final = 5.0
-"""Smallest edge length at which a movable body's size is probably in mm [m]."""
+"""Edge length [m] at and above which a movable body's size is assumed to be in mm."""
 LARGEST_FIXED: Final = 20.0
-"""Smallest edge length at which a fixed body's size is probably in mm [m].  This length
-is larger than that for movable bodies, since the fixed body may be the ground."""
+"""Edge length [m] at and above which a fixed body's size is assumed to be in mm.  This
+value is larger than that for movable bodies, since the fixed body may be the ground."""
 
 
 def read_number(text: str, *quantities: Quantity) -> tuple[float, Quantity | None]:

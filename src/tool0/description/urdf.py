@@ -55,8 +55,8 @@ _Locations = dict[str, SourceLocation]
 LOOP_GAP = 1e-5
 """Largest distance between the ends of a loop in its rest position [m]."""
 _SELF_COLLIDE = ("selfCollide", "self_collide")
-"""Tags that define for libsdformat whether a link collides with other links of the same
-model."""
+"""Tags from which libsdformat determines whether a link collides with other links of
+the same model."""
 _BOOLEANS = ("true", "1", "false", "0")
 _SURFACE = ("mu1", "mu2", "kp", "kd", "minDepth", "maxVel")
 
@@ -319,7 +319,7 @@ def _read_transmissions(
 
 
 def _check_loops(model: RobotModel) -> None:
-    """Raise ModelError unless every loop is closed over its range of motion.
+    """Raise ModelError unless every loop stays closed over its range of motion.
 
     The ``<mimic>`` relations of passive joints must keep the loop closed.  The check is
     made at both ends and in the middle of the range of each master joint.

@@ -29,7 +29,7 @@ class LocatedElement(Element):
     """A DOM element with its source location.
 
     The attributes of the element are a plain dict. minidom would store each attribute
-    as a node in two dicts, which would take a third of the time of an expansion.
+    as a node in two dicts, which would take up a third of the expansion time.
     """
 
     def __init__(self, tag: str, location: SourceLocation | None = None) -> None:
@@ -39,7 +39,7 @@ class LocatedElement(Element):
 
     @property
     def attributes(self) -> Any:  # type: ignore[override]  # a NamedNodeMap in minidom
-        """Copy of the attributes, of which xacro uses only ``items`` and ``keys``."""
+        """Copy of the attributes; xacro calls only its ``items`` and ``keys``."""
         return dict(self._values)
 
     def hasAttribute(self, name: str) -> bool:
@@ -76,7 +76,7 @@ class LocatedElement(Element):
     def writexml(
         self, writer: Any, indent: str = "", addindent: str = "", newl: str = ""
     ) -> None:
-        """Write the element and its children; text-only elements have one line."""
+        """Write the element and its children; one with only text gets a single line."""
         attributes = "".join(
             f' {name}="{value.translate(_ESCAPES)}"'
             for name, value in self._values.items()

@@ -1,4 +1,4 @@
-"""YAML as a tree of entries, which are values with full key, file and line.
+"""A YAML text as a tree of entries; each entry is a value with full key, file and line.
 
 Controllers, scenes, launch files, the linter and xacro read YAML through this module.
 """
@@ -164,8 +164,8 @@ def read_verbatim(file: Path, units: Mapping[str, Constructor] | None = None) ->
 
     The root is null if the file is empty.  Keys and strings are not changed: slashes
     and angles do not have rosparam's meaning.  ``!degrees 90`` is returned as the text
-    ``90deg``, which ``read_number`` accepts.  If ``units`` is given, it contains the
-    constructors of tagged scalars by tag.
+    ``90deg``, which ``read_number`` accepts.  If ``units`` is given, it maps tags of
+    scalars to their constructors.
 
     Raises:
         ConfigError: If the file cannot be read, or is not YAML.
@@ -260,7 +260,7 @@ def merged(*entries: YamlEntry) -> YamlEntry:
 
 
 def _copied(entry: YamlEntry) -> YamlEntry:
-    """Return a copy of an entry, including the mappings in the entry."""
+    """Return a copy of an entry, including the mappings inside it."""
     if not entry.is_mapping:
         return entry
     children = {name: _copied(child) for name, child in entry.children.items()}
@@ -383,7 +383,7 @@ class _TreeReader:
     def _pairs(
         self, node: yaml.Node, key: str
     ) -> Iterator[tuple[str, yaml.Node, yaml.Node]]:
-        """Yield the keys and values of a mapping, including its ``<<``.
+        """Yield the keys and values of a mapping, including those merged by ``<<``.
 
         The pairs of ``<<`` come first.  Overridden pairs are left out.
         """

@@ -155,7 +155,7 @@ class ChildProcess(AbstractContextManager["ChildProcess"]):
     def last_output(self, n_lines: int = 8) -> str:
         """Return the last lines of output and errors.
 
-        The text is empty if the output goes to a log.
+        The text is empty if the output is written to a log.
         """
         return last_lines("\n".join(self._texts()), n_lines)
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from typing import Final
 
 THRESHOLD: Final = 50_000
-"""Number of new objects that are not freed before the collector searches for cycles.
+"""Number of unfreed new objects at which the collector searches for cycles.
 
 States and motions are freed when their last reference is deleted.  A stream at 500 Hz
 reaches the interpreter's default threshold of 700 objects about once a second.  The

@@ -110,8 +110,8 @@ class Pairs(NamedTuple):
     least: FloatArray
     """Smallest allowed distance between the shapes of each pair [m]."""
     reach: FloatArray
-    """Largest relative motion of the points of a pair per motion of each joint [m/rad],
-    shape (n, n_joints)."""
+    """Largest relative motion of points on the shapes of a pair per unit motion of each
+    joint [m/rad], shape (n, n_joints)."""
 
 
 class Joints(NamedTuple):

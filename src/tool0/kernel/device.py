@@ -173,7 +173,7 @@ class DeviceControl:
         self._is_uploaded = True
 
     def _download(self) -> None:
-        """Copy the motions that were started on the device to the host."""
+        """Copy to the host the motions that were started on the device."""
         if self._is_ahead:
             motions = self._motions
             motions.until = self._until.numpy().copy()
@@ -420,7 +420,7 @@ class DeviceControl:
         self._is_ahead = True
 
     def _drive_of(self, column: int) -> int:
-        """Return the number of the drive of a controlled joint."""
+        """Return the number of the drive for a controlled joint."""
         return self._drives.index(self._joints[column])
 
     def _chosen(self, rows: Indices) -> Any:

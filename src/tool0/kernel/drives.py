@@ -248,7 +248,7 @@ class NativeDrives:
         self._hardware.restore(self._setup, state)
 
     def _keep_masses(self) -> None:
-        """Copy masses that were computed in this memory to the setup."""
+        """Copy to the setup the masses that were computed in this memory."""
         n = self.struct.n_servos
         masses = tuple(self._masses[k * n : (k + 1) * n] for k in range(n))
         fastest = [servo.fastest for servo in self._servos[:n]]
@@ -256,7 +256,7 @@ class NativeDrives:
         self.struct.masses_at = -1
 
     def _keep_mobility(self) -> None:
-        """Copy mobility that was computed in this memory to the setup."""
+        """Copy to the setup the mobility that was computed in this memory."""
         n = self.struct.governor.n_free
         mobility = tuple(tuple(self._mobility[k * n : (k + 1) * n]) for k in range(n))
         posture = tuple(self._posture[:n])

@@ -14,7 +14,7 @@ from tool0.kernel.program import TickProgram
 
 @final
 class Kernel:
-    """Selector of the ticks of one robot that the compiled kernel executes.
+    """Selector of the ticks that the compiled kernel executes for one robot.
 
     Only the thread of the tick may use this object.
     """
@@ -33,7 +33,7 @@ class Kernel:
         self._program: TickProgram | None = None
 
     def load(self, state: JointState) -> TickProgram | None:
-        """Return a program that executes the ticks that start at ``state``, or None.
+        """Return a program for the ticks that start at ``state``, or None.
 
         The result is None if there is no compiled kernel, if the kernel cannot step the
         engine, or if a controller has no law.  Only Python can execute the ticks in

@@ -19,7 +19,7 @@ logger = logging.getLogger(__name__)
 
 VARIABLE: Final = "TOOL0_KERNEL"
 """Environment variable that selects the kernel.  The value ``python`` selects the
-Python reference, which is slower and has the same results."""
+Python reference, which is slower but gives the same results."""
 COMPILE_COMMAND: Final = shlex.join([sys.executable, "-m", "tool0.kernel.build"])
 
 

@@ -37,7 +37,7 @@ _STARTS = tuple(StartResult)  # indexing takes a tenth of the time of StartResul
 
 @final
 class BatchKernel:
-    """Runner of robots that are loaded into the kernel, given by their addresses.
+    """Runner of robots in the kernel; the robots are given by their addresses.
 
     Every array has one row per robot.  The addresses are those of the robots' structs.
     """
@@ -81,7 +81,7 @@ class BatchKernel:
         self._read.restype = None
 
     def run(self) -> bool:
-        """Execute remaining ticks of each loaded robot, at most ``most`` ticks.
+        """Execute up to ``most`` remaining ticks of each loaded robot.
 
         Return whether an event ended the run of a robot, or whether ticks are left.
         """
@@ -105,7 +105,7 @@ class BatchKernel:
     def read(self, which: BoolArray, n_joints: int) -> FloatArray:
         """Return positions, velocities and efforts of robots, shape (3, n, n_joints).
 
-        The values of robots for which ``which``, shape (n,), is false are undefined.
+        Where ``which``, shape (n,), is false, the values are undefined.
         """
         n = len(which)
         found = np.empty((3, n, n_joints))

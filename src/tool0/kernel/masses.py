@@ -1,4 +1,4 @@
-"""Masses and mobilities of the drives of robots in the kernel (``masses.c``)."""
+"""Masses and mobilities of robots' drives in the kernel (``masses.c``)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tool0.kernel.memory import Addresses, FloatArray, address
 def refresh_masses(
     compiled: ctypes.CDLL, robots: Addresses, hardware: RobotHardware
 ) -> None:
-    """Compute the masses of servos for robots for which new masses are due.
+    """Compute the servo masses of the robots for which new masses are due.
 
     ``hardware`` contains the drives of one of the robots.  All robots must have the
     same drives and payloads.
@@ -33,8 +33,8 @@ def refresh_mobilities(
 ) -> None:
     """Compute the mobilities of free joints for robots for which they are due.
 
-    ``hardware`` has the same meaning as for ``refresh_masses``, but the robots' engaged
-    brakes can be different.
+    ``hardware`` has the same meaning as for ``refresh_masses``, but different brakes
+    can be engaged on each robot.
     """
     robots = np.ascontiguousarray(robots)
     matrices, positions = _mass_matrices(compiled, robots, hardware)

@@ -134,7 +134,7 @@ class StartMemory:
     def load(self, start: TrajectoryStart | None, *, has_points: bool) -> None:
         """Set the data for the start of a trajectory.
 
-        ``has_points`` states whether the motion before the trajectory has points.
+        ``has_points`` is true if the motion before the trajectory has points.
         """
         struct = self.struct
         struct.is_known, struct.has_points = start is not None, has_points
@@ -366,7 +366,7 @@ _from_buffer = cast("Callable[[NDArray[Any]], Array[c_char]]", (c_char * 0).from
 
 
 def address(array: NDArray[Any]) -> Array[c_char] | c_void_p:
-    """Return the address of the data of a contiguous array, for calls of the kernel."""
+    """Return the address of the data of a contiguous array, for calls to the kernel."""
     try:
         return _from_buffer(array)  # takes an eighth of the time of the call below
     except TypeError:

@@ -48,8 +48,8 @@ class Motions:
         self.origin: Array = np.zeros_like(self.until)
         """Start of each piece [s], shape (n, k, n_pieces)."""
         self.coefficients: Array = np.zeros((*self.until.shape, 4))
-        """Coefficients of each piece's polynomial in the time since ``origin``, in the
-        order of increasing powers, shape (n, k, n_pieces, 4)."""
+        """Coefficients of each piece's polynomial in the time since ``origin``, in
+        order of increasing power, shape (n, k, n_pieces, 4)."""
         self.coefficients[..., 0, 0] = position
 
     def rest(self, rows: Indices, position: Array) -> None:

@@ -215,7 +215,7 @@ class _LoadedLaw:
         grip.stall_position, grip.stall_since = now.stall_position, now.stall_since
 
     def _store_starts(self, controller: TrajectoryFollower, time: float) -> None:
-        """Pass motions that the kernel has started or will start to Python."""
+        """Pass to Python the motions that the kernel has started or will start."""
         memory, start = self._memory, self._memory.start
         coming = start and start.coming()
         if memory.started.any():

@@ -39,7 +39,7 @@ class _Tool(Structure):
 
 
 class ToolWrenches(NamedTuple):
-    """Wrenches of a tool, without those of contacts, in k physics steps."""
+    """Wrenches of a tool in k physics steps, without contact wrenches."""
 
     wrench: FloatArray
     """Force [N] and torque [N·m] at the flange and in its axes, shape (k, 6)."""
@@ -49,7 +49,7 @@ class ToolWrenches(NamedTuple):
     """Frames of the flange in the root, shape (k, 12)."""
 
     def forces(self, number: int) -> ToolForces:
-        """Return the wrench in one step, without the wrenches of contacts."""
+        """Return the wrench in one step, without contact wrenches."""
         fx, fy, fz, tx, ty, tz = self.in_root[number].tolist()
         flange = tuple(self.flange[number].tolist())
         return ToolForces((fx, fy, fz), (tx, ty, tz), flange)

@@ -34,7 +34,7 @@ class Scratch:
     """Rotations and origins of the bodies' frames."""
     linear: wp.array2d[wp.vec3]
     angular: wp.array2d[wp.vec3]
-    """Linear and angular velocities of a body per velocity of each free joint."""
+    """Linear and angular velocities of a body per unit velocity of each free joint."""
     coming: wp.array2d[float]
     wanted: wp.array2d[float]
     used: wp.array2d[float]

@@ -1,7 +1,7 @@
 """Control laws and drives as Warp kernels, for many robots.
 
-The kernels implement ``laws.c`` and ``drives.c``.  Operations have the same order as in
-the C code, but they have single precision.  Time has double precision, so that motions
+The kernels implement ``laws.c`` and ``drives.c``.  The operations are in the same order
+as in the C code, but in single precision.  Time has double precision, so that motions
 start and end in the same tick as in the C code.  Units and names are those of the C
 structs.  Arrays have one row per robot: shape (n, …).
 """
@@ -116,7 +116,7 @@ def run_laws(
     integrals: wp.array2d[float],
     command: wp.array2d[float],
 ) -> None:
-    """Write the command in a tick of each controlled joint of each robot."""
+    """Write the commands for all controlled joints of each robot in one tick."""
     robot, k = wp.tid()
     time = wp.float64(steps[robot]) * dt
     j = int(0)
@@ -393,11 +393,11 @@ def run_drives(
     motors: wp.array2d[float],
     motor_of: wp.array[int],
 ) -> None:
-    """Write the effort in the next step of each drive of each robot.
+    """Write the efforts of each robot's drives for the next step.
 
     ``compensates`` is 1 for drives that compensate for their load.  ``motor_of``
-    contains the motor number of each drive.  ``grips`` contains the pad force and the
-    pad speed of a goal, and 1 if there is a goal.
+    contains the motor number of each drive.  ``grips`` contains three values: the pad
+    force and the pad speed of a goal, and 1 if there is a goal.
     """
     robot, k = wp.tid()
     drive = drives[k]

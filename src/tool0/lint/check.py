@@ -201,9 +201,9 @@ class _Check:
     def _robot_of(self, yaml: Source, text: YamlText) -> RobotFacts | None:
         """Return the robot for a YAML file, if exactly one robot fits the file.
 
-        A robot fits a YAML file under two conditions.  The user named the robot's file
-        and the YAML file, or the two files are in the same package or folder.  The
-        robot also has a joint that the YAML file names.
+        A robot fits a YAML file under two conditions.  Either the user named both
+        files, or the two files are in the same package or folder.  In addition, the
+        robot has a joint that occurs in the YAML file.
         """
         named = {s.path.resolve() for s in self._sources.files if s.was_named}
         home, words = self._home(yaml.path), set(_WORD.findall(text.text))
@@ -231,7 +231,7 @@ class _Check:
     def _read_all(
         self, kind: FileKind, reader: Callable[[Path, Packages], R]
     ) -> dict[Path, R]:
-        """Return the results of ``reader`` for the files that ``reader`` can read."""
+        """Return the results of ``reader`` for the files that it can read."""
         return self._try_each(
             {
                 source.path: partial(reader, source.path, self._packages)
@@ -331,7 +331,7 @@ def _outcomes(works: Mapping[Path, Callable[[], R]]) -> dict[Path, R | Exception
 def _yaml_alone(
     yamls: Iterable[YamlText], robot: RobotFacts | None, packages: Packages
 ) -> Iterator[Finding]:
-    """Yield the findings of YAML files that are neither named nor loaded.
+    """Yield the findings of YAML files that the user did not name and no file loads.
 
     Interface mismatches are omitted, because the robot may offer other interfaces if it
     gets other arguments.

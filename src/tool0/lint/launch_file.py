@@ -46,8 +46,7 @@ class ParsedLaunch:
 
     findings: tuple[Finding, ...]
     robots: tuple[tuple[Path, Mapping[str, str] | None], ...] = ()
-    """Robot files, each with the arguments of xacro, or with None if the file is
-    URDF."""
+    """Robot files, each with its xacro arguments, or with None for a URDF file."""
     yamls: tuple[YamlText, ...] = ()
     included: tuple[Path, ...] = ()
     spawns: bool = False

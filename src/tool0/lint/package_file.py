@@ -141,9 +141,9 @@ def _uses(root: Tag) -> Iterator[tuple[str, SourceLocation]]:
 def judge_missing_package(finding: Finding) -> Finding | str:
     """Return the finding with its correct severity, or a note instead.
 
-    If a package is missing on this machine, a file in a package is not at fault, and
-    the result is a note.  A separate finding reports a package that the file's
-    package.xml does not name.  If the file is in no package, the finding is a warning.
+    If a package is missing on this machine, a file in a package is not at fault; the
+    result is then a note.  A separate finding reports a package that the file's
+    package.xml does not list.  If the file is in no package, the finding is a warning.
     If the package's name may be a misspelling, the finding is an error.
     """
     lacking, file = _missing_package(finding), finding.location.file

@@ -20,8 +20,8 @@ R = TypeVar("R")
 P = ParamSpec("P")
 
 TIMEOUT = 10.0
-"""Time limit of a function [wall s].  Checking the largest robots takes a tenth of this
-time."""
+"""Time limit of a function [wall s].  Even the largest robots can be checked in a tenth
+of this time."""
 MEMORY = 2 << 30
 """Memory limit of the child process, in addition to the memory of this process
 [bytes]."""

@@ -48,8 +48,8 @@ _XACRO_RULES = (
 )
 _USED = re.compile(r"\$\(arg +(\w+) *\)")
 _MOST = 50
-"""Largest number of findings that are reported for one subject.  After these findings
-have been fixed, another check reports more findings."""
+"""Largest number of findings that are reported for one subject.  Once these have been
+fixed, another check reports more findings."""
 
 
 @final
@@ -73,8 +73,7 @@ class XacroSource:
     """Absolute paths of the files that the file includes, whatever its arguments
     are."""
     needs: tuple[str, ...]
-    """Arguments with no default value, or an empty one, at the place where they are
-    used."""
+    """Arguments that have no default value, or an empty one, where they are used."""
 
 
 def read_robot(

@@ -41,7 +41,7 @@ class Source:
     path: Path
     kind: FileKind
     was_named: bool
-    """Whether the user named the file explicitly, and not only a folder above it."""
+    """Whether the user named the file itself, and not only a folder above it."""
 
 
 @final
@@ -139,7 +139,7 @@ def finding_of(error: Exception, rule: str, file: Path) -> Finding:
 
 
 def kind_of(file: Path) -> FileKind | None:
-    """Return the kind of a file; None if it is of no known kind.
+    """Return the kind of a file; None if the kind is unknown.
 
     The kind depends on the name of the file and, for XML, on its outermost element.
     """

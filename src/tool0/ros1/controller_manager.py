@@ -52,8 +52,9 @@ class ControllerManagerBridge:
     """Acts like ros_control's controller_manager, and presents the loaded controllers.
 
     The manager and the controllers are in one namespace, and their names are relative
-    to this namespace.  The bridge follows every change that is made in ROS, the panel
-    or the command line.  As in ROS, a controller has topics while it is loaded.
+    to this namespace.  The bridge follows every change that is made in ROS, in the
+    panel or on the command line.  As in ROS, a controller has topics while it is
+    loaded.
     """
 
     def __init__(self, ros: RosNamespace, robot: Robot) -> None:
@@ -112,7 +113,7 @@ class ControllerManagerBridge:
                     bridges[name] = spec, bridge
                 else:
                     closed.append(bridge)
-            # publish() must get the new bridges before an old one is closed
+            # publish() must receive the new bridges before an old one is closed
             self._bridges = dict(bridges)
             for bridge in closed:
                 bridge.close()

@@ -29,7 +29,7 @@ from tool0.ros1.namespace import RosNamespace
 STATUS_RATE = 5.0
 """Rate at which the status of goals is published [Hz].  The rate is the same as
 actionlib's.  The status is published here in simulated time, because actionlib's timer
-ends when time moves back."""
+stops when time moves back."""
 
 
 @final

@@ -104,7 +104,7 @@ _REPEAT_PERIOD = 1.0
 
 
 class SnapshotPublisher(Protocol):
-    """Publisher of a part of every snapshot, used by only one thread."""
+    """Publisher of one part of each snapshot; only one thread may use it."""
 
     def publish(self, snapshot: Snapshot) -> None:
         """Publish the messages that are due.  Simulated time may have been reset."""
@@ -193,7 +193,7 @@ class RosNode:
 
     @property
     def uri(self) -> str:
-        """Address at which the master and other nodes reach this node."""
+        """Address at which the master and other nodes can reach this node."""
         return str(core.get_node_uri())
 
     def log_error(self, text: str) -> None:

@@ -67,7 +67,7 @@ class WrenchPublisher:
 
     If there are several sensors, the names of the topic and the service start with a
     ``prefix``.  The first subscriber starts the sensor.  The sensor continues without
-    subscribers, because stopping it would lose the tare.
+    subscribers, because stopping it would discard the tare.
     """
 
     def __init__(self, ros: RosNamespace, sensor: ForceTorque, prefix: str) -> None:
@@ -81,7 +81,7 @@ class WrenchPublisher:
         self._last: int | None = None  # number of the last sample that was published
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Publish the filtered samples since the last call if there are subscribers."""
+        """If there are subscribers, publish filtered samples since the last call."""
         if not self._publisher.get_num_connections():
             self._last = None
             return

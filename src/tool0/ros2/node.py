@@ -33,9 +33,9 @@ class Ros2Node(Companion):
         """Start the node.  Call ``wait`` to wait until the node is ready.
 
         Args:
-            robot: A robot of this process or another process, or the name of a
-                bring-up.  The caller must close the robot after the node.  A bring-up
-                may start after the node.
+            robot: A robot in this process or another one, or the name of a bring-up.
+                The caller must close the robot after the node.  A bring-up may start
+                after the node.
             options: Namespace, domain and rates.
 
         Raises:

@@ -71,7 +71,7 @@ class BridgeListener:
     def accept(
         self, dt: float, check: Callable[[], None], timeout: float
     ) -> socket.socket:
-        """Return the socket of a bridge with this ``VERSION``, for steps of ``dt`` [s].
+        """Return the socket of a bridge of this ``VERSION``, with time step ``dt`` [s].
 
         ``check`` is called while waiting, and must raise an error if the bridge can no
         longer connect.
@@ -203,7 +203,7 @@ class BridgeConnection:
         self._peer.close()
 
     def _spin(self) -> None:
-        """Poll for the answer, because the return from a blocking call takes longer.
+        """Poll for the answer, because a blocking call would return later.
 
         If polling does not find an answer, for example on a busy processor, polling is
         skipped for an increasing number of answers.

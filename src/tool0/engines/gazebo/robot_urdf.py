@@ -1,9 +1,9 @@
 """The robot's URDF for Gazebo, and the constraints for mimic joints.
 
 libsdformat converts the URDF, as it does for every user of Gazebo.  Before the
-conversion, tool0 changes mesh paths, the joint that fixes the robot to the world, the
-constraints and the stops of mimic joints, and colors. tool0 also removes ROS 2
-controller managers, since tool0 replaces the managers.
+conversion, tool0 changes mesh paths, colors, the joint that fixes the robot to the
+world, and the constraints and stops of mimic joints. tool0 also removes ROS 2
+controller managers, since it replaces them.
 
 A mimic joint is constrained by ODE's gearbox joint if this joint is exact.  Otherwise,
 the bridge simulates gear teeth.  The gearbox enforces w_child + ratio · w_parent = 0
@@ -34,7 +34,8 @@ WORLD = "world"
 """Name of a root link that libsdformat fixes to the world."""
 _PARALLEL = 1e-6  # [rad]
 STOP_SLACK = 0.02
-"""Distance by which the stops of mimic joints are beyond those in the URDF [rad | m].
+"""Distance by which the stops of mimic joints in Gazebo are beyond those in the URDF
+[rad | m].
 
 The stop of a master joint also stops its mimic joints.  With redundant stops, ODE's
 direct solver fails, and undamped fingers oscillate at 6 rad/s.

@@ -34,7 +34,7 @@ pads, so that objects at rest do not move."""
 MIN_DEPTH, MAX_VEL = 1e-5, 0.1
 """Largest overlap that is not corrected [m], and largest speed of corrections [m/s].
 
-The direct solver ignores the largest speed, which is limited by preload.cc instead.
+The direct solver ignores the largest speed; preload.cc limits the speed instead.
 """
 EMPTY_WORLD = Path(__file__).with_name("empty.world")
 """World file with a sun and with the ground at z = 0."""

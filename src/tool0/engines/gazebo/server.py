@@ -107,8 +107,8 @@ class GazeboServer:
             self._listener = BridgeListener(self.folder / "bridge")
             exits.callback(self._listener.close)
             # Without gzclient, ``~/physics/contacts`` is not published.  Publishing
-            # this topic in each step, even without subscribers, takes a tenth of the
-            # time.
+            # this topic in each step takes a tenth of the time, even without
+            # subscribers.
             quiet = () if gui else ("--minimal_comms",)
             bridge = str(libraries.bridge)
             self._process = self._run(
@@ -218,7 +218,7 @@ class ClientWindow:
     """
 
     def __init__(self, run: Callable[[], ChildProcess], log: Path) -> None:
-        """Start gzclient with ``run``; the output is written to ``log``."""
+        """Start gzclient by calling ``run``; its output is written to ``log``."""
         self._run = run
         self._log = log
         self._lock = threading.Lock()
@@ -278,7 +278,7 @@ def _free_port() -> int:
 
 
 def _exit_report(why: str, process: ChildProcess, log: Path) -> str:
-    """Return ``why`` with the exit status of ``process`` and the end of its log."""
+    """Return ``why``, the exit status of ``process``, and the end of its log."""
     status = process.exit_status
     if status is None:
         how = ""
@@ -292,7 +292,7 @@ def _exit_report(why: str, process: ChildProcess, log: Path) -> str:
 
 
 def _log_lines(log: Path) -> list[str]:
-    """Return the lines of a log, without color codes and ``_NOISE``."""
+    """Return a log's lines that do not match ``_NOISE``, without color codes."""
     try:
         text = log.read_text(errors="replace")
     except OSError:

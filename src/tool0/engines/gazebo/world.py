@@ -314,7 +314,7 @@ _GROUND = ("ground_plane", "ground")
 contacts."""
 _LUMP = "_fixed_joint_lump__"
 """Text between the name of the merged link and the name of the original link of a
-shape.  The text is missing if the original name starts with the name of the merged
+shape.  This text is missing if the original name starts with the name of the merged
 link."""
 _NUMBERED = re.compile(r"_collision(_\d+)?$")
 

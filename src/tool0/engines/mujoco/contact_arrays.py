@@ -103,7 +103,7 @@ def _groups(
 
     Args:
         numbers: Numbers of the points' worlds, shape (p,).
-        pairs: Numbers, below ``count``, of the two touching items, in either order,
+        pairs: Numbers of the two touching items, in either order and below ``count``,
             shape (p, 2).
         count: Number of items that can touch.
     """
@@ -126,7 +126,7 @@ class _Points(NamedTuple):
     geoms: NDArray[np.intp]
     """Numbers of the shapes that touch, shape (p, 2)."""
     is_reversed: NDArray[np.bool_]
-    """Whether the second shape, instead of the first shape, belongs to ``first``, shape
+    """Whether the second shape, rather than the first, belongs to ``first``, shape
     (p,)."""
     frame: Array
     """Axes of the contact in the root, as the rows of a rotation matrix, shape (p, 9).

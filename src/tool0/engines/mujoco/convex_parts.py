@@ -21,8 +21,8 @@ Points = npt.NDArray[np.float64]
 MAX_PARTS: Final = 8
 """Largest number of parts of one mesh."""
 MIN_GAIN: Final = 0.06
-"""Smallest reduction in the boxes' volume by a cut, as a fraction of the volume of the
-mesh's bounding box."""
+"""Smallest reduction in the total volume of the boxes that justifies a cut, as a
+fraction of the volume of the mesh's bounding box."""
 _CUTS: Final = 11
 """Number of planes, perpendicular to each axis, at which a mesh can be cut."""
 _THIN: Final = 1e-4
@@ -122,7 +122,7 @@ def _slabs(triangles: Points, axis: int) -> list[Points]:
 
 
 def _side(triangles: Points, axis: int, place: float, sign: int) -> Points:
-    """Return the triangles on one side of a plane, the lower side if ``sign`` is 1."""
+    """Return the triangles on one side of a plane, below it if ``sign`` is 1."""
     depths = sign * (place - triangles[:, :, axis])
     inside = depths >= 0.0
     counts = inside.sum(axis=1)

@@ -2,8 +2,8 @@
 
 Without a graphics card, the rendering time is approximately proportional to the number
 of triangles.  Each triangle is drawn three times: once into the shadow map and once for
-each of the two lights.  A mesh is replaced by a coarse mesh if a pixel is wider than
-the details of the mesh.
+each of the two lights.  A mesh is replaced by a coarse mesh where the details of the
+mesh are smaller than a pixel.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from tool0.engines.mujoco.model import VISUAL_GROUP, compile_spec
 
 CELL: Final = 0.006
 """Edge of the cubes in which the corners of a mesh are merged into one corner [m].  A
-coarse mesh is used if a pixel is at least this wide at the mesh."""
+coarse mesh is used where one pixel spans at least this length at the mesh."""
 WORTH: Final = 0.85
-"""Largest ratio of the coarse mesh's number of triangles to that of the original mesh
-at which the coarse mesh is used."""
+"""Largest number of triangles of a coarse mesh, as a fraction of that of the original
+mesh, for which the coarse mesh is used."""
 HIDDEN_GROUP: Final = 5
 """Group of the geoms that are not visible in images."""
 _SUFFIX: Final = "/coarse"
@@ -86,7 +86,7 @@ def add_coarse(spec: Any) -> None:
 
 
 def _add_mesh(spec: Any, model: Any, number: int) -> str | None:
-    """Add the coarse mesh of a mesh, and return the name of the coarse mesh.
+    """Add a coarse version of a mesh, and return its name.
 
     If the coarse mesh has too many triangles, nothing is added and None is returned.
     """
@@ -124,7 +124,7 @@ class Detail:
         self._radii = model.geom_rbound[self._fine]
 
     def choose(self, data: Any, camera: Camera, frame: Transform) -> None:
-        """Show coarse meshes for meshes that are far from ``camera`` at ``frame``."""
+        """Replace meshes far from ``camera``, at pose ``frame``, by coarse ones."""
         forward = [row[2] for row in frame.rotation]
         away = (data.geom_xpos[self._fine] - frame.position) @ forward - self._radii
         pixel = 2.0 * math.tan(camera.field_of_view / 2.0) / camera.height

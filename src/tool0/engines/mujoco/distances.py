@@ -154,9 +154,9 @@ class DistanceModel:
         return found.reshape(3, 3)
 
     def joints_above(self, body: int) -> Iterator[tuple[str, float]]:
-        """Yield the joints that move a body, the nearest first, each with a distance.
+        """Yield the joints that move a body, nearest first, with distance bounds.
 
-        The distance [m] is an upper bound of the distance of the body's origin from the
+        The bound [m] is an upper bound on the distance from the body's origin to the
         joint's axis.  The bound is valid for all positions of the joints between the
         joint and the body.
         """

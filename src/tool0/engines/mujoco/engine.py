@@ -39,7 +39,7 @@ _BRAKE_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
 """Impedance of a brake's friction.  The impedance is MuJoCo's maximum, since a brake
 does not yield."""
 _BRAKE_MOBILITY = 1000.0
-"""Upper bound of the product of a joint's mobility and its brake's torque [rad/s²].
+"""Upper bound on the product of a joint's mobility and its brake's torque [rad/s²].
 MuJoCo scales the yielding of friction by this mobility.  With this bound, a brake that
 exerts its full torque creeps at no more than 1e-4 rad/s, regardless of the joint's
 inertia without load."""
@@ -108,7 +108,8 @@ class MujocoEngine:
         compiled = tuple(self.model.joint(i).name for i in range(self.model.njnt))
         if compiled[:n] != self.joint_names:
             raise ModelError("MuJoCo reordered the joints; this mujoco is unsupported")
-        # Packing plain floats takes a third of the time of an assignment to the array.
+        # Packing plain floats takes a third of the time that an assignment to the array
+        # takes.
         self._pack = struct.Struct(f"{self.model.nu}d").pack_into
         self._motors = joint_selector(self.motor_joints())
 

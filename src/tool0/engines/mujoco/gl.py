@@ -51,7 +51,7 @@ def import_mujoco() -> None:
 
 
 def make_context(width: int, height: int) -> Any:  # without type annotations
-    """Return a GL context, not yet current, for images up to this size [pixels].
+    """Return a GL context for images up to this size [pixels]; it is not made current.
 
     Raises:
         RenderError: If there is no OpenGL library.  The message lists the packages to

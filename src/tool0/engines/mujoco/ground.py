@@ -2,7 +2,7 @@
 
 MuJoCo draws a plane as thousands of triangles, because light is computed at the corners
 of triangles.  Without a graphics card, drawing such a plane takes longer than drawing a
-robot.  The ground in this module has only a few hundred triangles, which are small
+robot.  The ground in this module has only a few hundred triangles, which are smallest
 below the camera.
 """
 

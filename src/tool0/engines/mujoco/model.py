@@ -46,14 +46,14 @@ GRIP_SOLREF = (0.002, 1.0)
 steps, and the damping is critical."""
 GRIP_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 """Impedance of contacts with pads.  With this impedance, an elliptic cone and impratio
-100, pads hold a cube of 45 mm and 0.1 kg while it is shaken.  With MuJoCo's defaults,
-the pads drop this cube (description/README.md)."""
+100, pads hold a 45 mm cube of 0.1 kg while it is shaken.  With MuJoCo's defaults, the
+pads drop this cube (description/README.md)."""
 SPINNING, ROLLING = 0.005, 0.0001
 """Coefficients of spinning friction about the normal and of rolling friction [m], which
 are MuJoCo's defaults."""
 GRIP_CONDIM = 4
-"""Contact dimension with sliding and spinning friction, since the contact of a pad is
-an area."""
+"""Contact dimension that includes sliding and spinning friction, since a pad touches
+objects over an area."""
 IMPRATIO = 100.0
 MIMIC_SOLREF = (0.002, 1.0)
 """Time constant [s] and damping ratio of mimic joints.  The values are the stiffest
@@ -96,7 +96,7 @@ def build_spec(
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = IMPRATIO
-    # A diverged state must be reported instead of being reset without a message.
+    # A diverged state must be reported, not silently reset.
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     if ground is not None:
         spec.worldbody.add_geom(

@@ -56,7 +56,7 @@ OBJECT_ROLLING = 0.0005
 With this value, a can on its side does not roll on a table that is tilted by up to one
 degree."""
 
-# Values of condim: with spinning friction, and with additional rolling friction.
+# Values of condim that include spinning friction, and spinning and rolling friction.
 _PATCH, _ROUND = 4, 6
 
 
@@ -122,8 +122,8 @@ def change_body(
     if (count := alone.body_bvhnum[source.id]) > 0:
         model.bvh_aabb[ours : ours + count] = alone.bvh_aabb[its : its + count]
     mujoco.mj_setConst(model, mujoco.MjData(model))
-    # MuJoCo computes the mean inertia only in a compilation, with the same order of
-    # additions.  The tolerance of MuJoCo's solvers is relative to the mean.
+    # MuJoCo computes the mean inertia only during compilation; this code adds in the
+    # same order.  The tolerance of MuJoCo's solvers is relative to the mean.
     if model.nv:
         model.stat.meaninertia = np.cumsum(model.dof_M0)[-1] / model.nv
 
@@ -168,10 +168,10 @@ def _add_objects(
 ) -> None:
     """Add the scene to the robot's spec.
 
-    Between two objects, or an object and a pad, the smaller friction coefficient
-    applies.  These pairs are explicit, since MuJoCo would use the larger coefficient.
-    For contacts with the ground and with other links, the friction coefficient of the
-    object applies because of its higher priority.
+    Between two objects, or between an object and a pad, the smaller friction
+    coefficient applies.  These pairs are explicit, since MuJoCo would use the larger
+    coefficient.  For contacts with the ground and with other links, the object's
+    friction coefficient applies, since it has a higher priority.
     """
     # Static objects come first, since messages about overlaps depend on this order.
     for item in sorted(scene.objects, key=lambda item: item.mass is not None):

@@ -80,8 +80,8 @@ class OverlapFinder:
     def depths(self) -> dict[Pair, float]:
         """Return the penetration depths [m] by pair.
 
-        The depth of a pair that does not overlap, but is closer than ``NEAR``, is
-        negative.
+        The depth is negative for a pair that is closer than ``NEAR`` but does not
+        overlap.
         """
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_collision(self._model, self._data)

@@ -41,9 +41,9 @@ SHADOW_DETAIL = 5
 SHADOW_SIZES = (512, 2048)
 """Smallest and largest side of the shadow map [pixels]."""
 SMALL, ROUND = 128, (20, 8)
-"""Largest image side [pixels] with coarse cylinders and spheres, and the numbers of
-slices and stacks of these shapes.  In larger images, the numbers are MuJoCo's defaults,
-28 and 16."""
+"""Largest image side [pixels] for which cylinders and spheres are coarse, and their
+numbers of slices and stacks.  In larger images, the numbers are MuJoCo's defaults, 28
+and 16."""
 HORIZON, ZENITH = np.array([237.0, 242.0, 247.0]), np.array([180.0, 203.0, 230.0])
 """Colors of the sky at the horizon and at the zenith (red, green, blue; 0 … 255)."""
 HAZE = (3.0, 9.0)
@@ -185,7 +185,7 @@ class Renderer:
         self._pose(position, states)
 
     def _resize(self, objects: tuple[SceneObject, ...]) -> None:
-        """Update the sizes of objects, which is faster than a compilation."""
+        """Update the sizes of objects; this is faster than a compilation."""
         for item, old in zip(objects, self._objects or (), strict=True):
             if item.geometry != old.geometry:
                 change_body(self._model, item, Scene(objects), self._mesh_files)

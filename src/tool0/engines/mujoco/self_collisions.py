@@ -20,12 +20,12 @@ def excluded_pairs(
     at_rest: Sequence[Link],
     colliding: frozenset[str],
 ) -> Iterator[tuple[str, str]]:
-    """Yield the pairs of bodies, not both at rest, that never collide.
+    """Yield the pairs of bodies that never collide, unless both bodies are at rest.
 
     Bodies of one mechanism can overlap, since the links of a linkage share pivots that
     cannot be expressed in the tree of a URDF.  Within a mechanism, only the pads
-    collide with each other.  Other bodies collide if both bodies are ``colliding`` and
-    no joint connects the two bodies.
+    collide with each other.  Other bodies collide if both are ``colliding`` and no
+    joint connects them.
     """
     masters = {j.mimic.joint for j in model.movable_joints if j.mimic is not None}
     mechanism = {

@@ -27,7 +27,7 @@ def finish_step(
     A world diverges if the sum of its squared speeds is not below ``most_squares``, or
     if its overflow has one of the bits of ``failures``.  A world that diverges keeps
     its last positions in ``measured``.  The physics of the world continues at
-    ``parked``, so that the contacts of stopped worlds do not fill the memory that all
+    ``parked``, so that the contacts of stopped worlds cannot fill the memory that all
     worlds share.
     """
     world = wp.tid()
@@ -147,7 +147,7 @@ def set_geom_friction(
     friction: wp.array2d[wp.vec3],
     pair_friction: wp.array2d[vec5],
 ) -> None:
-    """Set the sliding friction of geoms; the smaller value applies to each pair.
+    """Set the sliding friction of geoms; each pair gets the smaller value.
 
     ``ends`` contains the two geoms of each pair in ``pairs``.
     """

@@ -32,12 +32,12 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 CONTACTS, CONTACTS_PER_OBJECT = 64, 16
-"""Number of contacts for which memory is allocated in each copy: for the robot, and for
-each movable object."""
+"""Numbers of contacts for which memory is allocated in each copy: for the robot, and
+for each movable object."""
 CONTACTS_PER_PAIR = 8
 """Largest number of contacts between two geoms, which occurs between two boxes."""
 ROWS, ROWS_PER_CONTACT = 64, 4
-"""Number of constraint rows for which memory is allocated in each copy: without
+"""Numbers of constraint rows for which memory is allocated in each copy: without
 contacts (mimic joints, stops and friction), and for each contact."""
 FIELDS_OF_OBJECTS = (
     "body_mass",
@@ -167,7 +167,7 @@ class WarpWorlds:
             )
 
     def recorded(self, launch: Callable[[], None]) -> Callable[[], None]:
-        """Return a CUDA graph that repeats all launches of ``launch`` in one launch.
+        """Return a CUDA graph that combines all launches of ``launch`` in one launch.
 
         The kernels must have been compiled.  Without CUDA, the method returns
         ``launch``.

@@ -101,7 +101,7 @@ class MujocoWorld:
 
     @property
     def has_no_contact(self) -> bool:
-        """Whether contacts are impossible, because no step followed the last reset."""
+        """Whether contacts are impossible, since no step followed the last reset."""
         return self._contacts == (self._data.time, ())
 
     def reset(self, position: Sequence[float], time: float) -> None:
@@ -202,8 +202,8 @@ class MujocoWorld:
     def wrench_on(self, links: frozenset[str], at: str) -> tuple[float, ...]:
         """Return the force [N] and torque [N·m] of external contacts on ``links``.
 
-        The wrench is that of the last step, refers to the origin of the link ``at`` and
-        is in the axes of this link.
+        The wrench is that of the last step; it refers to the origin of the link ``at``
+        and is in the axes of that link.
         """
         data, contacts = self._data, self._data.contact
         is_inside = self.are_of(links)[contacts.geom]
@@ -324,7 +324,7 @@ class MujocoWorld:
         self.states.resume_static(states.static)
 
     def _warn_of_overlaps(self, of: str | None = None) -> None:
-        """Log a warning for each overlap, or for each overlap of the object ``of``."""
+        """Log a warning for each overlap, or only for those of the object ``of``."""
         deepest: dict[tuple[str, str], float] = {}
         contacts = self._data.contact
         for i in np.flatnonzero(contacts.dist < -OVERLAP_WARNING).tolist():

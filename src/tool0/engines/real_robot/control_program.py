@@ -63,7 +63,7 @@ FADE_SPEED: Final = 0.05
 limit, the arm is only slightly faster than the speed slider allows."""
 FAR: Final = 0.1
 """Time that distinguishes curves from streams [s].  Only the last knot of a curve can
-be further ahead than this time."""
+be farther ahead than this time."""
 MOST_JUMP: Final = (0.1, 1.5)
 """Largest difference between new knots and the current motion [rad, rad/s].  If the
 difference is larger, the arm decelerates to rest instead of following the knots."""
@@ -74,8 +74,8 @@ LOOKAHEAD: Final = 2.0 / math.sqrt(GAIN)
 oscillation."""
 
 LONGEST_VECTOR_PERIOD: Final = 0.004
-"""Period that separates e-Series controllers (shorter) from CB3 controllers (longer)
-[s]."""
+"""Period of a controller [s] below which it is an e-Series controller, and above which
+it is a CB3."""
 FIRST_REGISTER: Final = 24
 """First of the integer output registers to which the program writes.  UR reserves the
 registers with lower numbers for fieldbuses."""
@@ -157,7 +157,7 @@ def control_program(host: str, port: int, token: int, period: float) -> str:
         token: Secret number that tool0 expects first on each connection.
         period: Period of the controller [s].  The program for an e-Series computes with
             lists.  The program for a CB3, which has a longer period, computes with
-            single elements.
+            individual elements.
     """
     names = {
         "HOST": host,

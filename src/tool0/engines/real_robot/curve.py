@@ -1,4 +1,4 @@
-"""Sender of the wanted motion, which is sent to the program in advance as knots."""
+"""Sender that transmits the wanted motion to the program, in advance and as knots."""
 
 from __future__ import annotations
 
@@ -28,11 +28,10 @@ CLOSE: Final = 1e-3
 [rad]."""
 MOST_LAG: Final = 0.04
 """Difference between the program's time and tool0's time above which tool0 sends a new
-curve [s].  A real controller does not miss periods, but a simulated controller can miss
-periods."""
+curve [s].  A real controller does not miss periods, but a simulated one can."""
 STREAM_AHEAD: Final = 0.05
-"""Time for which the velocities of a stream are extrapolated [s].  Because of this time
-and the program's ``EMPTY``, the arm decelerates 0.1 s after the last setpoint."""
+"""Time for which the velocities of a stream are extrapolated [s].  As a result of this
+time and the program's ``EMPTY``, the arm decelerates 0.1 s after the last setpoint."""
 _CHANGED: Final = 1e-7
 """Smallest difference from the sent curve at which a motion is treated as new [rad]."""
 _AT_REST: Final = 1e-9
@@ -116,8 +115,8 @@ class CurveSender:
             self._send_anew(wanted, now, step)
             return
         if self._has_changed(wanted, now, step):
-            # For continual changes, such as those of the speed slider, the number of
-            # replacements is limited.
+            # If the motion changes continually, for example because of the speed
+            # slider, the number of replacements is limited.
             is_due = step - self._renewed >= self._renewal
             if is_due or not self._is_close(wanted, now, step):
                 self._send_anew(wanted, now, step)
@@ -168,7 +167,8 @@ class CurveSender:
 
     def _send_anew(self, wanted: WantedMotion, now: float, step: int) -> None:
         self._is_streaming, self._renewed = False, step
-        # The lead changes only at rest, since a change in motion would cause a jump.
+        # The lead changes only at rest, since a change during a motion would cause a
+        # jump.
         if _is_at_rest(wanted.at(now)):
             self._lead = min(max(self._lead + self._lag.take(), -MOST), MOST)
         knots = [self._knot(wanted, now, step, step + 1)]

@@ -137,8 +137,8 @@ class RealRobotEngine(OwnDrives):
         """Last tick at which the program had not brought the arm to rest."""
         self._patience = round(RESTART_TIME / self._period)
         self._is_guided = False
-        """Whether the arm does not follow motions, because freedrive is active, or
-        because freedrive or force mode is ending."""
+        """Whether the arm does not follow motions, either because freedrive is active
+        or because freedrive or force mode is ending."""
         self._resumes_at: int | None = None
         """Earliest tick at which the arm follows motions again after freedrive or force
         mode."""

@@ -49,7 +49,7 @@ class LagMeter:
         self._seen += self._period
 
     def take(self) -> float:
-        """Return the delay to compensate [s], and begin a new measurement."""
+        """Return the delay to compensate for [s], and begin a new measurement."""
         if self._seen < ENOUGH:
             return 0.0
         lag = self._products / self._squares

@@ -1,4 +1,4 @@
-"""Measurement of how late packages are, due to the network and both computers."""
+"""Measurement of package delays caused by the network and both computers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from typing import Final, final
 
 MEMORY: Final = 10.0
-"""Time for which late packages are considered [s].  A late package is discarded after
+"""Time for which late packages are considered [s].  A late package is disregarded after
 at most twice this time."""
 DRIFT: Final = 1e-4
 """Largest relative difference between the two clocks' rates."""
@@ -16,8 +16,8 @@ periods of a CB3."""
 MOST: Final = 0.2
 """Longest start delay [s].  This delay limits how far in advance knots are sent."""
 _RESTART: Final = 1.0
-"""Change in the difference between the clocks above which a clock is assumed to have
-been set [s]."""
+"""If the difference between the clocks changes by more than this value, a clock is
+assumed to have been set [s]."""
 
 
 @final

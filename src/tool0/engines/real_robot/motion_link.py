@@ -30,7 +30,7 @@ logger = logging.getLogger(__name__)
 
 BEAT: Final = 0.005
 """Period of the messages that only show that tool0 is running [s].  The period is
-short, so that TCP detects a lost message soon."""
+short, so that TCP detects a lost message quickly."""
 _KNOT: Final = struct.Struct(">14i")
 _COMMAND: Final = struct.Struct(">30i")
 _HELLO: Final = struct.Struct(">2i")

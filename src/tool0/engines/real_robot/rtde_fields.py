@@ -125,7 +125,7 @@ def program_state(number: int) -> ProgramState:
 
 
 def _safety_mode(number: int) -> SafetyMode:
-    """Return the safety mode; 10 and 11 in RTDE are additional safeguard stops."""
+    """Return the safety mode; RTDE values 10 and 11 are other safeguard stops."""
     if number in {10, 11}:
         return SafetyMode.SAFEGUARD_STOP
     try:

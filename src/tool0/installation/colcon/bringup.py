@@ -171,7 +171,7 @@ def _named(parameters: Parameters, kind: str) -> list[str]:
 
 
 def _started_in_gazebo(parameters: Parameters, arms: Sequence[str]) -> list[str]:
-    """Return the started controllers, without the controller of the first arm.
+    """Return the started controllers other than the controller of the first arm.
 
     These controllers are state broadcasters, gripper controllers and the controllers of
     other arms.

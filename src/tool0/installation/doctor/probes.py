@@ -33,7 +33,8 @@ _LAUNCHED_PACKAGES: Final = (
     *("joint_state_controller", "robot_state_publisher", "xacro"),
     "rqt_joint_trajectory_controller",
 )
-"""Packages whose programs the launch files of ``tool0 workspace`` start."""
+"""Packages with programs that are started by the launch files from ``tool0
+workspace``."""
 
 
 # --- the machine itself, its Python and its GPUs ---
@@ -216,7 +217,7 @@ def ros2(examined: Machine) -> list[ProbeResult]:
 
 
 def workspace(examined: Machine) -> list[ProbeResult]:
-    """Return the results for building and launching ``tool0 workspace``'s packages."""
+    """Return the results for building and launching a ``tool0 workspace``."""
     return [_catkin(examined), _native_gazebo_ros(examined)]
 
 

@@ -48,7 +48,7 @@ class ProbeResult:
     state: ProbeState
     found: str
     """Version and location of the component.  If the component is missing, the text
-    says which part is missing and why it is needed."""
+    states which part is missing and why it is needed."""
     remedy: str = ""
     """The command that installs the missing parts; empty if no command can install
     them."""

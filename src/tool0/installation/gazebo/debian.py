@@ -114,8 +114,8 @@ Dir::State::lists "{folder}/lists";
 Dir::State::status "{folder}/status";
 Dir::State::extended_states "{folder}/extended_states";
 """
-"""Configuration of apt.  apt reads this configuration after the machine's own
-configuration, so that the machine's proxies apply.
+"""Configuration of apt. apt reads it after the machine's own configuration, so that the
+machine's proxies apply.
 
 The machine's hooks, preferences and other architectures do not apply.  The hooks would
 notify other programs.

@@ -108,7 +108,7 @@ def uninstall_gazebo() -> int:
 def _usable_apt(
     work: Path, mirror: str | None, keyring: Path, progress: ProgressCallback
 ) -> PrivateApt:
-    """Return an apt in ``work`` that uses the first mirror that has the release."""
+    """Return an apt in ``work`` for the first mirror that has the release."""
     if not keyring.is_file():
         raise EngineUnavailableError(
             f"Debian's keys are missing ('{keyring}'); install them (apt "

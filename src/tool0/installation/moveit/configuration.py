@@ -77,8 +77,8 @@ class RobotPackage:
         Args:
             template: Folder of the package's launch files and manifest.
             config: Files of the package's folder ``config``, by name.
-            words: Replacements for the template words, by word, without ``@robot@`` and
-                ``@group@``.
+            words: Replacements for the template words other than ``@robot@`` and
+                ``@group@``, by word.
         """
         group = ALL_ARMS if len(self._arms) > 1 else self._arms[0].name
         files = {self.path / "config" / file: text for file, text in config.items()}

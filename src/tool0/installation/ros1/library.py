@@ -89,10 +89,7 @@ def message_folders(package: str) -> list[Path]:
 
 
 def find_node(name: str) -> Path | None:
-    """Return the path of the node ``package/program``.
-
-    rosrun finds the path in the same way.
-    """
+    """Return the path of the node ``package/program``, as rosrun finds it."""
     files = (root / "lib" / name for root in prefixes())
     return next((file for file in files if os.access(file, os.X_OK)), None)
 

@@ -92,7 +92,7 @@ class Master:
         return True
 
     def uri_of(self, node: str) -> str | None:
-        """Return the address of a node; None if the node is not running."""
+        """Return a node's address, or None if the node is not running."""
         try:
             uri = str(self.call("lookupNode", node))
             code, _, _ = self._call(uri, "getPid")
@@ -153,7 +153,8 @@ def running_master(master: Master, *, start: bool) -> Iterator[None]:
     """Provide a running master or our own roscore within the context.
 
     Raises:
-        RosUnavailableError: If no master answers and no master can or may be started.
+        RosUnavailableError: If no master answers, and none can be started or starting
+            one is not allowed.
     """
     if master.is_up:
         yield
@@ -192,7 +193,7 @@ def _roscore(master: Master) -> ChildProcess:
 
 @final
 class MasterWatch:
-    """Registers again if the master was unavailable or lost our registration."""
+    """Registers our node again if the master was unavailable or lost our node."""
 
     def __init__(
         self, master: Master, node: str, uri: str, register: Callable[[], None]

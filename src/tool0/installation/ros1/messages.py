@@ -37,7 +37,8 @@ _CLASSES_OF_SECTIONS = {
     ".srv": ("Request", "Response"),
     ".action": ("Goal", "Result", "Feedback"),
 }
-"""Suffixes of the class names of a file's sections, by the suffix of the file."""
+"""Suffixes that form the class names for a file's sections, by the suffix of the
+file."""
 _KINDS = ("msg", "srv", "action")
 """Names of the folders of definitions, which are also the suffixes of the files in
 them."""

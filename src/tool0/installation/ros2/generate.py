@@ -81,13 +81,13 @@ def _size(folder: Path) -> int:
 def make_package(
     definitions: Path, prefix: Path, work: Path, libraries: Iterable[Path]
 ) -> None:
-    """Build the package that is defined in the folder of the package's name.
+    """Build the package that is defined in the folder with the package's name.
 
     Args:
         definitions: The folder that defines the package.
         prefix: The root folder of the ROS 2.
         work: Folder for intermediate files.
-        libraries: Libraries of other packages with which the package is linked.
+        libraries: Libraries from other packages against which this package is linked.
     """
     package = definitions.name
     with Path(os.devnull).open("w") as nowhere, redirect_stdout(nowhere):

@@ -4,8 +4,7 @@ The wheels do not include control_msgs and other packages.  The missing packages
 generated from tool0's definitions and compiled.  An installation is a virtual
 environment in a folder whose name is derived from the folder's contents.  A link
 selects the current installation.  Programs that run from the previous installation
-continue to run, because the previous installation is deleted only by the next
-installation.
+continue to run, because it is deleted only by the next installation.
 """
 
 from __future__ import annotations
@@ -151,7 +150,7 @@ def _select(prefix: Path) -> None:
 
 
 def why_not_installable() -> str | None:
-    """Return why no wheels fit this machine; None if suitable wheels are available."""
+    """Return why no wheels fit this machine, or None if there are suitable wheels."""
     version = sys.version_info[:2]
     advice = (
         "install ROS 2 another way, and source its setup file (docs/how-to/ros2.md)"

@@ -1,4 +1,4 @@
-"""Finds the ROS 2 to run, which is sourced, in /opt/ros, or installed by tool0.
+"""Finds the ROS 2 to run: a sourced one, one in /opt/ros, or the one from tool0.
 
 tool0 does not import ROS 2.  The node of tool0 runs under the Python of the ROS 2 that
 is found, in the environment that this module returns.

@@ -44,7 +44,7 @@ METHODS: Final = frozenset(
         *("rstrip", "split", "startswith", "strip", "title", "upper"),
     }
 )
-"""Methods of texts that return a result that is not longer than the text."""
+"""Text methods whose result is not longer than the text."""
 UNARY: Final[dict[type[ast.unaryop], Function]] = {
     ast.Not: operator.not_,
     ast.UAdd: operator.pos,

@@ -28,7 +28,7 @@ _START: Final = re.compile(r"<(?:[^<>'\"]|'[^']*'|\"[^\"]*\")*>")
 
 @final
 class LoadContext:
-    """State of reading a launch file and all files that it includes."""
+    """State kept while a launch file and all files that it includes are read."""
 
     def __init__(self, packages: PackageIndex) -> None:
         self.packages = packages

@@ -24,7 +24,7 @@ _TAKES_VALUE: Final = frozenset(
         "--fallback_controllers",
     }
 )
-"""Options of the ROS 1 spawner and of the ROS 2 spawner that take a value."""
+"""Options of the ROS 1 or ROS 2 spawner that take a value."""
 _PARAM_FILE: Final = ("-p", "--param-file")
 _NOT_STARTED: Final = frozenset({"--stopped", "--inactive", "--load-only"})
 

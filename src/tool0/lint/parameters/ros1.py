@@ -288,8 +288,8 @@ def usual_joints() -> frozenset[str]:
 
 
 _OF_HAND: Final = 3
-"""Number of the usual gripper's joints that a list must contain to be considered a list
-for that gripper."""
+"""Smallest number of the usual gripper's joints in a list that is meant for that
+gripper."""
 
 
 def unknown_joints(

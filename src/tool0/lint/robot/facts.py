@@ -156,7 +156,7 @@ class GearboxFacts:
 class RobotFacts:
     """Content of one <robot>.
 
-    If links or joints share a name, the first link or joint applies.
+    If links or joints share a name, the first one is used.
     """
 
     name: str
@@ -333,8 +333,8 @@ class Robot:
     """First link of the Gazebo body that contains each link, by link."""
     packages: PackageIndex
     is_spawned: bool | None
-    """Whether the robot is spawned in Gazebo for control; None if no launch file loads
-    the robot."""
+    """Whether the robot is spawned in Gazebo in order to be controlled; None if no
+    launch file loads the robot."""
 
     @property
     def is_controlled(self) -> bool:

@@ -12,8 +12,8 @@ from tool0.lint.robot.facts import MOVABLE, JointFacts, Robot, RobotFacts
 _TYPES = (*MOVABLE, "fixed")
 _LIMITED = ("revolute", "prismatic")
 _FASTEST = {"revolute": 100.0, "continuous": 1000.0, "prismatic": 20.0}
-"""Largest plausible velocity by joint type [rad/s | m/s].  Joints of arms turn at
-3 rad/s, and joints of grippers turn at 2 rad/s."""
+"""Largest plausible velocity by joint type [rad/s | m/s].  The joints of arms turn at 3
+rad/s, and those of grippers at 2 rad/s."""
 _COUNTS: dict[str, dict[str, int]] = {
     "origin": {"xyz": 3, "rpy": 3},
     "axis": {"xyz": 3},

@@ -23,8 +23,8 @@ _LONGEST = 10.0
 _SIZES = (0.02, 3.0)
 """Plausible range of the radius of gyration, as a multiple of the link's size."""
 _LIGHT = 0.5
-"""Mass below which the links that a joint moves are considered a finger and not an arm
-[kg]."""
+"""Mass [kg] below which the links that a joint moves are considered a finger rather
+than an arm."""
 _STRONG = {"revolute": 100.0, "continuous": 100.0, "prismatic": 1000.0}
 """Effort that no motor of a finger reaches [N·m | N].  The largest effort of a 2F-85 is
 23 N·m."""
@@ -275,7 +275,7 @@ def _reach(link: Tag) -> float:
 
 
 def effort_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the joints of fingers with an effort limit that no real finger has."""
+    """Yield the finger joints with an effort limit that no real finger has."""
     links = {link["name"]: link for link in robot.root.children("link")}
     in_reverse = reversed(list(robot.root.children("joint")))
     # reversed, so that the first of several joints with the same name is used

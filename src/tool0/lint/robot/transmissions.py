@@ -82,8 +82,8 @@ def _type(transmission: TransmissionFacts) -> Iterator[Finding]:
     if not transmission.type or transmission.type == SIMPLE:
         return
     known = {name.rpartition("/")[2]: name for name in (SIMPLE, *_OTHERS)}
-    # The name HalfDifferentialTransmission, which a robot may define, has a similarity
-    # of 0.92 to a name of ros_control.
+    # A robot may define the name HalfDifferentialTransmission, whose similarity to a
+    # name of ros_control is 0.92.
     close = nearest_name(transmission.type.rpartition("/")[2], known, cutoff=0.93)
     has_type = f"{_shown(transmission)} has the type '{short(transmission.type)}'"
     if close is not None and transmission.type not in _OTHERS:

@@ -26,7 +26,7 @@ _PATTERN = re.compile(r"[*?\[]")
 """Wildcards of an include. xacro includes all matching files, if there are any."""
 _WORD = re.compile(r"[^\W\d]\w*")
 _OUTER = "^"
-"""Default value that stands for the parameter of the same name in the calling macro."""
+"""Default value that refers to the parameter of the same name in the calling macro."""
 _EMPTY = ("", "''", "${''}", '${""}')
 _MACRO = "xacro:macro"
 _LIKE = re.compile(r"interf|hardware", re.IGNORECASE)

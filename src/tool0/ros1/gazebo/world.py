@@ -92,7 +92,7 @@ class WorldState:
 
     @cached_property
     def objects(self) -> Mapping[str, tuple[SceneObject, RigidModel, FrameMotion]]:
-        """The objects around the robot, with their models and the models' motion."""
+        """The objects around the robot, including their models and motions."""
         found = {}
         items, states = self.snapshot.scene, self.snapshot.objects
         for item, state in zip(items, states, strict=True):
@@ -208,7 +208,7 @@ class GazeboChanges:
     ) -> None:
         """Create handlers.
 
-        ``to_simulated`` returns the simulated time of a ROS time [s].
+        ``to_simulated`` converts a ROS time to simulated time [s].
         """
         self._robot, self._world, self._to_simulated = robot, world, to_simulated
 
@@ -240,7 +240,7 @@ class GazeboChanges:
         return "set model state done"
 
     def place(self, state: Message) -> None:
-        """Give an object the pose and velocity of a gazebo_msgs/ModelState."""
+        """Set an object's pose and velocity to those in a gazebo_msgs/ModelState."""
         now, name = self._world.now(), state.model_name
         model = self._object(now, name, "moved")
         T_world_frame = now.frame(state.reference_frame).pose

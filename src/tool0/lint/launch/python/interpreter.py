@@ -71,7 +71,7 @@ class _Leave(Exception):  # noqa: N818  # control flow
 class Interpreter:
     """Interpreter of one file.
 
-    The module is interpreted first, and then the module's functions.
+    The module is interpreted first, and then its functions.
     """
 
     def __init__(

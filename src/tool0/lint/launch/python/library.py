@@ -1,7 +1,7 @@
 """Functions and methods of plain values that a launch file may call.
 
-Only functions with a short result that can be computed without running a program are
-included.
+The module contains only functions whose results are short and can be computed without
+running a program.
 """
 
 from __future__ import annotations

@@ -295,7 +295,7 @@ class PythonLaunchReader:
             self.resolver.text(made.get("msg"), made.location)
 
     def _nested(self, made: Made) -> None:
-        """Store actions that an event or a timer starts, to process them last."""
+        """Store actions that an event or a timer starts, so that they run last."""
         for key in _NESTED[made.name]:
             self._execute_later(made.get(key))
 

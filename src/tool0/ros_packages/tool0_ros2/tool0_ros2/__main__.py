@@ -80,7 +80,7 @@ def _run(options: argparse.Namespace, rest: list[str]) -> int:
 
 
 def _report(**values: Any) -> None:
-    """Report values as a line of JSON to the program that started this program."""
+    """Report values as a line of JSON to the program that started this one."""
     print(json.dumps(values), flush=True)
 
 

@@ -30,7 +30,7 @@ class ActiveGoal:
     handle: Any
     """The goal's rclpy.action.server.ServerGoalHandle."""
     accepted_at: float = float("nan")
-    """Simulated time of the first update after the goal's acceptance [s]."""
+    """Simulated time of the first update after the goal was accepted [s]."""
 
     @property
     def request(self) -> Any:
@@ -41,7 +41,7 @@ class ActiveGoal:
 class _DeferringServer(ActionServer):  # type: ignore[misc]  # rclpy has no types
     """An action server that needs no thread or coroutine to wait for a goal's end.
 
-    In older rclpy versions, an executor runs without pause while a coroutine waits.
+    In older rclpy versions, an executor busy-waits while a coroutine waits.
     """
 
     def notify_execute(self, goal_handle: Any, execute_callback: Any) -> None:

@@ -94,7 +94,7 @@ class Rate:
         if period is None or 0.0 <= elapsed < period - 1e-6:
             return False
         # The events remain at multiples of the period.  The mean rate of the events is
-        # therefore correct even if the rate of updates is not a multiple of this rate.
+        # therefore correct even if the update rate is not a multiple of it.
         is_regular = 0.0 <= elapsed < 2.0 * period
         self._last = self._last + period if is_regular else now
         return True
@@ -139,7 +139,7 @@ class Context:
     report: Reporter
     """The node's log."""
     refresh: Callable[[], None]
-    """Function to call when the ``wants`` of a part have changed.  Without the call,
+    """Function to call when the ``wants`` of a part have changed.  Without this call,
     the change is detected within half a second."""
     new_node: Callable[[str], Any]
     """Function that returns another rclpy.Node with the given name in the namespace.
@@ -153,11 +153,10 @@ class Context:
     """Command-line options, such as ``tf_rate`` and ``camera_rate`` [Hz]."""
 
     def ask(self, request: Request[T], use: str) -> T | None:
-        """Return the response to a request; None if the robot lacks the request.
+        """Return the response to a request; None if the robot does not offer it.
 
-        Not every robot offers every request.  If the robot does not offer the
-        request, a warning
-        reports that ``use`` is not available.
+        Not every robot offers every request.  If the robot does not offer the request,
+        a warning states that ``use`` is not available.
         """
         try:
             return self.connection.call(request)

@@ -59,8 +59,8 @@ class Entities:
         self._tree = LinkTree(urdf)
         self._robot = ElementTree.fromstring(urdf).get("name") or "robot"
         self._spawned: dict[str, Transform] = {}
-        """Pose of the object in its model's frame, for each entity that these services
-        spawned, by name."""
+        """For each entity that these services spawned, by name: the pose of the object
+        in its model's frame."""
 
     def list_names(self, request: Any, response: Any) -> None:
         response.entities = self._matching(request.filters, self._snapshot())

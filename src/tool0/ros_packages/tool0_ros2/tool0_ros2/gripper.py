@@ -13,7 +13,7 @@ from tool0_ros2.requests import GoalStarted, Outcome, Request
 
 
 class _Gripper:
-    """Base class of both actions, which contains the joint and the request."""
+    """Base class of both gripper actions; it contains the joint and the request."""
 
     def __init__(self, context: ControllerContext) -> None:
         self.context = context

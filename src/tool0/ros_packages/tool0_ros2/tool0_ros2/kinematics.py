@@ -37,7 +37,7 @@ class Joint:
 
 
 def read_joints(urdf: str) -> list[Joint]:
-    """Return the joints of a URDF document, in the order of the document."""
+    """Return the joints of a URDF document, in document order."""
     return [_joint(item) for item in ElementTree.fromstring(urdf).findall("joint")]
 
 

@@ -14,8 +14,7 @@ from tool0_ros2.kinematics import Joint, read_joints
 from tool0_ros2.messages import fill_frame
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""Quality of service with which subscribers that connect later also get the last
-message."""
+"""Quality of service with which late subscribers also receive the last message."""
 PUBLISHER = "robot_state_publisher"
 STATIC_FRAMES = "/tf_static"
 

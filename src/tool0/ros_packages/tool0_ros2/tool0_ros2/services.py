@@ -1,4 +1,4 @@
-"""Services that a controller offers while the controller is active."""
+"""Services that a controller offers while it is active."""
 
 from collections.abc import Callable
 from typing import Any

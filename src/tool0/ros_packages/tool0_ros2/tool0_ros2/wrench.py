@@ -19,11 +19,10 @@ from tool0_ros2.errors import TransportError
 from tool0_ros2.requests import WrenchReading
 
 RATE = 500.0
-"""Number of samples per simulated second, if the control rate allows this number
-[Hz]."""
+"""Number of samples per simulated second, if the control rate is high enough [Hz]."""
 _WAIT = 0.2
-"""Longest wait for a sample in a request, and longest wait of the thread before it
-checks whether it must end [wall s]."""
+"""Longest wait for a sample in a request, and longest time for which the thread waits
+before it checks whether it must end [wall s]."""
 _IDLE = 0.5
 """Time without updates after which the controller is considered inactive [wall s]."""
 
@@ -33,7 +32,7 @@ class WrenchPart:
 
     A thread with a separate connection reads the samples.  The first subscriber starts
     the sensor.  The sensor continues without subscribers, because stopping it would
-    lose the tare.
+    discard the tare.
     """
 
     def __init__(self, context: ControllerContext) -> None:
