@@ -98,9 +98,9 @@ def pick(
     """Pick a cube from a table, and place it in a bin.
 
     Only friction holds the cube.  The positions of the table and the bin depend on the
-    arm's reach.  The demo starts in real time when a browser shows the robot.
-    After the demo, Enter repeats the demo, and Ctrl-C ends the command.  With
-    --headless, the demo runs as fast as possible and then ends.
+    arm's reach.  The demo runs in real time and starts when a browser shows the robot.
+    After the demo, Enter repeats it, and Ctrl-C ends the command.  With --headless, the
+    demo runs as fast as possible and then ends.
 
     The exit status is 1 if a cube is not in the bin.
     """

@@ -42,8 +42,8 @@ def describe(
     Args:
         form: Kind of output to write.
         output: File to write; the default is standard output.
-        gripper_action: Use a GripperActionController for grippers in the output of
-            ``controllers``.
+        gripper_action: In the output of ``controllers``, use a GripperActionController
+            for grippers.
         as_json: Write the tree, the table or the sources as one JSON object.
     """
     from tool0.description.loading import load_description

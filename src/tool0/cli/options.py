@@ -97,7 +97,7 @@ class RunOptions:
 
     duration: float | None = None
     """Exit after this simulated time [s], measured from the time when all interfaces
-    are ready.  By default, run until Ctrl-C."""
+    are ready.  By default, the bringup runs until Ctrl-C."""
     headless: bool = False
     """Run without the panel and without any window."""
     summary: bool = True

@@ -53,12 +53,12 @@ def record(
         reset: Reset the robot and the objects before each demonstration.
         duration: End after this simulated time [s].
         overwrite: Replace an existing file.
-        max_size: Start a new file when the current file has this size [MB].
+        max_size: Start a new file when the current file reaches this size [MB].
         max_duration: Start a new file after this simulated time [s].
         max_files: Number of files to keep; older files are deleted.
         cameras: Cameras whose images are recorded.
         camera_rate: Image rate of each camera in simulated time [Hz].
-        as_json: Print one JSON object at the end; this does not work with --episodes.
+        as_json: Print one JSON object at the end; not available with --episodes.
     """
     if (file is None) == (episodes is None):
         raise ConfigError("record: give either a FILE.mcap or --episodes FOLDER")
