@@ -143,9 +143,9 @@ def shelf(
 ) -> int:
     """Pick a cube from a shelf, and place it in a bin behind a wall.
 
-    All motions, including those with the cube in the gripper, are planned around the
-    obstacles.  Only friction holds the cube.  The arm must have at least the reach of a
-    UR5.  For the panel, repetitions and the exit status, see `demo pick`.
+    All motions, including those that carry the cube, are planned around the obstacles.
+    Only friction holds the cube.  The arm must have at least the reach of a UR5.  For
+    the panel, repetitions and the exit status, see `demo pick`.
 
     Args:
         second: A second robot, which blocks the space above the bin: ARM or

@@ -87,7 +87,7 @@ def enable(
         serial: The serial number.  With this option, the command does not ask for the
             number.
         accept_calibration: Enable motion even if the robot's calibration differs from
-            the description; poses then have errors on the order of millimeters.
+            the description; tool poses are then off by millimeters.
     """
     with bringup.connect() as robot:
         box = _box(robot)

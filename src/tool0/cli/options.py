@@ -96,8 +96,8 @@ class RunOptions:
     """Duration, output and access."""
 
     duration: float | None = None
-    """Exit after this simulated time [s], measured from the time when all interfaces
-    are ready.  By default, the bringup runs until Ctrl-C."""
+    """Exit after this simulated time [s], counted from when all interfaces are ready.
+    By default, the bringup runs until Ctrl-C."""
     headless: bool = False
     """Run without the panel and without any window."""
     summary: bool = True
@@ -114,11 +114,11 @@ class RunOptions:
     remote: bool = True
     """Allow other processes of this user, such as `tool0 move`, to drive the robot."""
     ros1: bool = False
-    """Make the robot available in ROS 1, with the interfaces of ur_gazebo.  `tool0 ros1
+    """Provide the robot in ROS 1, with the same interfaces as ur_gazebo.  `tool0 ros1
     install` installs the required packages."""
     ros2: bool = False
-    """Make the robot available in ROS 2, with the interfaces of ur_simulation_gz and
-    the controllers of ros2_control.  `tool0 ros2 install` installs the required
+    """Provide the robot in ROS 2, with the same interfaces as ur_simulation_gz and the
+    controllers of ros2_control.  `tool0 ros2 install` installs the required
     packages."""
 
     ur: bool = False

@@ -80,7 +80,8 @@ class SimulationConfig:
     simulation runs as fast as possible; in Python, time then advances only in ``run``
     and ``wait``."""
     speed: float = 1.0
-    """Ratio of simulated time to wall time if the simulation runs in real time."""
+    """Simulated seconds per second of wall time, if simulated time is synchronized with
+    the wall clock."""
     paused: bool = False
     """Start the simulation paused; `tool0 resume` resumes it."""
     record: File | None = None
