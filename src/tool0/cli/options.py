@@ -114,11 +114,11 @@ class RunOptions:
     remote: bool = True
     """Allow other processes of this user, such as `tool0 move`, to drive the robot."""
     ros1: bool = False
-    """Provide the robot in ROS 1, with the same interfaces as ur_gazebo.  `tool0 ros1
+    """Make the robot available in ROS 1, with the interfaces of ur_gazebo.  `tool0 ros1
     install` installs the required packages."""
     ros2: bool = False
-    """Provide the robot in ROS 2, with the same interfaces as ur_simulation_gz and the
-    controllers of ros2_control.  `tool0 ros2 install` installs the required
+    """Make the robot available in ROS 2, with the interfaces of ur_simulation_gz and
+    the controllers of ros2_control.  `tool0 ros2 install` installs the required
     packages."""
 
     ur: bool = False
