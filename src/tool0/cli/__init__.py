@@ -65,7 +65,7 @@ COMMANDS: Final[dict[str, tuple[str, str]]] = {
     "workspace": ("workspace", "write ROS packages for a robot into a workspace"),
     "doctor": (
         "installing",
-        "show the features that this machine can run, and the missing software",
+        "show which features this machine can run, and which software is missing",
     ),
     "completion": ("completion", "print a completion script for bash or zsh"),
 }

@@ -98,9 +98,9 @@ def pick(
     """Pick a cube from a table, and place it in a bin.
 
     Only friction holds the cube.  The positions of the table and the bin depend on the
-    arm's reach.  The demo starts in real time when a browser shows the robot.
-    After the demo, Enter repeats the demo, and Ctrl-C ends the command.  With
-    --headless, the demo runs as fast as possible and then ends.
+    arm's reach.  The demo runs in real time and starts when a browser shows the robot.
+    After the demo, Enter repeats it, and Ctrl-C ends the command.  With --headless, the
+    demo runs as fast as possible and then ends.
 
     The exit status is 1 if a cube is not in the bin.
     """
@@ -143,9 +143,9 @@ def shelf(
 ) -> int:
     """Pick a cube from a shelf, and place it in a bin behind a wall.
 
-    All motions, including those with the cube in the gripper, are planned around the
-    obstacles.  Only friction holds the cube.  The arm must have at least the reach of a
-    UR5.  For the panel, repetitions and the exit status, see `demo pick`.
+    All motions, including those that carry the cube, are planned around the obstacles.
+    Only friction holds the cube.  The arm must have at least the reach of a UR5.  For
+    the panel, repetitions and the exit status, see `demo pick`.
 
     Args:
         second: A second robot, which blocks the space above the bin: ARM or

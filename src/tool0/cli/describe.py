@@ -33,17 +33,17 @@ def describe(
 ) -> None:
     """Write the robot as a tree, a table of joints, URDF or MJCF, or its controllers.
 
-    ``controllers`` prints the built-in ros_control YAML with all gains and the sources
-    of the gains.  Copy this file, change it, and give it to ``tool0 bringup
+    ``controllers`` prints the built-in ros_control YAML, which contains all gains and
+    their sources.  Save this YAML, change it, and pass it to ``tool0 bringup
     --controllers-file``.  With ``--ros2-control``, ``controllers`` prints the YAML of
-    ros2_control. ``sources`` prints the ratings of each part, and lists the values that
-    have no published source.
+    ros2_control.  ``sources`` prints the ratings of each part, and lists the values
+    that have no published source.
 
     Args:
         form: Kind of output to write.
         output: File to write; the default is standard output.
-        gripper_action: Use a GripperActionController for grippers in the output of
-            ``controllers``.
+        gripper_action: In the output of ``controllers``, use a GripperActionController
+            for grippers.
         as_json: Write the tree, the table or the sources as one JSON object.
     """
     from tool0.description.loading import load_description

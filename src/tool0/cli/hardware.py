@@ -78,7 +78,7 @@ def enable(
     accept_calibration: bool = False,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Enable motion; the speed slider is initially at 25 %.
+    """Enable motion, with the speed slider at 25 %.
 
     The command asks for the serial number on the robot's nameplate, to make sure that
     the intended robot moves.
@@ -87,7 +87,7 @@ def enable(
         serial: The serial number.  With this option, the command does not ask for the
             number.
         accept_calibration: Enable motion even if the robot's calibration differs from
-            the description; poses then have errors on the order of millimeters.
+            the description; tool poses are then off by millimeters.
     """
     with bringup.connect() as robot:
         box = _box(robot)
@@ -115,7 +115,7 @@ def disable(*, bringup: Bringup = DEFAULT) -> None:
 
 
 def play(*, bringup: Bringup = DEFAULT) -> None:
-    """Restart the controllers after a stop of the arm."""
+    """Restart the controllers after the arm has stopped."""
     with bringup.connect() as robot:
         _box(robot).play()
 

@@ -13,7 +13,7 @@ OK, NOT_READY = 0, 1
 
 
 def doctor(*, as_json: AsJson = False) -> int:
-    """Show the features that this machine can run, and how to install missing software.
+    """Show which features this machine can run, and how to install missing software.
 
     Exit status: 1 if this machine cannot run `tool0 bringup` with MuJoCo.
 

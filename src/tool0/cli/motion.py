@@ -92,9 +92,9 @@ def move(
             tool [m/s].
         tip: Link that moves to --pose; the default is `tool0`.
         relative_to: Reference link of --pose; the default is the robot's root.
-        check: Only print whether the motion would be free of collisions or, with
-            --plan, whether a path around the obstacles exists.  The exit status is 1 if
-            the answer is no.
+        check: Do not move; print whether the motion would be free of collisions or,
+            with --plan, whether a path around the obstacles exists.  The exit status is
+            1 if the answer is no.
         plan: Plan a path around obstacles to any configuration that reaches the target,
             and move along this path.
         clearance: Minimum distance between bodies [m]; the default is 5mm with --plan,

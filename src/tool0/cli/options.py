@@ -96,8 +96,8 @@ class RunOptions:
     """Duration, output and access."""
 
     duration: float | None = None
-    """Exit after this simulated time [s], measured from the time when all interfaces
-    are ready.  By default, run until Ctrl-C."""
+    """Exit after this simulated time [s], counted from when all interfaces are ready.
+    By default, the bringup runs until Ctrl-C."""
     headless: bool = False
     """Run without the panel and without any window."""
     summary: bool = True

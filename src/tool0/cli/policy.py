@@ -56,18 +56,18 @@ def run(
         env: Keyword arguments of the environment, such as arm=ur5e observation=image.
         videos: Which episodes to record as videos in --folder.
         rate: Rate of the actions [Hz], on the bringup; the default is 25.
-        duration: End after this simulated time [s], on the bringup.
+        duration: Simulated time after which the policy ends [s], on the bringup.
         camera: Cameras whose images the policy receives, on the bringup.
         folder: A new folder for observations, actions, results and the recording.
         instruction: Description of the task; the default is the built-in description of
             the task.
-        execute: Number of actions of a chunk that are executed before the next chunk is
+        execute: Number of actions to execute from each chunk before the next chunk is
             requested; by default, all actions.
         ensemble: Request a chunk in each step, and execute the weighted mean of all
             predictions for this step.  The weights are exp(-ENSEMBLE i), where i = 0 is
             the oldest prediction.
         latency: Simulated time from an observation to its actions [s], with --task;
-            `measured` uses the wall time that the policy takes.
+            `measured` is the wall time that the policy takes.
         keep_late: Start each chunk with its first action, even if the chunk was
             received late.
         clip: Clip actions to their limits; without this option, an action beyond its

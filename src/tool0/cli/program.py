@@ -178,7 +178,7 @@ def _show(run: ProgramRun, shown: tuple[object, ...]) -> tuple[object, ...]:
 
 
 def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
-    """List the programs that were saved with the robot.
+    """List the robot's saved programs.
 
     Args:
         as_json: Print one JSON object.
@@ -198,7 +198,7 @@ def save(
     as_name: Annotated[str, Option(metavar="PROGRAM")] | None = None,
     bringup: Bringup = DEFAULT,
 ) -> None:
-    """Save the program from a file with the robot.
+    """Add the program in a file to the robot's saved programs.
 
     Args:
         program: File of the program.

@@ -41,8 +41,8 @@ def record(
 ) -> int:
     """Record a running bringup to an MCAP file, until Ctrl-C.
 
-    The bringup's process writes the file, which can be read during the recording.  With
-    --episodes, keys in the terminal or in the panel start and end demonstrations.
+    The bringup's process writes the file, which you can read while it is being written.
+    With --episodes, keys in the terminal or in the panel start and end demonstrations.
 
     Args:
         file: The file to write, with the suffix .mcap, or a folder.  In a folder, the
@@ -53,12 +53,12 @@ def record(
         reset: Reset the robot and the objects before each demonstration.
         duration: End after this simulated time [s].
         overwrite: Replace an existing file.
-        max_size: Start a new file when the current file has this size [MB].
+        max_size: Start a new file when the current file reaches this size [MB].
         max_duration: Start a new file after this simulated time [s].
         max_files: Number of files to keep; older files are deleted.
         cameras: Cameras whose images are recorded.
         camera_rate: Image rate of each camera in simulated time [Hz].
-        as_json: Print one JSON object at the end; this does not work with --episodes.
+        as_json: Print one JSON object at the end; not available with --episodes.
     """
     if (file is None) == (episodes is None):
         raise ConfigError("record: give either a FILE.mcap or --episodes FOLDER")
@@ -164,7 +164,7 @@ class VideoOptions:
     camera: str = "scene"
     """Camera of the robot or the scene that records the video."""
     eye: Annotated[tuple[float, float, float] | None, Option(metavar="X Y Z")] = None
-    """Position of the viewpoint in the robot's root frame [m], instead of a camera."""
+    """Viewpoint of the video in the robot's root frame [m], instead of --camera."""
     at: Annotated[tuple[float, float, float], Option(metavar="X Y Z")] = (0.0, 0.0, 0.3)
     """Point at the center of the image, in the robot's root frame [m]; the point is
     used only with --eye."""

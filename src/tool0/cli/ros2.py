@@ -10,10 +10,10 @@ from tool0.cli.text import ProgressBar
 def _install_ros2(*, own: bool = False) -> int:
     """Prepare ROS 2 for `tool0 bringup --ros2`: check an installation, or install it.
 
-    If ROS 2 is sourced in this terminal or installed in /opt/ros, the command uses this
-    ROS 2, changes nothing, and lists missing packages.  Otherwise, the command installs
-    rclpy and the messages of Kilted from PyPI in your data folder.  The installation
-    requires no root access, takes about a minute, and uses 300 MB of disk space.
+    If ROS 2 is sourced in this terminal or installed in /opt/ros, the command uses it,
+    changes nothing, and lists missing packages.  Otherwise, the command installs rclpy
+    and the messages of Kilted from PyPI in your data folder.  The installation requires
+    no root access, takes about a minute, and uses 300 MB of disk space.
 
     Args:
         own: Install tool0's own ROS 2 even if another ROS 2 is installed.

@@ -92,7 +92,7 @@ def add(
         cylinder: Radius of a cylinder, and its length along z [m].
         sphere: Radius of a sphere [m].
         mesh: STL or OBJ file of a mesh.
-        scale: Factor from the unit of the mesh file to meters, such as 0.001 for
+        scale: Factor that converts the mesh file's unit to meters, such as 0.001 for
             millimeters; the default is 1.
         xyz: Position of the object's origin in the robot's root frame [m].
         rpy: Orientation of the object in the robot's root frame [rad].

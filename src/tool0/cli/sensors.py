@@ -122,11 +122,12 @@ def wrench(
 ) -> None:
     """Print the force and torque of the tool on the link `tool0`, in the link's axes.
 
-    The measurement includes the weight and the inertia of the tool, and contact forces.
+    The measurement includes the weight and the inertial forces of the tool, as well as
+    contact forces.
 
     Args:
-        zero: Tare the sensor before the measurement.  A change to --rate or --cutoff
-            removes the tare.
+        zero: Tare the sensor before the measurement.  Changing --rate or --cutoff
+            clears the tare.
         rate: Set the sampling rate [Hz], 50 to 1000.  The initial rate is 125 Hz.
         cutoff: Set the cutoff frequency of the low-pass filter [Hz].  The initial
             frequency is 15 Hz.

@@ -80,7 +80,7 @@ class DescriptionConfig:
     robot: File | None = None
     """Your own URDF or xacro file, instead of an arm and a gripper."""
     cell: Cell | File | None = None
-    """Several robots and a scene: a YAML file (docs/how-to/cells.md)."""
+    """YAML file with several robots and a scene (docs/how-to/cells.md)."""
     robots: Sequence[str] | None = None
     """Several robots without a file, such as left=ur5+2f85@0,0.4,0 right=ur5@0,-0.4,0.
     Each entry contains the name, the arm, the gripper (optional), the position of the
@@ -91,8 +91,8 @@ class DescriptionConfig:
     args: Mapping[str, Argument] | None = None
     """Arguments for the xacro file; they override the other options."""
     relax_inertia: bool = False
-    """If your own file contains physically impossible inertias, replace them with a
-    warning instead of rejecting the robot."""
+    """If your own file contains physically impossible inertias, replace them and print
+    a warning, instead of rejecting the robot."""
     srdf: File | None = None
     """SRDF file.  Planned motions ignore collisions between pairs of links that are
     listed in the file's `<disable_collisions>` elements."""

@@ -60,8 +60,8 @@ class SimulationConfig:
     dt: float = 0.001
     """Length of a physics step [s]."""
     spawn_z: Metres = SPAWN_Z
-    """Height of the robot's root above the ground [m].  The default is the height in
-    ur_gazebo, at which the extended arm does not touch the ground.  A pedestal is
+    """Height of the robot's root above the ground [m].  The default is the height used
+    in ur_gazebo, at which the extended arm does not touch the ground.  A pedestal is
     placed below the robot."""
     scene: Scene | File | None = None
     """The objects around the robot: a YAML file, or a built-in scene (table_and_bin,
@@ -80,7 +80,8 @@ class SimulationConfig:
     simulation runs as fast as possible; in Python, time then advances only in ``run``
     and ``wait``."""
     speed: float = 1.0
-    """Ratio of simulated time to wall time if the simulation runs in real time."""
+    """Simulated seconds per second of wall time, if simulated time is synchronized with
+    the wall clock."""
     paused: bool = False
     """Start the simulation paused; `tool0 resume` resumes it."""
     record: File | None = None
