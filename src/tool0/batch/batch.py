@@ -12,13 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tool0.batch.arguments import Arguments, Which
-from tool0.batch.backend import (
-    CPU,
-    BatchBackend,
-    DeviceArrays,
-    checked_device,
-    needs_cpu,
-)
+from tool0.batch.backend import CPU, DeviceArrays, checked_device, needs_cpu
 from tool0.batch.commands import Commands
 from tool0.batch.contacts import Bodies, Contacts, checked_bodies, contacts_of
 from tool0.batch.force_torque import BatchForceTorque, BatchForceTorques
@@ -26,16 +20,16 @@ from tool0.batch.images import Images
 from tool0.batch.initial_positions import initial_positions
 from tool0.batch.kinematics import Kinematics
 from tool0.batch.making import (
+    checked_cameras,
     checked_count,
     checked_threads,
-    copied_scenes,
+    core_scenes,
+    make_backend,
     make_cores,
-    only_scene,
 )
 from tool0.batch.objects import Objects
 from tool0.batch.saved import BatchState, checked_sources
 from tool0.batch.state import State, frozen
-from tool0.description.camera import default_cameras, merged
 from tool0.description.config import DescriptionConfig, File
 from tool0.description.grasp_frames import pad_links
 from tool0.description.loading import load_description
@@ -101,15 +95,12 @@ class Batch:
         self._dt = dt
         robot = load_description(description)
         self._model = robot.model
-        scenes = copied_scenes(robot, scene, self._n)
-        if device != CPU:
-            scenes = [only_scene(scenes)]
-        cameras = merged(default_cameras(self._model), scenes[0].cameras)
-        for camera in cameras.values():
-            camera.check_on(self._model)
+        scenes = core_scenes(robot, scene, self._n, device)
+        cameras = checked_cameras(self._model, scenes[0])
         self._cores = make_cores(robot, control, scenes, dt)
-        ground = self._cores[0].engine.world.ground
-        self._copies = self._backend()
+        self._copies = make_backend(
+            self._cores, self._model, self._n, device=device, threads=self._threads
+        )
         # On a GPU, one core represents all copies.
         cores = self._cores if device == CPU else self._cores * self._n
         self._state = State(self._copies, cores)
@@ -117,7 +108,7 @@ class Batch:
         self._images = Images(
             self._model,
             cameras,
-            ground,
+            self._cores[0].engine.world.ground,
             self._state.snapshot,
             n=self._n,
             threads=self._threads,
@@ -866,16 +857,6 @@ class Batch:
         self.close()
 
     # ---- details --------------------------------------------------------------------
-
-    def _backend(self) -> BatchBackend:
-        """Return a backend for the device."""
-        if self._device == CPU:
-            from tool0.batch.copies import Copies
-
-            return Copies(self._cores, self._threads)
-        from tool0.batch.device import DeviceCopies
-
-        return DeviceCopies(self._cores[0], self._model, self._n, self._device)
 
     def __reduce__(self) -> NoReturn:
         """Raise an error, because a batch cannot be pickled or copied."""
