@@ -29,7 +29,7 @@ def test_every_file_that_a_page_names_exists(page: Path) -> None:
     named = [
         path
         for path in PATH.findall(text)
-        if "/" in path or path.endswith((".py", ".ts", ".cc", ".c"))
+        if "/" in path or path.endswith((".py", ".ts", ".cc", ".c", ".h"))
     ]
     assert [path for path in named if f"/{path}\n" not in known()] == []
 

@@ -6,65 +6,40 @@ import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, final
+from typing import NoReturn, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tool0.batch.arguments import Arguments, Indices, Which
-from tool0.batch.backend import (
-    CPU,
-    BatchBackend,
-    DeviceArrays,
-    ObjectField,
-    changed_object,
-    checked_device,
-    needs_cpu,
-)
+from tool0.batch.arguments import Arguments, Which
+from tool0.batch.backend import CPU, DeviceArrays, checked_device, needs_cpu
 from tool0.batch.commands import Commands
-from tool0.batch.contacts import Bodies, Contacts, checked_bodies
-from tool0.batch.force_torque import BatchForceTorque
-from tool0.batch.frames import GripperFrames
+from tool0.batch.contacts import Bodies, Contacts, checked_bodies, contacts_of
+from tool0.batch.force_torque import BatchForceTorque, BatchForceTorques
 from tool0.batch.images import Images
+from tool0.batch.initial_positions import initial_positions
+from tool0.batch.kinematics import Kinematics
 from tool0.batch.making import (
+    checked_cameras,
     checked_count,
     checked_threads,
-    copied_scenes,
+    core_scenes,
+    make_backend,
     make_cores,
-    only_scene,
 )
-from tool0.batch.one_thread import OneThread
-from tool0.batch.saved import BatchState
-from tool0.description.camera import default_cameras, merged
+from tool0.batch.objects import Objects
+from tool0.batch.saved import BatchState, checked_sources
+from tool0.batch.state import State, frozen
 from tool0.description.config import DescriptionConfig, File
 from tool0.description.grasp_frames import pad_links
-from tool0.description.joint_tree import LinkFrames
 from tool0.description.loading import load_description
 from tool0.description.look import LAMP
-from tool0.description.model import Joint, ParallelGripper, RobotModel
-from tool0.description.parts import find_arms, find_grippers
+from tool0.description.model import ParallelGripper
 from tool0.description.scene import Scene
-from tool0.description.scene_state import ObjectState
-from tool0.description.shapes import Box, Compound, Cylinder, Sphere, sizes
-from tool0.description.transform_arrays import Frames, from_quats
-from tool0.errors import (
-    ConfigError,
-    ControlError,
-    LimitsError,
-    did_you_mean,
-)
-from tool0.kinematics.chain import ArmChain, Array, find_chains
-from tool0.kinematics.inverse import InverseKinematics
-from tool0.kinematics.only_part import only_part
+from tool0.errors import ControlError
+from tool0.kinematics.chain import Array
 from tool0.protocol.sensors import CameraImage
-from tool0.protocol.state import Snapshot
 from tool0.simulation.config import ControlConfig
-
-if TYPE_CHECKING:
-    from tool0.engines.mujoco.copies import ObjectArrays
-
-Item = TypeVar("Item")
-FrozenArray = TypeVar("FrozenArray", bound=NDArray[Any])
 
 
 @final
@@ -118,42 +93,30 @@ class Batch:
         self._device = checked_device(device, threads)
         self._threads = checked_threads(threads, self._n if device == CPU else 1)
         self._dt = dt
-        self._robot = robot = load_description(description)
+        robot = load_description(description)
         self._model = robot.model
-        scenes = copied_scenes(robot, scene, self._n)
-        if device != CPU:
-            scenes = [only_scene(scenes)]
-        cameras = merged(default_cameras(self._model), scenes[0].cameras)
-        for camera in cameras.values():
-            camera.check_on(self._model)
+        scenes = core_scenes(robot, scene, self._n, device)
+        cameras = checked_cameras(self._model, scenes[0])
         self._cores = make_cores(robot, control, scenes, dt)
-        ground = self._cores[0].engine.world.ground
+        self._copies = make_backend(
+            self._cores, self._model, self._n, device=device, threads=self._threads
+        )
+        # On a GPU, one core represents all copies.
+        cores = self._cores if device == CPU else self._cores * self._n
+        self._state = State(self._copies, cores)
+        self._alone, self._changing = self._state.alone, self._state.changing
         self._images = Images(
             self._model,
             cameras,
-            ground,
-            self._snapshot,
+            self._cores[0].engine.world.ground,
+            self._state.snapshot,
             n=self._n,
             threads=self._threads,
         )
-        self._copies = self._backend()
         self._commands = Commands(self._model, self._copies, self._cores[0])
-        self._chains: dict[str, LinkFrames] = {}
-        self._tcp_frames: dict[str, GripperFrames] = {}
-        self._inverses: dict[str, InverseKinematics] = {}
-        self._diverged: NDArray[np.bool_] | None = None
-        self._joints: tuple[Array, Array, Array] | None = None
-        self._object_arrays: ObjectArrays | None = None
-        """Poses and velocities of objects, cached until the state changes."""
-        self._sizes: dict[str, Array] = {}
-        """Sizes of objects by name, cached until they change."""
-        self._sensors: dict[str | None, BatchForceTorque] = {}
-        """Sensors by link, and by each other name that was used to request a sensor."""
-        self._is_closed = False
-        self._alone = OneThread()
-        """Guard that a thread enters to read the state."""
-        self._changing = self._alone.then(self._forget)
-        """Guard that a thread enters to change the state."""
+        self._kinematics = Kinematics(self._model, self._state)
+        self._objects = Objects(self._copies, cores, self._state)
+        self._sensors = BatchForceTorques(robot, self._cores, self._copies, self._state)
 
     # ---- properties -----------------------------------------------------------------
 
@@ -182,12 +145,12 @@ class Batch:
         """Simulated time between two updates of the controllers (one tick) [s]."""
         return self._cores[0].control_period
 
-    @cached_property
+    @property
     def joint_names(self) -> tuple[str, ...]:
         """All movable joints, in the order of the arrays of joint states."""
-        return self._cores[0].engine.joint_names
+        return self._state.joint_names
 
-    @cached_property
+    @property
     def arm_joints(self) -> tuple[str, ...]:
         """The joints that ``command`` and ``follow`` move by default.
 
@@ -196,10 +159,10 @@ class Batch:
         """
         return self._commands.arm_joints
 
-    @cached_property
+    @property
     def object_names(self) -> tuple[str, ...]:
         """The objects of the scene, in the order of the returned poses."""
-        return tuple(item.name for item in self._cores[0].scene.objects)
+        return self._objects.names
 
     @cached_property
     def link_names(self) -> tuple[str, ...]:
@@ -212,44 +175,39 @@ class Batch:
         Raises:
             ControlError: If there is no such gripper, or it does not have two pads.
         """
-        return pad_links(self._model, self._gripper(gripper))
+        return pad_links(self._model, self._kinematics.gripper(gripper))
 
-    @cached_property
+    @property
     def grippers(self) -> Mapping[str, ParallelGripper]:
         """The grippers by name."""
-        return find_grippers(self._model)
+        return self._kinematics.grippers
 
     # ---- the state ------------------------------------------------------------------
 
     @property
     def time(self) -> Array:
         """Simulated time since the last reset of each copy [s], shape (n,)."""
-        with self._alone:
-            return _frozen(self._copies.time)
+        return self._state.time
 
     @property
     def position(self) -> Array:
         """Joint positions [rad | m], shape (n, n_joints)."""
-        return self._states()[0]
+        return self._state.joints()[0]
 
     @property
     def velocity(self) -> Array:
         """Joint velocities [rad/s | m/s], shape (n, n_joints)."""
-        return self._states()[1]
+        return self._state.joints()[1]
 
     @property
     def effort(self) -> Array:
         """Efforts that the drives applied in the last step [N·m | N], (n, n_joints)."""
-        return self._states()[2]
+        return self._state.joints()[2]
 
     @property
     def diverged(self) -> NDArray[np.bool_]:
         """Whether each copy has stopped because its physics failed, shape (n,)."""
-        found = self._diverged
-        if found is None:
-            with self._alone:
-                found = self._diverged = _frozen(self._copies.has_diverged.copy())
-        return found
+        return self._state.diverged
 
     def tool_pose(self, robot: str | None = None) -> tuple[Array, Array]:
         """Return tool0's position [m] and quat_wxyz in the root frame.
@@ -263,10 +221,8 @@ class Batch:
             ControlError: If there is no such arm, or there are several arms and
                 ``robot`` is None.
         """
-        arms = find_arms(self._model)
-        link = _named(arms, robot, "arm", self._model).flange
-        frames = self._link_frames(link).poses(self._positions(), self.n)[link]
-        return _frozen(frames.position), _frozen(frames.quat_wxyz)
+        frames = self._kinematics.tool_pose(robot)
+        return frozen(frames.position), frozen(frames.quat_wxyz)
 
     def tcp_pose(self, gripper: str | None = None) -> tuple[Array, Array]:
         """Return the TCP's position [m] and quat_wxyz in the root frame.
@@ -284,11 +240,8 @@ class Batch:
             ControlError: If there is no such gripper, or there are several grippers and
                 ``gripper`` is None.
         """
-        geometry = self._gripper(gripper)
-        if geometry.name not in self._tcp_frames:
-            self._tcp_frames[geometry.name] = GripperFrames(self._model, geometry)
-        frames = self._tcp_frames[geometry.name].poses(self._positions(), self.n)
-        return _frozen(frames.position), _frozen(frames.quat_wxyz)
+        frames = self._kinematics.tcp_pose(gripper)
+        return frozen(frames.position), frozen(frames.quat_wxyz)
 
     def inverse_kinematics(
         self,
@@ -317,51 +270,31 @@ class Batch:
         Raises:
             ControlError: If a shape or a value is wrong, or there is no such arm.
         """
-        check = Arguments(self._n, "inverse_kinematics")
-        rows = check.which(which)
-        p = check.rows("position", position, (3,), rows)
-        orientation = check.rows("quat", quat, (4,), rows, " for w, x, y, z")
-        if not np.linalg.norm(orientation[rows], axis=1).all():
-            raise ControlError("Batch.inverse_kinematics: 'quat' has a zero row")
-        chain = _named(self._arm_chains, robot, "arm", self._model)
-        if chain.tip not in self._inverses:
-            self._inverses[chain.tip] = InverseKinematics(chain)
-        joints = [self.joint_names.index(name) for name in chain.joint_names]
-        bases = self._link_frames(chain.base).poses(self._positions(), self._n)
-        target = Frames(p[rows], from_quats(orientation[rows]))
-        base = bases[chain.base]
-        here = Frames(base.position[rows], base.rotation[rows])
-        T_base_tip = (here.inverse() @ target).matrices
-        found = np.full((self._n, len(joints)), np.nan)
-        near = self.position[rows][:, joints]
-        found[rows] = self._inverses[chain.tip].nearest(T_base_tip, near)
-        return _frozen(found)
+        return frozen(self._kinematics.inverse(position, quat, robot, which))
 
     def opening(self, gripper: str | None = None) -> Array:
         """Return the distance between the pads, 0 if closed [m], shape (n,)."""
-        geometry = self._gripper(gripper)
-        q = self.position[:, self.joint_names.index(geometry.joint)].tolist()
-        return _frozen(np.array([max(0.0, geometry.opening(value)) for value in q]))
+        return frozen(self._kinematics.opening(gripper))
 
     @property
     def object_position(self) -> Array:
         """Positions of the objects in the root frame [m], shape (n, n_objects, 3)."""
-        return self._objects().position
+        return self._state.objects().position
 
     @property
     def object_quat(self) -> Array:
         """Orientations of the objects (w, x, y, z), shape (n, n_objects, 4)."""
-        return self._objects().quat
+        return self._state.objects().quat
 
     @property
     def object_linear(self) -> Array:
         """Linear velocities of the objects in root axes [m/s], (n, n_objects, 3)."""
-        return self._objects().linear
+        return self._state.objects().linear
 
     @property
     def object_angular(self) -> Array:
         """Angular velocities of the objects in root axes [rad/s], (n, n_objects, 3)."""
-        return _frozen(self._objects().angular)
+        return frozen(self._state.objects().angular)
 
     def pad_forces(self, gripper: str | None = None) -> Array:
         """Return the normal force on each pad in the last step [N], shape (n, 2).
@@ -373,7 +306,7 @@ class Batch:
         """
         pads = self.pad_names(gripper)
         with self._alone:
-            return _frozen(self._copies.pad_forces(pads))
+            return frozen(self._copies.pad_forces(pads))
 
     @property
     def device_arrays(self) -> DeviceArrays:
@@ -401,11 +334,10 @@ class Batch:
             ControlError: If there is no such arm, there are several arms and ``robot``
                 is None, or the batch runs on a GPU.
         """
-        arms = find_arms(self._model)
-        flange = _named(arms, robot, "arm", self._model).flange
+        flange = self._kinematics.flange(robot)
         links = frozenset(self._model.links_from(flange))
         with self._alone:
-            return _frozen(self._copies.wrenches(links, flange))
+            return frozen(self._copies.wrenches(links, flange))
 
     def contacts(
         self,
@@ -433,17 +365,7 @@ class Batch:
         rows = Arguments(self._n, "contacts").which(which)
         with self._alone:
             found = self._copies.contacts(*bodies)
-        chosen = np.isin(found.world, rows)
-        return Contacts(
-            copy=found.world[chosen],
-            first=found.first[chosen],
-            second=found.second[chosen],
-            point=found.point[chosen],
-            normal=found.normal[chosen],
-            distance=found.distance[chosen],
-            force=found.force[chosen],
-            torque=found.torque[chosen],
-        )
+        return contacts_of(found, rows)
 
     def in_contact(
         self, first: Bodies, second: Bodies | None = None
@@ -464,7 +386,7 @@ class Batch:
         bodies = self._bodies("in_contact", first), self._bodies("in_contact", second)
         assert bodies[0] is not None
         with self._alone:
-            return _frozen(self._copies.are_touching(bodies[0], bodies[1]))
+            return frozen(self._copies.are_touching(bodies[0], bodies[1]))
 
     @property
     def force_torque(self) -> BatchForceTorque:
@@ -479,18 +401,7 @@ class Batch:
             ControlError: If ``link`` is None, and the robot has no tool0 link or
                 several tool0 links.
         """
-        if link not in self._sensors:
-            sensor = BatchForceTorque(
-                link,
-                self._robot,
-                self._cores,
-                self._copies,
-                alone=self._alone,
-                changing=self._changing,
-            )
-            named = self._sensors.setdefault(sensor.link, sensor)
-            self._sensors[link] = named
-        return self._sensors[link]
+        return self._sensors.at(link)
 
     # ---- commands -------------------------------------------------------------------
 
@@ -623,34 +534,13 @@ class Batch:
                 controller drives the gripper, in which case no motion is started.
         """
         check = Arguments(self._n, "move_gripper")
-        geometry = self._gripper(gripper)
+        geometry = self._kinematics.gripper(gripper)
         rows = check.which(which)
-        openings: object = opening
-        if self._copies.holds(opening):
-            check.on_device("opening", opening, (), "", is_held=True)
-        else:
-            openings = check.rows("opening", opening, (), rows)
-            for end in openings[rows].tolist():
-                if not 0.0 <= end <= geometry.max_opening:
-                    geometry.position(end)  # raises ModelError
-        speeds, forces = (
-            [most] * len(rows)
-            if given is None
-            else check.rows(name, given, (), rows)[rows].tolist()
-            for name, given, most in (
-                ("speed", speed, geometry.speed[1]),
-                ("force", force, geometry.force[1]),
-            )
+        grip = self._commands.checked_grip(
+            geometry, rows, opening, speed=speed, force=force, check=check
         )
         with self._changing:
-            self._commands.grip(
-                geometry,
-                rows,
-                openings,
-                speeds,
-                forces,
-                has_force=force is not None,
-            )
+            self._commands.grip(geometry, rows, *grip, has_force=force is not None)
 
     # ---- time -----------------------------------------------------------------------
 
@@ -701,15 +591,11 @@ class Batch:
         """
         check = Arguments(self._n, "reset")
         rows = check.which(which)
-        free = [joint for joint in self._model.movable_joints if joint.mimic is None]
         starts: dict[str, Array] = {}
         if position is not None:
-            axes = f" for joints {', '.join(self.joint_names)}"
-            q = check.rows("position", position, (len(self.joint_names),), rows, axes)
-            columns = [self.joint_names.index(joint.name) for joint in free]
-            _check_starts(free, q[:, columns], rows)
-            names = [joint.name for joint in free]
-            starts = dict(zip(names, q[rows][:, columns].T, strict=True))
+            starts = initial_positions(
+                self._model, self.joint_names, position, rows, check
+            )
         with self._changing:
             self._copies.reset(rows, starts)
 
@@ -752,23 +638,11 @@ class Batch:
             raise needs_cpu("Batch.restore", self._device)
         check = Arguments(self._n, "restore")
         rows = check.which(which)
-        given = np.arange(self._n) if source is None else source
-        sources = check.rows("source", given, (), rows)[rows].tolist()
-        for number in sources:
-            if number not in range(state.n):
-                raise ControlError(
-                    f"Batch.restore: 'source' names copy {number:g}; the state has "
-                    f"0 … {state.n - 1}"
-                )
-        if state.dt != self._dt:
-            raise ControlError(
-                f"Batch.restore: the state is of steps of {state.dt} s, but this batch "
-                f"has steps of {self._dt} s"
-            )
+        sources = checked_sources(state, source, rows, check, n=self._n, dt=self._dt)
         with self._changing:
-            self._copies.restore(rows, [state.copies[int(k)] for k in sources])
-            self._images.restore(rows, [state.looks[int(k)] for k in sources])
-            self._sizes.clear()
+            self._copies.restore(rows, [state.copies[k] for k in sources])
+            self._images.restore(rows, [state.looks[k] for k in sources])
+            self._objects.forget_sizes()
 
     # ---- the scene ------------------------------------------------------------------
 
@@ -794,16 +668,7 @@ class Batch:
                 runs on a GPU, or a shape or a value is wrong, in which case the object
                 is not moved.
         """
-        check = Arguments(self._n, "place")
-        rows = check.which(which)
-        self._object(name)
-        xyz = check.rows("position", position, (3,), rows)[rows]
-        turn = (1.0, 0.0, 0.0, 0.0) if quat is None else quat
-        quats = check.rows("quat", turn, (4,), rows)[rows]
-        if not (np.abs(quats).max(axis=1, initial=0.0) > 0.0).all():
-            raise ControlError("Batch.place: a 'quat' is zero; it must not be")
-        with self._changing:
-            self._copies.place(rows, name, xyz, quats)
+        self._objects.place(name, position, quat, which)
 
     def set_mass(self, name: str, mass: ArrayLike, which: Which | None = None) -> None:
         """Change the mass of a movable object without changing its shape.
@@ -817,7 +682,7 @@ class Batch:
             ControlError: If there is no such object, the object is fixed, or a mass is
                 not positive, in which case no mass is changed.
         """
-        self._change_objects("set_mass", name, "mass", mass, which)
+        self._objects.set_mass(name, mass, which)
 
     def set_friction(
         self, name: str, friction: ArrayLike, which: Which | None = None
@@ -833,7 +698,7 @@ class Batch:
             ControlError: If there is no such object, or a value is negative, in which
                 case no coefficient is changed.
         """
-        self._change_objects("set_friction", name, "friction", friction, which)
+        self._objects.set_friction(name, friction, which)
 
     def set_size(self, name: str, size: ArrayLike, which: Which | None = None) -> None:
         """Change the size of a box, a cylinder or a sphere without changing its mass.
@@ -852,8 +717,7 @@ class Batch:
                 value is not positive, or the batch runs on a GPU, in which case no size
                 is changed.
         """
-        shape = self._size_shape("set_size", name)
-        self._change_objects("set_size", name, "size", size, which, shape=shape)
+        self._objects.set_size(name, size, which)
 
     def object_size(self, name: str) -> Array:
         """Return the size of a box, cylinder or sphere [m] in the form of ``set_size``.
@@ -861,14 +725,7 @@ class Batch:
         Raises:
             ControlError: If there is no such object, or the object has another shape.
         """
-        shape = self._size_shape("object_size", name)
-        if name not in self._sizes:
-            k = self.object_names.index(name)
-            cores = self._cores if self._device == CPU else self._cores * self._n
-            shapes = (core.scene.objects[k].geometry for core in cores)
-            found = [sizes(each) for each in shapes if not isinstance(each, Compound)]
-            self._sizes[name] = _frozen(np.array(found).reshape(self._n, *shape))
-        return self._sizes[name]
+        return self._objects.size(name)
 
     # ---- images and close -----------------------------------------------------------
 
@@ -976,14 +833,14 @@ class Batch:
         Raises:
             ControlError: If a shape or a number is wrong, or there is no such object.
         """
-        self._object(name)
+        self._objects.check_name(name)
         with self._alone:
             self._images.set_colour(name, rgba, which)
 
     def close(self) -> None:
         """Close the batch; it may be closed more than once."""
         with self._alone:
-            self._is_closed = True
+            self._state.close()
             self._images.close()
             for core in self._cores:
                 core.engine.close()
@@ -1001,22 +858,6 @@ class Batch:
 
     # ---- details --------------------------------------------------------------------
 
-    def _backend(self) -> BatchBackend:
-        """Return a backend for the device."""
-        if self._device == CPU:
-            from tool0.batch.copies import Copies
-
-            return Copies(self._cores, self._threads)
-        from tool0.batch.device import DeviceCopies
-
-        return DeviceCopies(self._cores[0], self._model, self._n, self._device)
-
-    def _forget(self) -> None:
-        """Discard the cached arrays, because the state changes."""
-        if self._is_closed:
-            raise ControlError("the batch is closed")
-        self._diverged = self._joints = self._object_arrays = None
-
     def __reduce__(self) -> NoReturn:
         """Raise an error, because a batch cannot be pickled or copied."""
         raise TypeError(
@@ -1025,147 +866,6 @@ class Batch:
             "arguments"
         )
 
-    def _states(self) -> tuple[Array, Array, Array]:
-        """Return the positions, velocities and efforts of the joints."""
-        found = self._joints
-        if found is None:
-            with self._alone:
-                position, velocity, effort = map(_frozen, self._copies.states())
-                found = self._joints = position, velocity, effort
-        return found
-
-    def _objects(self) -> ObjectArrays:
-        found = self._object_arrays
-        if found is None:
-            with self._alone:
-                found = self._object_arrays = self._copies.objects()
-                for array in found:
-                    _frozen(array)
-        return found
-
-    def _positions(self) -> dict[str, Array]:
-        """Return the positions of each joint, shape (n,)."""
-        return dict(zip(self.joint_names, self.position.T, strict=True))
-
-    def _link_frames(self, link: str) -> LinkFrames:
-        if link not in self._chains:
-            self._chains[link] = LinkFrames(self._model, [link])
-        return self._chains[link]
-
-    @cached_property
-    def _arm_chains(self) -> Mapping[str, ArmChain]:
-        return find_chains(self._model)
-
-    def _gripper(self, name: str | None) -> ParallelGripper:
-        return _named(self.grippers, name, "gripper", self._model)
-
-    def _change_objects(
-        self,
-        method: str,
-        name: str,
-        field: ObjectField,
-        values: ArrayLike,
-        which: Which | None,
-        *,
-        shape: tuple[int, ...] = (),
-    ) -> None:
-        """Change a field of an object to one value per copy."""
-        check = Arguments(self._n, method)
-        rows = check.which(which)
-        self._object(name)
-        numbers = check.rows(field, values, shape, rows)[rows]
-        item = self._cores[0].scene.objects[self.object_names.index(name)]
-        if field == "mass" and item.mass is None:
-            raise ControlError(
-                f"Batch.{method}: object '{name}' is fixed: it has no mass"
-            )
-        for i, number in zip(rows.tolist(), numbers.tolist(), strict=True):
-            try:
-                changed_object(item, field, number)
-            except ConfigError as error:
-                raise ControlError(f"Batch.{method}: copy {i}: {error}") from None
-        with self._changing:
-            self._copies.change(rows, name, field, numbers)
-            self._sizes.pop(name, None)
-
-    def _size_shape(self, method: str, name: str) -> tuple[int, ...]:
-        """Return the shape of an object's size.
-
-        Raises:
-            ControlError: If the object's size is fixed.
-        """
-        self._object(name)
-        item = self._cores[0].scene.objects[self.object_names.index(name)]
-        match item.geometry:
-            case Box() | Cylinder():
-                return (len(sizes(item.geometry)),)
-            case Sphere():
-                return ()
-        kind = type(item.geometry).__name__.lower()
-        raise ControlError(
-            f"Batch.{method}: object '{name}' is a {kind}; only boxes, cylinders and "
-            "spheres have a size"
-        )
-
     def _bodies(self, method: str, given: Bodies | None) -> frozenset[str] | None:
         names = self.object_names
         return checked_bodies(f"Batch.{method}", given, self._model, names)
-
-    def _object(self, name: str) -> None:
-        if name not in self.object_names:
-            raise ControlError(
-                f"there is no object '{name}'{did_you_mean(name, self.object_names)}"
-            )
-
-    def _snapshot(self, i: int) -> Snapshot:
-        """Return the state of one copy for rendering."""
-        core = self._cores[i if self._device == CPU else 0]
-        arrays, time = self._objects(), float(self.time[i])
-        states = (arrays.position, arrays.quat, arrays.linear, arrays.angular)
-        rows = zip(*(values[i].tolist() for values in states), strict=True)
-        return Snapshot(
-            time=time,
-            tick=round(time / self.control_period),
-            joint_names=self.joint_names,
-            position=tuple(self.position[i].tolist()),
-            velocity=tuple(self.velocity[i].tolist()),
-            effort=tuple(self.effort[i].tolist()),
-            controllers=core.manager.list(),
-            is_paused=False,
-            is_stopped=False,
-            real_time_factor=0.0,
-            overruns=0,
-            scene=core.scene.objects,
-            objects=tuple(
-                ObjectState(name, *map(tuple, row))
-                for name, row in zip(self.object_names, rows, strict=True)
-            ),
-        )
-
-
-def _named(
-    parts: Mapping[str, Item], name: str | None, kind: str, model: RobotModel
-) -> Item:
-    """Return a part by name, or the only part if ``name`` is None."""
-    if name is None:
-        return only_part(parts, kind, model)
-    if name not in parts:
-        raise ControlError(f"no {kind} '{name}'{did_you_mean(name, set(parts))}")
-    return parts[name]
-
-
-def _check_starts(joints: Sequence[Joint], positions: Array, rows: Indices) -> None:
-    """Raise LimitsError for positions (n, k) outside the joints' limits."""
-    for k, joint in enumerate(joints):
-        limits = joint.limits
-        for i in rows.tolist():
-            if not limits.lower <= positions[i, k] <= limits.upper:
-                raise LimitsError(
-                    f"Batch.reset: position {positions[i, k]} of joint '{joint.name}' "
-                    f"in copy {i} is outside [{limits.lower}, {limits.upper}]"
-                )
-
-
-def _frozen(values: FrozenArray) -> FrozenArray:
-    values.flags.writeable = False
-    return values

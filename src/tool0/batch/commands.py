@@ -8,8 +8,9 @@ from functools import cached_property
 from typing import NamedTuple, final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from tool0.batch.arguments import Indices, chosen
+from tool0.batch.arguments import Arguments, Indices, chosen
 from tool0.batch.backend import BatchBackend
 from tool0.control.position_limits import check_position, position_range
 from tool0.control.ros1.goal_check import check_names
@@ -190,6 +191,44 @@ class Commands:
                 )
             ]
         self._copies.command(rows, goals, positions, velocities, duration)
+
+    def checked_grip(
+        self,
+        gripper: ParallelGripper,
+        rows: Indices,
+        opening: ArrayLike,
+        *,
+        speed: ArrayLike | None,
+        force: ArrayLike | None,
+        check: Arguments,
+    ) -> tuple[object, Sequence[float], Sequence[float]]:
+        """Return the openings, speeds and forces for ``grip``.
+
+        The arguments ``opening``, ``speed`` and ``force`` are as in
+        ``Batch.move_gripper``.
+
+        Raises:
+            ModelError: If an opening is outside the gripper's range.
+            ControlError: If a shape is wrong, or a number is not finite.
+        """
+        openings: object = opening
+        if self._copies.holds(opening):
+            check.on_device("opening", opening, (), "", is_held=True)
+        else:
+            openings = values = check.rows("opening", opening, (), rows)
+            for end in values[rows].tolist():
+                if not 0.0 <= end <= gripper.max_opening:
+                    gripper.position(end)  # raises ModelError
+        speeds, forces = (
+            [most] * len(rows)
+            if given is None
+            else check.rows(name, given, (), rows)[rows].tolist()
+            for name, given, most in (
+                ("speed", speed, gripper.speed[1]),
+                ("force", force, gripper.force[1]),
+            )
+        )
+        return openings, speeds, forces
 
     def grip(
         self,

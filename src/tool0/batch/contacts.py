@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tool0.batch.arguments import Indices
 from tool0.description.model import RobotModel
 from tool0.description.scene import GROUND
 from tool0.description.transform_arrays import Array
 from tool0.errors import ControlError, did_you_mean
+
+if TYPE_CHECKING:
+    from tool0.engines.mujoco.contact_arrays import ContactArrays
 
 Bodies = str | Sequence[str]
 """Name of a link or an object, ``ground``, or several of these names."""
@@ -54,6 +58,21 @@ class Contacts:
 
     def __len__(self) -> int:
         return len(self.copy)
+
+
+def contacts_of(found: ContactArrays, rows: Indices) -> Contacts:
+    """Return the contacts of the copies in ``rows``."""
+    chosen = np.isin(found.world, rows)
+    return Contacts(
+        copy=found.world[chosen],
+        first=found.first[chosen],
+        second=found.second[chosen],
+        point=found.point[chosen],
+        normal=found.normal[chosen],
+        distance=found.distance[chosen],
+        force=found.force[chosen],
+        torque=found.torque[chosen],
+    )
 
 
 def checked_bodies(

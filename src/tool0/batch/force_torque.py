@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, final
 
 from tool0.batch.arguments import Arguments, Which
 from tool0.batch.copy_sensor import Array, CopySensor, SensorKind
-from tool0.batch.one_thread import OneThread
+from tool0.batch.state import State, frozen
 from tool0.description.robot import RobotDescription
 from tool0.protocol.sensors import DEFAULT_CUTOFF
 from tool0.sensing.force_torque import measured_link, ticks_between_samples
@@ -35,19 +35,17 @@ class BatchForceTorque:
         description: RobotDescription,
         cores: Sequence[Core],
         copies: BatchBackend,
-        *,
-        alone: OneThread,
-        changing: OneThread,
+        state: State,
     ) -> None:
         """Create the sensor at a link, given the name of the link or of a sensor.
 
         See ``measured_link``.
 
-        ``alone`` and ``changing`` are the guards of the ``Batch``.
+        The sensor uses the guards of ``state``.
         """
         self._link = measured_link(description, link)
         self._cores, self._copies = cores, copies
-        self._alone, self._changing = alone, changing
+        self._alone, self._changing = state.alone, state.changing
         self._sensor: CopySensor | None = None
 
     @property
@@ -103,16 +101,12 @@ class BatchForceTorque:
             ControlError: If the batch runs on a GPU.
         """
         with self._alone:
-            found = self._running().passed
-        found.flags.writeable = False
-        return found
+            return frozen(self._running().passed)
 
     def read_raw(self) -> Array:
         """Return the newest unfiltered force [N] and torque [N·m], shape (n, 6)."""
         with self._alone:
-            found = self._running().raw
-        found.flags.writeable = False
-        return found
+            return frozen(self._running().raw)
 
     def _running(self) -> CopySensor:
         if self._sensor is None:
@@ -124,3 +118,31 @@ class BatchForceTorque:
         if self._sensor is not None:
             self._copies.stop_sensor(self._sensor)
             self._sensor = None
+
+
+@final
+class BatchForceTorques:
+    """Force-torque sensors of a batch; a sensor is made at the first request."""
+
+    def __init__(
+        self,
+        description: RobotDescription,
+        cores: Sequence[Core],
+        copies: BatchBackend,
+        state: State,
+    ) -> None:
+        """Make sensors for ``copies`` of the robot, with the guards of ``state``."""
+        self._description = description
+        self._cores, self._copies, self._state = cores, copies, state
+        self._sensors: dict[str | None, BatchForceTorque] = {}
+        """Sensors by link, and by each other name that was used to request a sensor."""
+
+    def at(self, link: str | None) -> BatchForceTorque:
+        """Return a sensor; see ``Batch.force_torque_of``."""
+        if link not in self._sensors:
+            sensor = BatchForceTorque(
+                link, self._description, self._cores, self._copies, self._state
+            )
+            named = self._sensors.setdefault(sensor.link, sensor)
+            self._sensors[link] = named
+        return self._sensors[link]

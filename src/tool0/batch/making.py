@@ -1,15 +1,18 @@
-"""Makes the cores of a batch and checks their number, threads and scenes."""
+"""Makes the cores and the backend of a batch, and checks their arguments."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from tool0.batch.backend import CPU, BatchBackend
+from tool0.description.camera import Camera, default_cameras, merged
 from tool0.description.config import File
+from tool0.description.model import RobotModel
 from tool0.description.robot import RobotDescription
 from tool0.description.scene import Scene
 from tool0.description.shapes import kind_of
@@ -38,31 +41,41 @@ def checked_threads(threads: int | None, n: int) -> int:
     return int(threads)
 
 
-def copied_scenes(
-    robot: RobotDescription, scene: Scene | File | Sequence[Scene] | None, n: int
+def core_scenes(
+    robot: RobotDescription,
+    scene: Scene | File | Sequence[Scene] | None,
+    n: int,
+    device: str,
 ) -> list[Scene]:
-    """Return the scene of each copy.
+    """Return the scene of each copy, or the common scene of all copies on a GPU.
 
     Raises:
         ConfigError: If the scenes differ too much.
     """
     if scene is None or isinstance(scene, Scene | str | Path):
-        return [chosen_scene(robot, scene)] * n
-    return _checked_scenes([chosen_scene(robot, one) for one in scene], n)
-
-
-def only_scene(scenes: Sequence[Scene]) -> Scene:
-    """Return the common scene of all copies on a GPU.
-
-    Raises:
-        ConfigError: If they differ.
-    """
-    if any(scene != scenes[0] for scene in scenes):
+        scenes = [chosen_scene(robot, scene)] * n
+    else:
+        scenes = _checked_scenes([chosen_scene(robot, one) for one in scene], n)
+    if device == CPU:
+        return scenes
+    if any(each != scenes[0] for each in scenes):
         raise ConfigError(
             "on a GPU, all copies have the same scene; place their objects with "
             "Batch.place, or use device='cpu'"
         )
-    return scenes[0]
+    return scenes[:1]
+
+
+def checked_cameras(model: RobotModel, scene: Scene) -> Mapping[str, Camera]:
+    """Return the cameras of the robot and of the scene, by name.
+
+    Raises:
+        ConfigError: If the robot does not have the link that carries a camera.
+    """
+    cameras = merged(default_cameras(model), scene.cameras)
+    for camera in cameras.values():
+        camera.check_on(model)
+    return cameras
 
 
 def make_cores(
@@ -76,6 +89,25 @@ def make_cores(
     setup = Setup.of(robot, control, options)
     setups = [replace(setup, scene=scene) for scene in scenes]
     return [each.make_core(each.make_engine()) for each in setups]
+
+
+def make_backend(
+    cores: list[Core], model: RobotModel, n: int, *, device: str, threads: int
+) -> BatchBackend:
+    """Return a backend that simulates ``n`` copies on ``device``.
+
+    Raises:
+        ConfigError: If the device cannot run a controller.
+        EngineError: If there is no such device, or the device cannot simulate the
+            scene.
+    """
+    if device == CPU:
+        from tool0.batch.copies import Copies
+
+        return Copies(cores, threads)
+    from tool0.batch.device import DeviceCopies
+
+    return DeviceCopies(cores[0], model, n, device)
 
 
 def _checked_scenes(scenes: list[Scene], n: int) -> list[Scene]:

@@ -1,4 +1,4 @@
-"""Client of the bridge, which sends one answer per request (see bridge.cc)."""
+"""Client of the bridge, which sends one answer per request (see protocol.h)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tool0.description.bodies import Matrix
 from tool0.errors import EngineError, EngineUnavailableError
 
 VERSION = 8
-"""Version of the packet format; it must equal ``kVersion`` in bridge.cc."""
+"""Version of the packet format; it must equal ``kVersion`` in protocol.h."""
 ANSWER_TIMEOUT = 1.5
 """Timeout for an answer [s].  With this value, a blocked server is reported within two
 seconds."""
@@ -35,7 +35,7 @@ _MAX_SPIN_BACKOFF = 511
 
 
 class RequestKind(IntEnum):
-    """Kinds of requests, with the same numbers as in bridge.cc."""
+    """Kinds of requests, with the same numbers as in protocol.h."""
 
     STEP = 1
     RESET = 2

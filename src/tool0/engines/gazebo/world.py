@@ -373,7 +373,7 @@ def unpack_contacts(
 def _unpack(
     packed: bytes, names: LinkNames
 ) -> Iterator[tuple[tuple[str, str], Matrix]]:
-    """Yield each pair of names with the numbers in ``ContactSum`` (see bridge.cc)."""
+    """Yield each pair of names with the numbers in ``ContactSum`` (see contacts.h)."""
     rest = packed
     while rest:
         *words, rest = rest.split(b"\0", 4)

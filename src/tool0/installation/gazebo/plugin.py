@@ -10,6 +10,7 @@ import hashlib
 import logging
 import os
 import platform
+import re
 import shlex
 import shutil
 import tempfile
@@ -26,6 +27,8 @@ logger = logging.getLogger(__name__)
 
 _BRIDGE: Final = Path(__file__).parent / "bridge"
 _SOURCES: Final = (_BRIDGE / "bridge.cc", _BRIDGE / "preload.cc")
+"""Each file is compiled alone; the headers beside the file are included from it."""
+_INCLUDE: Final = re.compile(r'^#include "(.+)"', re.MULTILINE)
 _FLAGS: Final = ("-O2", "-fPIC", "-shared", "-std=c++17", "-pthread")
 
 
@@ -69,7 +72,7 @@ def expected_libraries(installation: GazeboInstallation) -> BridgeLibraries:
 
     def library(source: Path) -> Path:
         dependencies = (
-            source.read_text(encoding="utf-8"),
+            *(file.read_text(encoding="utf-8") for file in _files(source)),
             *_FLAGS,
             installation.version,
             *map(str, installation.include_dirs),
@@ -98,6 +101,17 @@ def require_compiler() -> list[str]:
             "here; install one (apt install g++), or set CXX to it"
         )
     return command
+
+
+def _files(source: Path) -> list[Path]:
+    """Return a source and all headers that it includes from its folder, sorted."""
+    found, unread = {source}, [source]
+    while unread:
+        text = unread.pop().read_text(encoding="utf-8")
+        headers = {source.parent / name for name in _INCLUDE.findall(text)}
+        unread.extend(headers - found)
+        found |= headers
+    return sorted(found)
 
 
 def _compile(source: Path, installation: GazeboInstallation, library: Path) -> None:

@@ -1,13 +1,19 @@
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from shutil import copytree
 
 import pytest
 from machine import add_program
 
 from tool0.errors import EngineUnavailableError
+from tool0.installation.gazebo import plugin
 from tool0.installation.gazebo.installation import GazeboInstallation
-from tool0.installation.gazebo.plugin import bridge_libraries, plugin_folder
+from tool0.installation.gazebo.plugin import (
+    bridge_libraries,
+    expected_libraries,
+    plugin_folder,
+)
 
 INSTALLATION = GazeboInstallation(
     version="11.1.0",
@@ -47,6 +53,25 @@ def test_compiles_each_once(calls: Path) -> None:
     assert "-isystem/somewhere/include" in calls.read_text()
     others = bridge_libraries(replace(INSTALLATION, version="11.10.2"))
     assert others.bridge != libraries.bridge
+
+
+def test_a_change_of_any_source_of_the_bridge_makes_another_library(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = copytree(Path(plugin.__file__).parent / "bridge", tmp_path / "bridge")
+    sources = folder / "bridge.cc", folder / "preload.cc"
+    monkeypatch.setattr(plugin, "_SOURCES", sources)
+    before = expected_libraries(INSTALLATION)
+    headers = sorted(folder.glob("*.h"))
+    assert headers
+    for file in (sources[0], *headers):
+        text = file.read_text(encoding="utf-8")
+        file.write_text(text + "// changed\n", encoding="utf-8")
+        changed = expected_libraries(INSTALLATION)
+        file.write_text(text, encoding="utf-8")
+        assert changed.bridge != before.bridge, file.name
+        assert changed.preload == before.preload, file.name
+    assert expected_libraries(INSTALLATION) == before
 
 
 def test_what_was_compiled_outlives_the_compiler(
