@@ -406,7 +406,7 @@ def _points(method: str, points: Sequence[TrajectoryPoint]) -> Points:
 def _by_joint(
     name: str, tolerances: Mapping[str, ToleranceOverride] | None
 ) -> Tolerances:
-    """Return tolerances as in requests, or raise RequestError if they are invalid.
+    """Return tolerances in request form, or raise RequestError if they are invalid.
 
     The controller rejects the goal if a tolerance is not finite.
     """

@@ -132,7 +132,7 @@ def finger_reach(model: RobotModel, gripper: ParallelGripper) -> float:
 
 
 def _sides(name: str, box: Box, pose: Transform) -> Iterator[tuple[Transform, float]]:
-    """Yield frames with z up and y normal to two sides, and the width between them."""
+    """Yield frames with z up and y normal to two sides, and the width across them."""
     up = _upright_axis(name, pose)
     columns = list(zip(*pose.rotation, strict=True))
     for k in range(3):

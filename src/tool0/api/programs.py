@@ -152,7 +152,7 @@ class Programs:
         )
 
     def _explain(self, source: ProgramFile) -> None:
-        """Raise ProgramError with the problems of a file and the line numbers."""
+        """Raise ProgramError with the problems in a file and their line numbers."""
         if source.file is None:
             return
         problems = self.check(source.program).problems
@@ -189,7 +189,7 @@ class ProgramHandle:
 
     @property
     def status(self) -> ProgramRun:
-        """Current state of the program, with the present step and the error."""
+        """Current state of the program, including the current step and any error."""
         runs = self._channel.call(ReadRuns())
         found = next((item for item in runs if item.run == self._run), None)
         if found is not None:

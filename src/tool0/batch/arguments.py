@@ -20,7 +20,7 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 def are_finite(values: Array) -> bool:
-    """Return whether all values are finite; the sum of squares is a fast first test."""
+    """Return whether all values are finite; first test the sum of squares (fast)."""
     return math.isfinite(np.vdot(values, values)) or bool(np.isfinite(values).all())
 
 

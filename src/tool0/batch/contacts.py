@@ -59,7 +59,7 @@ class Contacts:
 def checked_bodies(
     what: str, given: Bodies | None, model: RobotModel, objects: Sequence[str]
 ) -> frozenset[str] | None:
-    """Return the names as a set; for any body, ``given`` and the result are None.
+    """Return the names as a set, or None if ``given`` is None, which means any body.
 
     Raises:
         ControlError: If a name is not a link, an object or ``ground``.

@@ -58,7 +58,7 @@ class Copies:
     """
 
     def __init__(self, cores: Sequence[Core], threads: int) -> None:
-        """Use these cores; the kernel runs them in ``threads`` threads."""
+        """Make copies from these cores; the kernel uses ``threads`` threads."""
         self._cores = tuple(cores)
         self._period = cores[0].control_period
         self._executors = tuple(map(Executor, cores))
@@ -148,7 +148,7 @@ class Copies:
     def _tick(self, i: int, event: Ended | None, left: int) -> int:
         """Execute a tick of one copy in Python.
 
-        Return the number by which the copy's remaining ticks have decreased.
+        Return the decrease in the copy's remaining ticks.
         """
         core, untold = self._cores[i], int(self._untold[i])
         self._untold[i] = 0

@@ -218,7 +218,7 @@ def _joint_motion(
 def _arm_of(
     target: Pose | Mapping[str, float], connected: Robot, robot: str | None
 ) -> Arm:
-    """Return the arm that moves to a target, given by ``--robot`` or the joints."""
+    """Return the arm to move to a target, selected by ``--robot`` or the joints."""
     if robot is None and not isinstance(target, Pose):
         for arm in connected.arms.values():
             if not target.keys().isdisjoint(arm.joint_names):

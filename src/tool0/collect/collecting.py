@@ -95,8 +95,8 @@ def collect(
         progress: Callback that is called about twice per second with the progress.
 
     Raises:
-        ConfigError: If a parameter is wrong, or differs from the value with which the
-            folder was collected.
+        ConfigError: If a parameter is wrong, or differs from the value that was used
+            for the folder.
         CollectError: If a worker or the policy fails, or the disk is full.
         TransportError: If the Ray cluster cannot be reached.
     """

@@ -9,7 +9,7 @@ from typing import Final, Protocol, final
 from tool0.collect.worker import Chunk
 
 QUEUED: Final = 2
-"""Largest number of chunks of a worker: the current chunk and the next chunk."""
+"""Largest number of chunks that a worker has: the current one and the next one."""
 
 
 @final

@@ -48,7 +48,7 @@ only 127.0.0.1."""
 
 @final
 class _Actor:
-    """A worker, with its message about its programs, and its chunks."""
+    """A worker, with its chunks and the message that describes its programs."""
 
     def __init__(self, handle: Any) -> None:
         self.handle = handle

@@ -106,8 +106,8 @@ class ArmActions:
         (6,)."""
         self._moves = np.array([*[self.linear] * 3, self.turn])
         self._lower, self._upper = workspace.lower + MARGIN, workspace.upper - MARGIN
-        # Below this height, the fingertips would press on the table, so a lower tool
-        # can only move up.
+        # Below this height, the fingertips would press on the table, so from there the
+        # tool can only move up.
         self._lowest = workspace.lowest
 
     def openings(self, actions: Array) -> Array:

@@ -18,11 +18,11 @@ from tool0.kinematics.chain import Array
 
 CUBE, LOWER = "cube", "lower_cube"
 REACHED = 0.02
-"""Distance from the goal below which a TCP has reached the goal [m]."""
+"""Distance within which a TCP is considered to have reached the goal [m]."""
 LIFTED = 0.08
 """Minimum height of a lifted cube above its initial height [m]."""
 PUSHED = 0.03
-"""Distance from the goal below which a pushed cube has reached the goal [m]."""
+"""Distance within which a pushed cube is considered to have reached the goal [m]."""
 ON_LOWER = 0.4
 """Largest horizontal offset of a stacked cube, as a fraction of the edge of the
 smallest cube."""
@@ -276,7 +276,7 @@ def _place_and_release(state: State, space: Workspace) -> Array:
 
 
 def _same(achieved: Array, desired: Array) -> Mask:
-    """Return True where the object is released or the goal requires no release."""
+    """Return whether the object is released or the goal requires no release."""
     return np.asarray(achieved[..., 3] >= desired[..., 3])
 
 

@@ -107,7 +107,7 @@ class EnvOptions:
     """Kind of observation (docs/how-to/gym.md)."""
     reward: RewardMode = "dense"
     """Kind of reward: "dense" for a reward in each step, or "sparse" for a reward only
-    for success."""
+    on success."""
     control_rate: float = 20.0
     """Actions per simulated second [Hz]."""
     terminate_on_success: bool = True

@@ -20,7 +20,7 @@ from tool0.kinematics.chain import Array
 
 @final
 class Sizes:
-    """Random object sizes in n copies of a task: sizes in the scene times factors."""
+    """Random object sizes in n copies of a task: the scene's sizes, randomly scaled."""
 
     def __init__(
         self,
@@ -96,7 +96,7 @@ class Sizes:
             batch.set_size(name, size if own.size > 1 else size[:, 0], which)
 
     def risen(self, places: Array) -> Array:
-        """Return places (n, k, 3) [m] that keep the heights of the objects' bottoms."""
+        """Return places (n, k, 3) [m], adjusted to keep the heights of the bottoms."""
         if not self.names:
             return places
         higher = (self.extents - self._own)[..., 2] / 2.0

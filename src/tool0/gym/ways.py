@@ -55,7 +55,7 @@ def _hold_place(state: State, hold: Hold) -> Array:
 
 
 def reach(space: Workspace, state: State) -> Target:
-    """Return the next target on the way to the goal, which is a point."""
+    """Return the next target on the way to a goal that is a point."""
     n = len(state.q)
     yaw = np.full(n, space.start_yaw)
     return Target(state.goal, yaw, state.opening_target, np.ones(n))
@@ -149,7 +149,7 @@ def carried(
 
 
 def is_sent_below(state: State, commanded: Frames, point: Array, height: float) -> Mask:
-    """Return whether a held object's point is commanded below a height, shape (n,).
+    """Return whether a point of a held object is commanded below a height, (n,).
 
     The function uses the commanded position instead of the measured position, so that
     it detects when an expert has begun to lower the object.  ``point`` is in the root

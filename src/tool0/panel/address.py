@@ -21,7 +21,7 @@ TOKEN_VARIABLE: Final = "TOOL0_PANEL_TOKEN"
 _LOOPBACK_NAMES: Final = frozenset({"127.0.0.1", "localhost", "::1"})
 _PORT: Final = re.compile(r"[0-9]{1,5}")
 _SEND_BUFFER: Final = 65536
-"""Size of the system's send buffer for a page [bytes], which holds two seconds of
+"""Size of the system's send buffer for a page [bytes]: enough for two seconds of
 frames.  With the system's default of several megabytes, a slow page would lag half a
 minute behind the robot."""
 _RECEIVE_BUFFER: Final = 32768

@@ -12,10 +12,10 @@ from typing import Any, Final, final
 from tool0.server.budget import Account
 
 _CHUNK: Final = 1 << 12
-"""Largest number of bytes in one read.  Short frames of this size are parsed within 0.5
-ms."""
+"""Largest number of bytes in one read.  Even if they consist of short frames, they are
+parsed within 0.5 ms."""
 _arriving: Final = memoryview(bytearray(_CHUNK))
-"""Buffer into which the event loop reads data, which is copied immediately."""
+"""Buffer into which the event loop reads data; the data is copied out immediately."""
 
 
 @final

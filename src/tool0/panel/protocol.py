@@ -264,9 +264,9 @@ class Status(Struct, frozen=True, kw_only=True, tag="status"):
     """Requested simulated seconds per wall second; null if the simulation runs as fast
     as possible."""
     real_time_factor: float
-    """Ratio of simulated time to wall time over about the last second."""
+    """Ratio of simulated time to wall time over roughly the last second."""
     late_ticks: int
-    """Number of ticks that started late in about the last second."""
+    """Number of ticks that started late over roughly the last second."""
     clients: int
     """Number of connected pages."""
     controllers: list[ControllerInfo]

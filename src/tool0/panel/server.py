@@ -79,7 +79,7 @@ def load() -> None:
 class WebService:
     """Service of a hub's robot as a web page; see ``server.hub.Service``.
 
-    The address can be used immediately.  The page is served when the server has been
+    The address can be used immediately.  The page is served once the server has been
     loaded.
     """
 
@@ -336,5 +336,5 @@ def _configuration(app: ASGIApp) -> uvicorn.Config:
 
 
 def _is_problem(record: logging.LogRecord) -> bool:
-    """Return whether a log record is not about a fault of a page."""
+    """Return False for a log record about a fault of a page, and True otherwise."""
     return record.getMessage() not in _FAULTS_OF_PAGES

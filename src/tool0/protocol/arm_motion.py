@@ -171,8 +171,8 @@ class ServoJoints(ArmRequest[None], frozen=True):
     """Simulated time until the next target is expected [s].  After this time, the arm
     holds the last target."""
     lookahead_time: Annotated[float, Meta(ge=0.03, le=0.2)] = 0.1
-    """Lookahead time of the control law [s].  With a longer time, the motion is
-    smoother, but has more lag."""
+    """Lookahead time of the control law [s].  A longer time makes the motion smoother,
+    but increases its lag."""
     gain: Annotated[float, Meta(ge=100.0, le=2000.0)] = 300.0
     """Gain of the control law [1/s²]."""
     timeout: Timeout = SILENCE
@@ -194,8 +194,8 @@ class SpeedJoints(ArmRequest[None], frozen=True):
     acceleration: Acceleration = 1.4
     """Acceleration of the leading joint [rad/s²]."""
     duration: Duration | None = None
-    """Time after which the arm decelerates to rest [s]; by default or at 0, the arm
-    continues to move."""
+    """Time after which the arm decelerates to rest [s]; with the default
+    or 0, the arm continues to move."""
     timeout: Timeout | None = None
     """Longest wall time between two targets of a stream [s]; see ``servo_joints``.  The
     default is 0.5 s without a ``duration``; with a ``duration``, the time is
@@ -217,8 +217,8 @@ class SpeedTool(ArmRequest[None], frozen=True):
     """Linear acceleration of the tool [m/s²].  The same number limits the angular
     acceleration of the tool [rad/s²]."""
     duration: Duration | None = None
-    """Time after which the arm decelerates to rest [s]; by default or at 0, the arm
-    continues to move."""
+    """Time after which the arm decelerates to rest [s]; with the default
+    or 0, the arm continues to move."""
     timeout: Timeout | None = None
     """Longest wall time between two targets of a stream [s]; see ``servo_joints``.  The
     default is 0.5 s without a ``duration``; with a ``duration``, the time is
@@ -268,8 +268,8 @@ class StartForceMode(ArmRequest[None], frozen=True):
     """Apply a force along some axes of a frame, like URScript's ``force_mode``.
 
     Force mode is superimposed on the arm's motion; a second request replaces the first
-    request.  ``wrench`` is the wrench that the tool exerts on its environment at rest.
-    Motions and setpoints do not include the compliant deviation.
+    request.  ``wrench`` is the wrench that the tool, when at rest, exerts on its
+    environment.  Motions and setpoints do not include the compliant deviation.
     """
 
     frame: Row6
@@ -307,10 +307,10 @@ class EndForceMode(ArmRequest[None], frozen=True):
 
 
 class StartFreedrive(ArmRequest[None], frozen=True):
-    """Start freedrive: the arm can be guided by hand, and then holds its position."""
+    """Start freedrive: the arm can be guided by hand, and stays where it is left."""
 
     axes: Flags6 = (True,) * 6
-    """Axes of the frame along which and about which the tool can be moved."""
+    """Axes of the frame along or about which the tool can be moved."""
     frame: Row6 = ZERO_POSE
     """Pose of the task frame in the base: position and rotation vector [m, rad]."""
     controller: Name | None = None
@@ -335,7 +335,7 @@ class ZeroWrench(ArmRequest[None], frozen=True):
 
 
 class EndStream(Request[None], frozen=True):
-    """Decelerate the arm to rest if the arm follows a stream; other motions continue.
+    """Decelerate the arm to rest if it is following a stream; other motions continue.
 
     The simulation ends a stream automatically when the stream contains no further
     targets.

@@ -148,7 +148,7 @@ class Backend(Protocol):
         """Raise Tool0Error for a streamed setpoint that can never be executed."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
-        """Return the controllers whose setpoint streams are ended by a request."""
+        """Return the controllers whose setpoint streams a request ends."""
 
 
 def missing(request: type[Request[Any]], reason: str) -> NotOfferedError:

@@ -131,7 +131,7 @@ class ReleaseBrakes(ArmRequest[None], frozen=True):
 
 
 class StopProtectively(ArmRequest[None], frozen=True):
-    """Trigger a protective stop: the arm is stopped until the stop is unlocked."""
+    """Trigger a protective stop: the arm stays stopped until the stop is unlocked."""
 
     is_urgent = True
     revokes = ("unlock_protective_stop", "restart_safety")

@@ -107,8 +107,7 @@ class SafetyLimits(Struct, frozen=True, kw_only=True):
     """Limits that stop an arm automatically."""
 
     is_enabled: bool = False
-    """Whether these limits are active; if they are not active, only requests stop the
-    arm."""
+    """Whether these limits are active; otherwise, only requests stop the arm."""
     force: float = 150.0
     """Maximum contact force on any link except the base [N]; the default is from UR's
     default safety preset."""
@@ -225,7 +224,7 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
 
     @property
     def may_move(self) -> bool:
-        """Whether the arm is powered, without engaged brakes or an active stop."""
+        """Whether the arm is powered, with released brakes and no active stop."""
         return self.robot_mode in POWERED and self.safety_mode in UNSTOPPED
 
     @property

@@ -25,8 +25,8 @@ class EpisodesStatus(Struct, frozen=True, kw_only=True):
     is_recording: bool
     """Whether an episode is being recorded."""
     duration: float
-    """Simulated duration of the episode that is being recorded [s]; 0 without a
-    recording."""
+    """Simulated duration of the episode that is being recorded [s]; 0 if there is no
+    such episode."""
     episodes: int
     """Number of episodes in the folder."""
     succeeded: int

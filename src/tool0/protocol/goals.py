@@ -1,6 +1,6 @@
 """Goals: their status, outcome and tolerances, and requests about goals.
 
-A fault is raised as an exception; an outcome is a value.
+Faults are raised as exceptions; outcomes are returned as values.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ class Goal:
             callback(self)
 
     def when_finished(self, callback: Callable[[Goal], None]) -> None:
-        """When the goal ends, call ``callback(goal)`` in the thread that ends it."""
+        """Call ``callback(goal)`` when the goal ends, in the thread that ends it."""
         with self._lock:
             if self._result is None:
                 self._callbacks.append(callback)

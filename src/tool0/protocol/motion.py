@@ -75,13 +75,13 @@ class CommandGripper(Request[GoalStarted], frozen=True):
     max_effort: float | None = None
     """Maximum effort [N·m | N].  Without a value, the default of the controller
     applies.  ROS 2's parallel gripper controller writes this value to its
-    ``max_effort_interface``.  If this interface is an interface of the gripper, the
-    value is the force at the pads [N]."""
+    ``max_effort_interface``.  If the gripper has this interface, the value is the force
+    at the pads [N]."""
     max_velocity: float | None = None
     """Maximum velocity [rad/s | m/s].  Without a value, the default of the controller
     applies.  ROS 2's parallel gripper controller writes this value to its
-    ``max_velocity_interface``.  If this interface is an interface of the gripper, the
-    value is the relative speed of the pads [m/s]."""
+    ``max_velocity_interface``.  If the gripper has this interface, the value is the
+    relative speed of the pads [m/s]."""
     grip: GripLimits | None = None
     """Limits of the pads' speed and force, instead of ``max_effort`` and
     ``max_velocity``."""

@@ -218,10 +218,10 @@ class ApplyWrench(Request[None], frozen=True):
     point: Place | None = None
     """Initial point of action of the force, in the robot's root frame [m]; the default
     is the body's center of mass.  The point follows the translation of the body, but
-    not the rotation of the body."""
+    not its rotation."""
     start: Annotated[float, Meta(ge=0.0)] = 0.0
-    """Simulated time at which the wrench begins [s]; for a past time, the wrench begins
-    immediately."""
+    """Simulated time at which the wrench begins [s]; if this time has passed, the
+    wrench begins immediately."""
     duration: Annotated[float, Meta(ge=0.0)] | None = None
     """Simulated time for which the wrench acts [s].  Without a duration, the wrench
     acts until it is cleared or the robot is reset."""
@@ -253,7 +253,7 @@ class PullLink(Request[None], frozen=True):
 
 
 class ClearWrenches(Request[None], frozen=True):
-    """End all wrenches and springs on one body; without a name, on all bodies."""
+    """End all wrenches and springs on one body, or on all bodies if none is given."""
 
     name: Name | None = None
 
@@ -270,9 +270,9 @@ class FindCollisions(Request[tuple[Collision, ...]], frozen=True):
     """Find the collisions of the robot on the path to a pose and at the pose.
 
     On the path, all joints move synchronously from their current positions, and objects
-    in grippers move with the grippers.  A pair is left out if it already overlaps by at
-    least the same depth at present.  The pairs are sorted by the beginning of their
-    collisions.
+    in grippers move with the grippers.  A pair that already overlaps at least as deeply
+    at present is left out.  The pairs are sorted by where on the path their collisions
+    begin.
     """
 
     positions: JointPositions

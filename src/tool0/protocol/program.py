@@ -185,7 +185,7 @@ class LoopStep(_Step, frozen=True, kw_only=True, tag="loop"):
     loop is endless."""
     while_input: Pin | None = None
     """Pin number of a digital input, instead of a number of iterations.  The loop ends
-    if the input does not have the level before an iteration."""
+    if the input does not have the given ``level`` at the start of an iteration."""
     level: bool = True
     """Level of the input at which the loop continues; true is high."""
 
@@ -239,8 +239,8 @@ def walk(
 def require_shallow(program: Program) -> None:
     """Raise ControlError if loops are nested too deeply for recursion.
 
-    The check of the program reports a smaller nesting depth that is still invalid, with
-    the location.
+    The check of the program also rejects less deeply nested loops that are still
+    invalid, and reports their location.
     """
     steps: Sequence[Step] = program.steps
     for _ in range(_DEEPEST + 1):

@@ -73,8 +73,7 @@ class ProgramRun(Struct, frozen=True, kw_only=True):
     text: str = ""
     """Description of the current or last executed step."""
     error: str = ""
-    """Reason why the program failed or was stopped; empty if there is no such
-    reason."""
+    """Reason why the program failed or was stopped; empty otherwise."""
     time: float = 0.0
     """Simulated time since the start of the program [s]."""
 

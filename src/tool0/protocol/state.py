@@ -17,7 +17,7 @@ from tool0.protocol.trajectories import TrajectoryState
 MotionMode = Literal[
     "free", "hold", "path", "servo", "speed", "stop", "freedrive", "torque"
 ]
-"""Source of an arm's motion; ``free``: a ROS controller, or no source."""
+"""Source of an arm's motion; ``free`` means a ROS controller or no source."""
 
 SNAPSHOT_PERIOD = 0.008
 """Default simulated time between snapshots [s].  The resulting rate of 125 Hz is also
@@ -78,12 +78,12 @@ class ArmSample(Struct, frozen=True):
     """Motion of an arm, the source of the motion, and the wrench on the tool."""
 
     mode: MotionMode
-    """Source of the motion; ``free``: a ROS controller, or no source."""
+    """Source of the motion; ``free`` means a ROS controller or no source."""
     setpoint: ArmSetpoint | None
     """Setpoint of the arm, or the measured motion if the arm is not driven.  The
     setpoint is sent as [positions, velocities, accelerations], from base to flange
-    [rad, rad/s, rad/s²].  The value is None only in snapshots in the simulation's
-    process, if a controller has the setpoint."""
+    [rad, rad/s, rad/s²].  The value is None only within the simulation's process, if a
+    controller has the setpoint."""
     path: int
     """Number of the last path; 0 before the first path."""
     path_time: float
@@ -136,13 +136,13 @@ class Snapshot(Struct, frozen=True):
     is_stopped: bool = False
     """Whether the emergency stop is engaged."""
     real_time_factor: float = 1.0
-    """Ratio of simulated time to wall time, measured over about the last second."""
+    """Ratio of simulated time to wall time, measured over roughly the last second."""
     overruns: int = 0
     """Number of ticks that have begun more than one control period late since the
     start."""
     late_ticks: int = 0
-    """Number of ticks that began more than one control period late, in about the last
-    second of wall time."""
+    """Number of ticks that began more than one control period late over roughly the
+    last second of wall time."""
     fault: str | None = None
     """Reason why the simulation is stopped until a reset; None if it is not stopped."""
     speed: float | None = None

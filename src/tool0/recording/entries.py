@@ -1,4 +1,4 @@
-"""Events and requests in a recording, which are the data that are not arrays."""
+"""Events and requests in a recording: the data that is not stored in arrays."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """Re-simulation of a recording, with the same robot, requests and steps.
 
 A simulation is deterministic between requests, so every frame must be bit-identical to
-the recorded frame.  The result lists all possible reasons for a difference that can be
-found.
+the recorded frame.  The result lists all reasons for a difference that can be detected.
 """
 
 from __future__ import annotations

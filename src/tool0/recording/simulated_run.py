@@ -43,7 +43,7 @@ _LAG_STEP: Final = 0.002
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointDifference:
-    """Difference between recording and simulation for one joint, without the lag."""
+    """Difference of recording and simulation for one joint, with the lag removed."""
 
     position_rms: float
     """Root mean square of the position difference [rad | m]."""

@@ -1,4 +1,4 @@
-"""A process that is started with a robot and restarted when the process ends."""
+"""A process that is started with a robot and restarted whenever it ends."""
 
 from __future__ import annotations
 

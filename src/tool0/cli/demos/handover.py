@@ -40,7 +40,7 @@ APART = 0.1
 class HandoverCell:
     """Two robots side by side: the giver is on the left, and the taker is on the right.
 
-    The grippers meet face to face, in front of the bases and halfway between the bases.
+    The grippers meet face to face, in front of and halfway between the bases.
     """
 
     giver: PickTable

@@ -31,8 +31,8 @@ class PickReport:
     grip_force: float | None = None
     """Force of a pad on the object at the beginning of the lift [N]."""
     peak_force: float
-    """Largest force of a pad on the object [N], sampled at 125 Hz.  This force includes
-    the deceleration of the drive's rotor when the pads meet a rigid object."""
+    """Largest force of a pad on the object [N], sampled at 125 Hz.  When the pads meet
+    a rigid object, the deceleration of the drive's rotor adds to this force."""
     width: float | None = None
     """Width of the held object, calculated from the position of the gripper's joint
     [m]."""

@@ -202,7 +202,7 @@ class ShelfPicker:
         hand.release(into, place, height)
 
     def _before(self, grasp: Grasp) -> Grasp:
-        """Return a copy of a grasp that is moved backward out of the shelf."""
+        """Return a copy of a grasp, moved backward out of the shelf."""
         pose = grasp.pose
         ahead = _axis(pose, 2)
         x, y, z = pose.position

@@ -34,13 +34,12 @@ APART = 0.17
 """Minimum distance between the nut and the peg at the start [m]."""
 AROUND, LEVEL, RELEASED = 0.006, 0.006, 0.006
 """Largest horizontal offset and largest height error of a nut on the peg, and smallest
-excess of the gripper's opening over the handle's width at which the nut is released
-[m]."""
+clearance between the pads and the handle of a released nut [m]."""
 RAISED, LOW = 0.015, 0.002
 """Height above the peg at which the nut is carried to the peg, and minimum height above
 the peg at which the nut may move horizontally [m]."""
 OVER, STRAIGHT = 0.001, 0.03
-"""Largest offset [m] and angle [rad] at which the nut may be lowered over the peg."""
+"""Largest offset [m] and angle [rad] of the nut for lowering it over the peg."""
 SWING = 3.0
 """Factor by which OVER and STRAIGHT increase while the nut is lowered."""
 DOWN = 0.25

@@ -31,8 +31,8 @@ coefficient of the drawer."""
 HANDLE_LENGTH, HANDLE_WIDTH, HANDLE_HEIGHT = 0.06, 0.018, 0.03
 """Size of the handle, which is an upright plate at the front, along x, y and z [m]."""
 HELD_AT = 0.047
-"""Distance of the TCP in front of the drawer [m], at which the gripper's base clears
-the cabinet."""
+"""Distance of the TCP in front of the drawer that keeps the gripper's base clear of the
+cabinet [m]."""
 PULLED = 0.1
 """Minimum travel of an open drawer [m]."""
 TURNED = 0.4

@@ -32,7 +32,7 @@ OTHERS: Final[dict[str, Geometry]] = {
 TALLEST = 0.042
 """Height of the tallest object [m]."""
 DENSITY = 900.0
-"""Density of all objects [kg/m³], which is the density of plastic."""
+"""Density of all objects [kg/m³], equal to that of plastic."""
 LARGEST_EDGE = 0.036
 """Largest edge of the target cube [m]."""
 LIFTED = 0.08

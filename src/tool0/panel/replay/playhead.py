@@ -12,7 +12,7 @@ MIN_SPEED, MAX_SPEED = 0.01, 100.0
 
 @final
 class Playhead:
-    """A time between a start and an end that advances with the wall clock.
+    """A time that advances with the wall clock between a start and an end.
 
     This class is thread-safe.
     """
@@ -54,7 +54,7 @@ class Playhead:
         return self._loops
 
     def play(self) -> None:
-        """Start the playback; at the end, playback starts again from the start."""
+        """Start the playback, from the beginning if it has reached the end."""
         with self._lock:
             if self._update() >= self._end:
                 self._time = self._start
