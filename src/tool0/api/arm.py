@@ -89,7 +89,7 @@ class Arm:
         """Name of the arm.
 
         The name is the prefix of the arm's links, or ``arm`` if the links have no
-        prefix.  In a cell, the name is the name of the robot.
+        prefix.  In a cell, it is the name of the robot.
         """
         return self._info.name
 

@@ -27,7 +27,7 @@ class Grasp:
     """A pose of the gripper at which the gripper can grasp an object."""
 
     pose: Transform
-    """Pose of the frame between the pads when the pads touch the object, in the root
+    """Pose of the frame between the pads when they touch the object, in the root
     frame."""
     width: float
     """Width of the object between the pads [m]."""

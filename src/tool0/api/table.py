@@ -110,7 +110,7 @@ class PickTable:
         Args:
             robot: The robot that will lift the object.
             height: Height of the upright object [m].
-            seed: Seed of the poses; the same seed results in the same poses.
+            seed: Seed of the poses; the same seed gives the same poses.
         """
         rng = random.Random(seed)
         # The size of the bin is constant, so the bin covers a larger part of a small

@@ -1,4 +1,4 @@
-"""Checks of the arrays that callers pass, which have one row per copy."""
+"""Checks of the arrays with one row per copy that callers pass."""
 
 from __future__ import annotations
 

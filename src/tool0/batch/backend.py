@@ -41,7 +41,7 @@ class DeviceArrays(NamedTuple):
     """State of n copies in the memory of the computing device.
 
     The fields are Warp arrays in single precision; ``torch.from_dlpack`` and similar
-    functions share their memory.  Do not write to the arrays, which change as time
+    functions share their memory.  Do not write to the arrays; they change as time
     advances.
     """
 

@@ -21,7 +21,7 @@ Bodies = str | Sequence[str]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Contacts:
-    """Contacts of all copies in the last step, as m rows that are sorted by copy.
+    """Contacts of all copies in the last step, as m rows sorted by copy.
 
     Each row is a ``Contact`` of one copy: the resultant of all contact points between
     two links or objects.  Vectors are in the axes of the root.

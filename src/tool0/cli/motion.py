@@ -279,7 +279,7 @@ def _way_text(plan: Plan) -> str:
 
 
 def _check_units(units: Mapping[str, Quantity], robot: Robot) -> None:
-    """Raise ConfigError if a value has the wrong kind of unit for its joint."""
+    """Raise ConfigError if a value's unit does not match the type of its joint."""
     joints = robot.description.model.joint_by_name if units else {}
     for name, quantity in units.items():
         if name not in joints:

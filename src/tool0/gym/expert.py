@@ -1,4 +1,4 @@
-"""Scripted experts, which solve tasks from the full state of the simulation.
+"""Scripted experts, which use the full state of the simulation to solve tasks.
 
 ``Task.expert`` returns the next target of the tool and gripper.  This module converts
 the target of an expert to an action.

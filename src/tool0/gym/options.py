@@ -126,7 +126,7 @@ class EnvOptions:
     dt: float = 0.001
     """Length of a physics step [s]."""
     threads: int | None = None
-    """Number of threads that step the copies; the default is the default of
+    """Number of threads that step the copies; the default is that of
     ``tool0.Batch``."""
     device: str = "cpu"
     """The device that computes the physics; see ``tool0.Batch``."""
@@ -185,7 +185,7 @@ class EnvOptions:
 
     @property
     def cameras(self) -> tuple[str, ...]:
-        """The cameras for images; there is at least one camera."""
+        """The cameras for images: at least one."""
         return (self.camera,) if isinstance(self.camera, str) else tuple(self.camera)
 
     @property

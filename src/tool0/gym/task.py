@@ -236,7 +236,7 @@ class Task(abc.ABC):
         return nearness(self.distance(self.achieved(state), self.desired(state)))
 
     def reward(self, state: State, success: Mask) -> Array:
-        """Return the dense rewards, (n,): the progress minus 1, or 0 upon success."""
+        """Return the dense rewards, (n,): the progress minus 1, or 0 on success."""
         progress = np.minimum(np.maximum(self.progress(state), 0.0), 1.0)
         return np.where(success, 0.0, progress - 1.0)
 

@@ -22,10 +22,10 @@ below 0.1 mm."""
 
 @final
 class Tool:
-    """The TCP of a gripper, which is a frame that is fixed to the arm's flange.
+    """The TCP of a gripper, a frame that is fixed to the arm's flange.
 
-    The compiled kernel computes the poses if the kernel is available.  Otherwise, the
-    reference implementation in NumPy computes the poses.
+    The compiled kernel computes the poses if it is available.  Otherwise, the reference
+    implementation in NumPy computes the poses.
     """
 
     def __init__(

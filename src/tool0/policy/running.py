@@ -66,7 +66,7 @@ class EpisodeRun:
     seed: int
     result: Result
     reason: str = ""
-    """Reason why the episode was stopped; empty if the episode was not stopped."""
+    """Reason why the episode was stopped; empty if it was not stopped."""
     n_steps: int
     """Number of executed actions."""
     total_reward: float

@@ -39,7 +39,7 @@ class EpisodesStatus(Struct, frozen=True, kw_only=True):
 class OpenEpisodes(Request[EpisodesStatus], frozen=True):
     """Select the folder for episodes; the folder can already contain episodes.
 
-    While a folder is open, keys in the panel start and end episodes.
+    While a folder is open, you can start and end episodes with keys in the panel.
     """
 
     written_paths = ("folder",)

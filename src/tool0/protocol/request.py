@@ -55,7 +55,7 @@ class Request(
         return ()
 
     def as_done(self) -> Request[Any]:
-        """Return a request that has the same effect as this request, but no checks."""
+        """Return a request with the same effect as this request, but without checks."""
         return self
 
 

@@ -34,8 +34,8 @@ _POLL_PERIOD: Final = 0.04
 wait for the interpreter's lock."""
 _MOST_WAITING: Final = 2500
 """Largest number of snapshots that are buffered before they are written (20 s).  If the
-buffer is full, the oldest snapshots are dropped in real time; otherwise, simulated time
-is paused."""
+buffer is full, a real-time recording drops the oldest snapshots, and any other
+recording pauses simulated time."""
 
 
 @final

@@ -217,7 +217,7 @@ class Companion:
 def _served_name(
     robot: Connected | str, label: str, stack: contextlib.ExitStack
 ) -> str:
-    """Return the name at which a robot is served, and serve the robot if it is local.
+    """Return the name under which a robot is served; serve the robot if it is local.
 
     Args:
         robot: A robot of this process or another process, or the robot's name.
