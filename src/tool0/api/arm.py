@@ -58,7 +58,7 @@ class PlanOptions(TypedDict, total=False):
     keep_out: tuple[KeepOut, ...]
     """Regions (boxes, or half-spaces below a plane) that the robot must not enter."""
     upright: Upright
-    """Constraint that keeps a tool axis within an angle from its initial direction."""
+    """Constraint that keeps a tool axis within an angle of its initial direction."""
     joint_ranges: dict[str, tuple[float, float]]
     """Joint → narrower position limits for this motion [rad]."""
     timeout: float
@@ -373,10 +373,10 @@ class Arm:
         """Plan a collision-free motion to a target, and return the plan.
 
         The robot does not move.  The planned motion starts at the commanded posture,
-        and ends at rest.  An object in a gripper moves with the gripper.  The clearance
-        applies to all pairs of robots, objects, held objects and the ground, except for
-        links that touch by construction.  Bodies that are closer at the start are
-        allowed to remain closer.
+        and ends at rest.  An object in a gripper moves with it.  The clearance applies
+        to all pairs of robots, objects, held objects and the ground, except for links
+        that touch by construction.  Bodies that are closer at the start are allowed to
+        remain closer.
 
         Args:
             target: A pose of the tool, or joint → position [rad].  For a pose, all

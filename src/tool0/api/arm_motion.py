@@ -95,8 +95,8 @@ class ArmMotion:
             positions: Positions [rad], shape (n_knots, 6).
             velocities: Velocities [rad/s], shape (n_knots, 6); 0 at the last knot.
             accelerations: Accelerations [rad/s²], shape (n_knots, 6).  With
-                accelerations, the segments are quintic polynomials; without
-                accelerations, the segments are cubic polynomials.
+                accelerations, the segments are quintic polynomials; otherwise, they are
+                cubic polynomials.
             after: Number of the path that this path replaces.
             at: Time on the replaced path at which this path begins [s].
 

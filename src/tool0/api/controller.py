@@ -57,12 +57,12 @@ class GoalHandle:
 
     @property
     def status(self) -> GoalStatus:
-        """Status of the goal: ACTIVE, or the final status of the goal."""
+        """Status of the goal: ACTIVE, or its final status."""
         return self._goal.status
 
     @property
     def result(self) -> Result | None:
-        """The outcome of the goal; None while the goal is active."""
+        """The outcome of the goal; None while it is active."""
         return self._goal.result
 
     def wait(self, timeout: float | None = None) -> Result:
@@ -342,7 +342,7 @@ class ControllerHandle:
         i_clamp: float | None = None,
         antiwindup: bool | None = None,
     ) -> Gains:
-        """Change the PID gains of a joint, and return all gains of the joint.
+        """Change the PID gains of a joint, and return all its gains.
 
         Omitted gains keep their values.  The gains can be changed during a motion.  The
         integral term does not jump unless the new clamp limits the term.  The gains

@@ -1,4 +1,4 @@
-"""Grasps of an object from above, and the bin for the object."""
+"""Grasps of an object from above, and the bin for it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _UPRIGHT = math.cos(math.radians(3.0))
 @final
 @dataclass(frozen=True, slots=True)
 class Grasp:
-    """A pose of the gripper at which the gripper can grasp an object."""
+    """A pose of the gripper at which it can grasp an object."""
 
     pose: Transform
     """Pose of the frame between the pads when they touch the object, in the root

@@ -320,9 +320,9 @@ class Robot(AbstractContextManager["Robot"]):
         """Return the collisions at a target posture and on the path to it.
 
         On the path, all joints move synchronously from their current positions, and an
-        object in a gripper moves with the gripper.  A pair that already overlaps at
-        least as deeply at present is left out.  The collision shapes are those of
-        MuJoCo, even with Gazebo.
+        object in a gripper moves with it.  A pair that already overlaps at least as
+        deeply at present is left out.  The collision shapes are those of MuJoCo, even
+        with Gazebo.
 
         For example::
 
@@ -579,8 +579,7 @@ class Robot(AbstractContextManager["Robot"]):
                 robots are saved.
 
         Raises:
-            ControlError: If the name is the name of a built-in pose, or is not
-                printable.
+            ControlError: If the name is that of a built-in pose, or is not printable.
             ConfigError: If the file of saved poses cannot be read or written.
         """
         self.channel.call(SavePose(name=name, robot=robot))

@@ -41,8 +41,8 @@ class Contacts:
     by the normal forces, shape (m, 3).  The length of the normal is 1, or 0 where one
     body is clamped between two sides of the other body."""
     distance: Array
-    """Smallest distance between the surfaces [m], shape (m,), which is negative if the
-    surfaces overlap."""
+    """Smallest distance between the surfaces [m], shape (m,); negative if they
+    overlap."""
     force: Array
     """Force that ``first`` exerts on ``second`` [N], shape (m, 3)."""
     torque: Array

@@ -85,8 +85,8 @@ def collect(
             machine, without Ray.
         policy: Callable that takes the seed of an episode and returns a function from
             observation to action.  The policy is a function or class at the top level
-            of a module, or the name of this function or class as ``module:name`` or
-            ``file.py:name``.  By default, the task's expert is used.
+            of a module, or its name as ``module:name`` or ``file.py:name``.  By
+            default, the task's expert is used.
         seed: Base from which the episodes' seeds are derived.
         format: Format of the data set: ``parquet`` or ``lerobot``.
         instruction: Description of the task for LeRobot's format; the default is the

@@ -192,7 +192,7 @@ def opened(folder: Path, settings: Settings, n_requested: int) -> Iterator[Datas
 
     Raises:
         ConfigError: If the folder contains other episodes or unrelated files, or
-            another process uses the folder.
+            another process uses it.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -19,9 +19,9 @@ class Finished:
 
     chunk: Chunk
     message: bytes | None
-    """Message of the worker; None if the worker ended without a message."""
+    """Message of the worker; None if it ended without a message."""
     trouble: str = ""
-    """Reason why the worker ended; empty if the worker had not started the chunk."""
+    """Reason why the worker ended; empty if it had not started the chunk."""
 
 
 def lost(chunks: Iterable[Chunk], trouble: str) -> list[Finished]:

@@ -76,7 +76,7 @@ class Reach(Task):
 
 @final
 class Lift(Task):
-    """Task of grasping a cube and lifting the cube."""
+    """Task of grasping a cube and lifting it."""
 
     instruction = "Lift the cube."
     objects = (CUBE,)
@@ -111,7 +111,7 @@ class Lift(Task):
 
 @final
 class PickPlace(Task):
-    """Task of placing a cube in a bin and releasing the cube."""
+    """Task of placing a cube in a bin and releasing it."""
 
     instruction = "Put the cube into the bin."
     objects = (CUBE,)

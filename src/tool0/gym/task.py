@@ -1,8 +1,8 @@
 """Base class of tasks, with functions on arrays of the state of n copies.
 
 To define your own task, derive a class from ``Task`` (docs/how-to/gym.md) and register
-the class with ``tool0.gym.register``.  A *goal* is an array of shape (n, g).  The
-columns of ``achieved`` and ``desired`` have the same meanings.
+it with ``tool0.gym.register``.  A *goal* is an array of shape (n, g).  The columns of
+``achieved`` and ``desired`` have the same meanings.
 """
 
 from __future__ import annotations

@@ -227,8 +227,7 @@ def push(space: Workspace, state: State, commanded: Frames) -> Target:
     ready &= (behind > 0.4 * edge) & (behind < clear + 0.03)
     ready &= (np.abs(aside) < slack * 0.008) & (twist < slack * 0.1)
     aim = np.empty((len(state.q), 3))
-    # The tool stays above the place behind the cube until it can move down to this
-    # place.
+    # The tool stays above the place behind the cube until it can move down there.
     aim[:, :2] = cube[:, :2] - along * clear
     aim[:, 2] = np.where(ready, low, hover)
     stuck = ~ready & (tcp[:, 2] < hover - 0.015)

@@ -176,8 +176,8 @@ class Workspace:
         The result is the range of ``Randomisation.size``, limited so that the middle of
         the pads is beside the object, the gripper opens wide enough, and a cube can be
         carried above another cube.  If the nominal size of an object is outside these
-        limits, the nominal size becomes the limit.  ``extents`` are the extents of the
-        object [m], shape (3,).
+        limits, it becomes the limit.  ``extents`` are the extents of the object [m],
+        shape (3,).
 
         Raises:
             ConfigError: If the limited range is empty.

@@ -85,8 +85,7 @@ class RobotInfo(Struct, frozen=True, kw_only=True):
     root: str
     """Fixed root link; all poses are given in its frame."""
     urdf: str
-    """Path of the URDF on this server; meshes in the URDF also have paths on this
-    server."""
+    """Path of the URDF on this server; its meshes also have paths on this server."""
     ground: float | None
     """Height of the ground in the root frame [m]; null if there is no ground."""
     joints: list[JointInfo]
@@ -286,7 +285,7 @@ class Status(Struct, frozen=True, kw_only=True, tag="status"):
     recording."""
     loops: bool = False
     """Whether a replay starts again at its end; in a replay, ``paused`` and ``speed``
-    also describe the replay."""
+    also describe the playback."""
     episodes: EpisodesStatus | None = None
     """State of the open folder of demonstrations, with times in whole seconds; null if
     no folder is open."""
@@ -329,7 +328,8 @@ class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
     control_period: float | None
     """Duration of a tick in simulated time [s]; null without physics."""
     grasp_assist: bool
-    """Whether grasped objects are fixed to the gripper, which is not physical."""
+    """Whether grasped objects are fixed to the gripper, which is physically
+    unrealistic."""
     robot: RobotInfo
     cameras: list[CameraInfo]
     """Cameras, with images at ``/cameras/NAME/color?width=640`` and

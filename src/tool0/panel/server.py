@@ -108,7 +108,7 @@ class WebService:
         self._endpoint = endpoint
         self.listener = endpoint.listener
         self.url = endpoint.url
-        """The page's address, with the token if a token is required."""
+        """The page's address, with the token if one is required."""
         self._setpoint_requests = setpoint_requests
         self._shown = threading.Event()
         self._feed: ViewFeed | None = None
@@ -278,7 +278,7 @@ class Panel(AbstractContextManager["Panel"]):
         endpoint = endpoint or open_endpoint(host, port, token)
         backend, service = panel_service(robot, endpoint)
         self.url = service.url
-        """The page's address, with the token if a token is required."""
+        """The page's address, with the token if one is required."""
         self.await_page = service.await_page
         self._server = Server(backend, [service])
 

@@ -83,8 +83,8 @@ class OpenpiServer:
         """Return the server's actions, shape (h, m).
 
         Raises:
-            PolicyError: If the server reports an error, or the server's answer contains
-                no actions.
+            PolicyError: If the server reports an error, or its answer contains no
+                actions.
             TransportError: If the server does not answer.
         """
         from websockets.exceptions import WebSocketException

@@ -92,7 +92,7 @@ def run_episode(
     """Execute a policy until the episode ends, and stop all motion.
 
     Raises:
-        PolicyError: If the policy fails, or an answer of the policy has a wrong shape.
+        PolicyError: If the policy fails, or one of its answers has a wrong shape.
         TransportError: If the policy's server does not answer.
         ControlError: If the robot rejects an action.
     """

@@ -151,7 +151,7 @@ class StopArm(ArmRequest[None], frozen=True):
     deceleration of the path's speed [1/s]; at 2, the arm stops within half a
     second."""
     along_path: bool = False
-    """Whether an arm that follows a path stays on the path during the deceleration."""
+    """Whether an arm that follows a path stays on it during the deceleration."""
 
 
 class ServoJoints(ArmRequest[None], frozen=True):
@@ -337,8 +337,7 @@ class ZeroWrench(ArmRequest[None], frozen=True):
 class EndStream(Request[None], frozen=True):
     """Decelerate the arm to rest if it is following a stream; other motions continue.
 
-    The simulation ends a stream automatically when the stream contains no further
-    targets.
+    The simulation ends a stream automatically when it contains no further targets.
     """
 
     arm: Name

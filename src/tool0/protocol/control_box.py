@@ -76,7 +76,7 @@ class SetAnalogInput(ArmRequest[None], frozen=True):
 
 
 class SetSpeedSlider(ArmRequest[None], frozen=True):
-    """Set the speed slider, which smoothly changes the speed of scaled trajectories."""
+    """Set the speed slider; the speed of scaled trajectories changes smoothly."""
 
     fraction: Fraction
     """Fraction of the programmed speed."""

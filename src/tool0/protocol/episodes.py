@@ -37,7 +37,7 @@ class EpisodesStatus(Struct, frozen=True, kw_only=True):
 
 
 class OpenEpisodes(Request[EpisodesStatus], frozen=True):
-    """Select the folder for episodes; the folder can already contain episodes.
+    """Select the folder for episodes; it can already contain some.
 
     While a folder is open, you can start and end episodes with keys in the panel.
     """

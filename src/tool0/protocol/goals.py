@@ -79,8 +79,7 @@ class GripperResult:
     holds: bool = False
     """Whether the gripper holds an object: both fingers are in contact with it."""
     error_string: str = ""
-    """Reason why the joint stopped before the goal; empty if the joint reached the
-    goal."""
+    """Reason why the joint stopped before the goal; empty if it reached the goal."""
 
 
 Result = GoalResult | GripperResult
@@ -115,7 +114,7 @@ class Goal:
 
     @property
     def result(self) -> Result | None:
-        """The outcome of the goal; None while the goal is active."""
+        """The outcome of the goal; None while it is active."""
         return self._result
 
     def finish(self, result: Result) -> None:

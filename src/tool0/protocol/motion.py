@@ -38,8 +38,8 @@ class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
     """Duration of the motions [s], instead of a speed.  The motions are cubic
     polynomials.  The other joints of the controllers keep their setpoints."""
     controller: Name | None = None
-    """Controller that moves the joints; by default, the controllers that claim the
-    joints move them."""
+    """Controller that moves the joints; by default, the controllers that claim them are
+    used."""
     collision: CollisionRule = "ignore"
 
     def as_done(self) -> Request[Any]:

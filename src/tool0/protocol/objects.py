@@ -37,10 +37,10 @@ from tool0.protocol.request import (
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Collision:
-    """Two bodies that would overlap on a path or at the end of the path."""
+    """Two bodies that would overlap on a path or at its end."""
 
     first: str
-    """First body: a link of the robot, or an object that the robot holds."""
+    """First body: a link of the robot, or an object that it holds."""
     second: str
     """Second body: a link, an object, or ``ground``."""
     depth: float
@@ -267,7 +267,7 @@ class ReadContacts(Request[tuple[Contact, ...]], frozen=True):
 
 
 class FindCollisions(Request[tuple[Collision, ...]], frozen=True):
-    """Find the collisions of the robot on the path to a pose and at the pose.
+    """Find the collisions of the robot at a pose and on the path to it.
 
     On the path, all joints move synchronously from their current positions, and objects
     in grippers move with the grippers.  A pair that already overlaps at least as deeply

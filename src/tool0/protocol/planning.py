@@ -65,7 +65,7 @@ class KeepOut(Struct, frozen=True, kw_only=True):
 
 
 class Upright(Struct, frozen=True, kw_only=True):
-    """Constraint that keeps a tool axis within an angle from its initial direction."""
+    """Constraint that keeps a tool axis within an angle of its initial direction."""
 
     tilt: Annotated[float, Meta(ge=0.01, le=3.2)]
     """Maximum angle between the axis and its initial direction [rad]."""

@@ -210,7 +210,7 @@ class Program(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     format: Literal[1] = 1
     """Version of the file format."""
     name: Name
-    """Name of the program; the program is saved under this name."""
+    """Name of the program, under which it is saved."""
     arm: Name | None = None
     """Name of the arm in ``list_arms``; required only if the robot has several arms."""
     gripper: Name | None = None

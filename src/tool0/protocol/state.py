@@ -240,11 +240,11 @@ class Stall(NamedTuple):
     effort: float
     """Effort with which the joint pushes [N·m | N]."""
     contacts: tuple[tuple[str, str], ...] = ()
-    """Contacts, strongest first: pairs of a link beyond the joint and the body that the
-    link touches.  Empty if the joint is at its mechanical stop or is overloaded."""
+    """Contacts, strongest first: pairs of a link beyond the joint and the body that it
+    touches.  Empty if the joint is at its mechanical stop or is overloaded."""
     lag: float | None = None
-    """Distance of the joint from its setpoint [rad | m]; None if the joint is at its
-    effort limit."""
+    """Distance of the joint from its setpoint [rad | m]; None if it is at its effort
+    limit."""
 
     def __str__(self) -> str:
         touching = contacts_text(self.contacts)

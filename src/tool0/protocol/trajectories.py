@@ -111,8 +111,8 @@ class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
     """Names of the joints of the points; by default, the joints of the controller are
     used."""
     stamp: float | None = None
-    """Simulated time at which the trajectory starts [s]; by default, the trajectory
-    starts immediately."""
+    """Simulated time at which the trajectory starts [s]; by default, it starts
+    immediately."""
 
 
 class FollowTrajectory(_OfTrajectory[GoalStarted], frozen=True):

@@ -167,7 +167,7 @@ class Episodes:
             return self._status()
 
     def end(self, outcome: EpisodeEnd) -> EpisodesStatus:
-        """End the episode and add it to the index, or discard the episode.
+        """End the episode, and add it to the index or discard it.
 
         Raises:
             ControlError: If no episode is being recorded.

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 LARGEST_CHUNK: Final = 256 * 1024
-"""Size at which a chunk ends, unless the chunk is flushed earlier [bytes].  The
-compression of a chunk takes less than a millisecond, during which the interpreter's
-lock is released."""
+"""Size at which a chunk ends, unless it is flushed earlier [bytes].  The compression of
+a chunk takes less than a millisecond, during which the interpreter's lock is
+released."""
 
 
 @final

@@ -33,8 +33,7 @@ def require_encoder(path: Path | str) -> None:
 class VideoWriter:
     """Context manager that writes images as one video.
 
-    After an error, the file is a valid video of the images that were written before the
-    error.
+    After an error, the file is a valid video of the images written so far.
     """
 
     def __init__(

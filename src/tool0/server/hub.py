@@ -339,7 +339,7 @@ class Hub:
         number: int,
         goal: Goal,
     ) -> None:
-        """Report the end of a goal to the connection that started the goal."""
+        """Report the end of a goal to the connection that started it."""
         assert goal.result is not None  # the goal has finished
         message = GoalEnded(
             goal=number, controller=goal.controller, outcome=outcome_of(goal.result)

@@ -356,7 +356,7 @@ class LogForwarder(logging.Handler):
 
 
 def event_message(states: States, event: Event) -> EventMessage | None:
-    """Return the message for an event; None if the event is not sent.
+    """Return the message for an event; None if it is not sent.
 
     Some events are only sent to the panel and the log.
     """

@@ -185,7 +185,7 @@ class Hand:
             raise TaskFailure(f"the goal was {result.status.name}{why}")
 
     def put(self, into: Bin, grasps: Sequence[Grasp], height: float) -> None:
-        """Carry the object to a bin, release the object, and retreat.
+        """Carry the object to a bin, release it, and retreat.
 
         Args:
             into: The bin.

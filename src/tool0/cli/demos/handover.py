@@ -174,7 +174,7 @@ class _Handover:
         self._meeting = meeting
 
     def do(self) -> float:
-        """Bring the object to the meeting point, and hand the object over.
+        """Bring the object to the meeting point, and hand it over.
 
         Returns:
             The width of the object between the taker's pads [m].

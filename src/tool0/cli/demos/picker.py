@@ -1,4 +1,4 @@
-"""Pick and place: picks an object from above, and places the object in a bin."""
+"""Pick and place: picks an object from above, and places it in a bin."""
 
 from __future__ import annotations
 

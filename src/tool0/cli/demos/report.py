@@ -24,8 +24,7 @@ class PickReport:
     start: tuple[float, float, float]
     """Start position of the object, in the root frame [m]."""
     end: tuple[float, float, float] | None
-    """Final position of the object, in the root frame [m]; None if the object was
-    removed."""
+    """Final position of the object, in the root frame [m]; None if it was removed."""
     force: float
     """Requested force at each pad [N]."""
     grip_force: float | None = None

@@ -33,10 +33,9 @@ DEPTH = 0.025
 """Minimum depth of an inserted peg [m]."""
 INSIDE = 0.002
 """Horizontal offset of a peg's end from the hole up to which the peg is considered to
-be in the hole [m]."""
+be inside [m]."""
 FAR_ABOVE, ABOVE = 0.02, 0.004
-"""Height of the peg's end above the socket, first far from the hole and then above the
-hole [m]."""
+"""Heights of the peg's end above the socket: far from the hole, and above it [m]."""
 BEGUN = 0.002
 """The peg is entering the hole if its end is less than this height above the socket
 [m]."""

@@ -73,7 +73,7 @@ class Playhead:
             self._time = min(self._end, max(self._start, time))
 
     def set_speed(self, speed: float) -> None:
-        """Set the speed of the playback, clamped to the range of speeds."""
+        """Set the speed of the playback, clamped to the allowed range."""
         with self._lock:
             self._update()
             self._speed = min(MAX_SPEED, max(MIN_SPEED, speed))
