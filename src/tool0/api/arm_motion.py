@@ -42,7 +42,7 @@ _ALL = (True,) * 6
 class ArmMotion:
     """Moves an arm without controllers: along paths, with streams, or by forces.
 
-    Call ``take`` first; it stops the arm's controllers.  When you release the arm, the
+    Call ``take`` first; it stops the arm's controllers.  When you release the arm, its
     controllers are started again.  Joints are ordered from base to flange.  Poses use
     UR's notation: position and rotation vector [m, rad] in the frame of the link
     ``base``.

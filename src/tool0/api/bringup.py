@@ -76,8 +76,8 @@ def bringup(
             (docs/how-to/cells.md).
         args: xacro arguments of your own file, or additional arguments of the built-in
             file.
-        ros2_control: Whether built-in robots have ``<ros2_control>`` tags and,
-            therefore, controllers of ROS 2 (docs/how-to/ros2.md).
+        ros2_control: Whether built-in robots have ``<ros2_control>`` tags, and
+            therefore use controllers of ROS 2 (docs/how-to/ros2.md).
         engine: The physics engine: "mujoco", or "gazebo" (docs/how-to/gazebo.md).
         hardware: The address of a real robot, instead of an engine
             (docs/how-to/hardware.md).

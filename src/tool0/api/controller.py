@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 @final
 class GoalHandle:
-    """Handle for an accepted goal of a controller, to wait for or cancel the goal."""
+    """Handle for an accepted goal of a controller, to wait for it or cancel it."""
 
     def __init__(self, started: GoalStarted, channel: Channel) -> None:
         self._number = started.goal
@@ -95,7 +95,7 @@ class GoalHandle:
             self._channel.call(CancelGoal(goal=self._number))
 
     def when_finished(self, callback: Callable[[GoalHandle], None]) -> None:
-        """Call ``callback(handle)`` when the goal ends, or now if it has ended.
+        """Call ``callback(handle)`` when the goal ends, or now if it has already ended.
 
         A thread of the simulation executes the callback, and waits until it returns.
         Therefore, the callback must be short.
@@ -241,7 +241,7 @@ class ControllerHandle:
         return GoalHandle(started, self._channel)
 
     def steer(self, positions: Mapping[str, float], *, speed: float = 0.5) -> None:
-        """Move joints like ``move``, but without a goal.
+        """Move joints as ``move`` does, but without a goal.
 
         Use this method for streams of setpoints, for example ten setpoints per second.
         Position, velocity and acceleration are continuous.

@@ -181,7 +181,7 @@ class Programs:
 
 @final
 class ProgramHandle:
-    """Handle for a running program, to wait for, pause, step or stop the program."""
+    """Handle for a running program, to wait for, pause, step or stop it."""
 
     def __init__(self, goal: GoalHandle, channel: Channel, run: int) -> None:
         self._goal, self._channel, self._run = goal, channel, run

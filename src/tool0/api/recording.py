@@ -39,7 +39,7 @@ QUANTITIES: Final = (
 """Quantities that are recorded for each joint, in the order of the columns."""
 
 _INTERVAL: Final = 0.1
-"""Interval at which received snapshots are stored in compact form [wall s]."""
+"""Interval between conversions of received snapshots to compact form [wall s]."""
 _LAST_WAIT: Final = 1.0
 """Longest wait for the last samples from another process [wall s]."""
 _NO_SETPOINT: Final = JointSetpoint(float("nan"), float("nan"), float("nan"))
@@ -81,7 +81,7 @@ class Recording(AbstractContextManager["Recording"]):
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of the joints, in the order of the columns of the arrays."""
+        """Names of the joints, in the order of the arrays' columns."""
         return self._joint_names
 
     @property

@@ -191,8 +191,8 @@ class Robot(AbstractContextManager["Robot"]):
     def subscribe(self, rate: float | None = None) -> Subscription:
         """Return a reader of snapshots and events.
 
-        A reader with more than 256 unread snapshots loses the oldest snapshots; use
-        ``record`` to keep all snapshots.
+        A reader with more than 256 unread snapshots loses the oldest; use ``record`` to
+        keep all snapshots.
 
         Args:
             rate: Snapshots per simulated second [Hz], at most 500; the default is 125.

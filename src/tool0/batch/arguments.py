@@ -123,7 +123,7 @@ class Arguments:
     ) -> None:
         """Raise ControlError unless ``values`` is an array with n rows on the device.
 
-        ``is_held`` states whether the array is in the device's memory.
+        ``is_held`` is true if the array is in the device's memory.
         """
         whole, found = (self._n, *shape), tuple(getattr(values, "shape", ()))
         if not is_held:

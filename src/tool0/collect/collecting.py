@@ -29,8 +29,8 @@ N_COPIES: Final = 8
 _ROUNDS: Final = 2
 """Largest number of episodes per copy in a chunk."""
 _WINDOW: Final = 4
-"""Largest number of chunks per worker in the range from the first missing chunk to the
-last submitted chunk."""
+"""Largest number of chunks per worker from the first missing chunk to the last
+submitted one."""
 _SHARES: Final = 8
 """Largest number of chunks per worker.  The number is smaller if each copy would
 otherwise get less than one episode per chunk."""

@@ -25,7 +25,7 @@ class Finished:
 
 
 def lost(chunks: Iterable[Chunk], trouble: str) -> list[Finished]:
-    """Return the chunks of a worker that ended while it processed the first chunk."""
+    """Return the chunks of a worker that ended while processing the first one."""
     return [
         Finished(chunk, None, "" if number else trouble)
         for number, chunk in enumerate(chunks)

@@ -24,8 +24,8 @@ LIFTED = 0.08
 PUSHED = 0.03
 """Distance within which a pushed cube is considered to have reached the goal [m]."""
 ON_LOWER = 0.4
-"""Largest horizontal offset of a stacked cube, as a fraction of the edge of the
-smallest cube."""
+"""Largest horizontal offset of a stacked cube, as a fraction of the smallest cube's
+edge."""
 LEVEL = 0.006
 """Largest height error of a cube at rest [m]."""
 RELEASED = 0.006
@@ -158,7 +158,7 @@ class PickPlace(Task):
 
 @final
 class Stack(Task):
-    """Task of placing a cube on another cube and releasing the placed cube."""
+    """Task of placing a cube on another cube and releasing it."""
 
     instruction = "Stack the cube on the other cube."
     objects = (CUBE, LOWER)

@@ -50,8 +50,8 @@ class Randomisation:
     joint_noise: float = 0.03
     """Largest deviation of an arm's joints from the start pose [rad]."""
     colour: float = 0.15
-    """Largest change of each of the red, green and blue values of an object, which are
-    within 0 … 1; it affects only images."""
+    """Largest change in an object's red, green and blue values, which are within 0 … 1;
+    it affects only images."""
     brightness: tuple[float, float] = (0.6, 1.2)
     """Range of the light's brightness, relative to the default; it affects only
     images."""

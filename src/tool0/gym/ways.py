@@ -21,10 +21,9 @@ from tool0.kinematics.geometry import wrapped
 HELD = 0.025
 """Largest distance between the TCP and the grasp point of a held object [m]."""
 ALIGNED = 0.006
-"""Largest offset between the pads and the object at which the pads may close [m]."""
+"""Largest offset between the pads and the object for closing the pads [m]."""
 PARALLEL = 0.08
-"""Largest angle between the pads and the sides of a cube at which the pads may close
-[rad]."""
+"""Largest angle between the pads and the sides of a cube for closing the pads [rad]."""
 NEAR = 2.0
 """Factor by which the tolerances increase while an expert continues an action."""
 STILL = 0.004
@@ -105,7 +104,7 @@ def grasp(
     over = hover + np.maximum(0.0, middle[:, 2] - TABLE_TOP - cube.edge)
     aim = middle.copy()
     aim[:, 2] = np.where(aligned, middle[:, 2], over)
-    # Low fingers that are not aligned may be beside an object, so they first rise
+    # Low fingers that are not aligned may be next to an object, so they first rise
     # vertically.
     stuck = ~aligned & (tcp[:, 2] < hover - 0.02)
     aim[:, :2] = np.where(stuck[:, None], commanded.position[:, :2], aim[:, :2])

@@ -114,8 +114,8 @@ class Workspace:
         closed = grasp_frame(model, self.gripper, 0.0, tip)
         away = closed.position[2] - T_tip_tcp.position[2]
         self.advance = max(0.0, away)
-        """Distance by which the fingertips move forward when the gripper closes
-        completely from the opening at which it holds a cube [m]."""
+        """Distance by which the fingertips of a closed gripper extend beyond those of
+        one that holds a cube [m]."""
         self.grasp_height = self.grasp_height_of(self.edge)
         """Height of the TCP above a cube's support when the gripper grasps the cube
         [m]."""

@@ -25,13 +25,13 @@ _PANEL: Final = "Panel: "
 
 @final
 class LastRecording:
-    """Finds the last recording and replays this recording in a separate process.
+    """Finds the last recording and replays it in a separate process.
 
     The process ends when this object is closed or another recording is replayed.
     """
 
     def __init__(self, backend: Backend, host: str) -> None:
-        """Store the settings; ``host`` is the address at which replays listen."""
+        """Store the settings; ``host`` is the address on which replays listen."""
         self._backend = backend
         self._host = host
         self._replay: _ReplayProcess | None = None

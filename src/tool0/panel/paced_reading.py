@@ -29,8 +29,8 @@ class PacedProtocol(asyncio.BufferedProtocol):
         protocol."""
         self._transport: asyncio.Transport
         self._is_waiting, self._is_paused = False, False
-        """Whether the account (first value) or the protocol (second value) has paused
-        reading."""
+        """Whether reading has been paused by the account and by the protocol, in this
+        order."""
         self._task: asyncio.Task[None] | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:

@@ -185,7 +185,7 @@ class GripperState(Struct, frozen=True, kw_only=True):
     ]
     """``holding_inside``: The gripper squeezes an object between its pads.
     ``holding_outside``: The gripper presses its pads outward against an object.
-    ``blocked``: The gripper cannot continue to move, although no object presses on both
+    ``blocked``: The gripper cannot move further, although no object presses on both
     fingers.  ``idle``: No position controller of the gripper is running."""
     gobj: int
     """Value of Robotiq's ``gOBJ``: 0 (moving), 1 (stopped by an object while opening),

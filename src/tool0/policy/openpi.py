@@ -46,7 +46,7 @@ class OpenpiServer:
             address: Address of the server, ``ws://HOST:PORT``.
             keys: Mapping from each name that the server expects to ``state``,
                 ``environment_state``, ``prompt``, the name of an image, or a
-                comma-separated list of names of numbers.  If the mapping is empty, the
+                comma-separated list of number names.  If the mapping is empty, the
                 names that openpi's LIBERO policies expect are used.
 
         Raises:

@@ -1,7 +1,7 @@
 """Requests to an arm that a program, rather than a ROS controller, moves.
 
-A program takes the arm, sends paths or streams, and releases the arm.  Joints are
-ordered from base to flange.
+A program takes the arm, sends paths or streams, and releases it.  Joints are ordered
+from base to flange.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class TakeArm(ArmRequest[None], frozen=True):
 
 
 class ReturnArm(ArmRequest[None], frozen=True):
-    """Stop an arm, and restart its controllers when the arm is at rest."""
+    """Stop an arm, and restart its controllers once it is at rest."""
 
     by: Name | None = None
     """Name of the program that releases the arm.  If another program has taken the arm
@@ -155,7 +155,7 @@ class StopArm(ArmRequest[None], frozen=True):
 
 
 class ServoJoints(ArmRequest[None], frozen=True):
-    """Follow a target or a stream of targets, like URScript's ``servoj``.
+    """Follow a target or a stream of targets, as URScript's ``servoj`` does.
 
     Each request that is sent without an id is executed at the next tick.  The control
     law is qdd = gain (target - (q + lookahead_time qd)), where q and qd are the
@@ -203,7 +203,7 @@ class SpeedJoints(ArmRequest[None], frozen=True):
 
 
 class SpeedTool(ArmRequest[None], frozen=True):
-    """Accelerate to a velocity of the tool, like URScript's ``speedl``.
+    """Accelerate the tool to a velocity, as URScript's ``speedl`` does.
 
     If a joint would be too fast or would reach its limit, the tool decelerates, but
     keeps its direction of motion.
@@ -265,7 +265,7 @@ class EndTorques(ArmRequest[None], frozen=True):
 
 
 class StartForceMode(ArmRequest[None], frozen=True):
-    """Apply a force along some axes of a frame, like URScript's ``force_mode``.
+    """Apply a force along some axes of a frame, as URScript's ``force_mode`` does.
 
     Force mode is superimposed on the arm's motion; a second request replaces the first
     request.  ``wrench`` is the wrench that the tool, when at rest, exerts on its

@@ -51,7 +51,7 @@ class Observed(Protocol):
             EngineError: If the physics failed.
             ControlError: If the robot was closed, or is paused and does not run in real
                 time.
-            TransportError: If the robot is in another process, and this process has
+            TransportError: If the robot is in another process, and that process has
                 ended.
         """
 

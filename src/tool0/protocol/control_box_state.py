@@ -216,7 +216,7 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     arm is not taken."""
     motion_failure: str = ""
     """Reason why a motion of the program ``taken_by`` failed.  The arm then does not
-    move until the program takes the arm again.  Empty if no motion failed."""
+    move until the program takes it again.  Empty if no motion failed."""
     ur: UrReport | None = None
     """State of the UR protocol interface; None if UR's protocols are not served."""
     link: RobotLink | None = None

@@ -1,6 +1,6 @@
 """A backend that consists of published states and a function for each request.
 
-The backend is for robots that are not simulated: the time of the robot is wall time.
+The backend is for robots that are not simulated: their time is wall time.
 """
 
 from __future__ import annotations

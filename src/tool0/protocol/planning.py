@@ -158,7 +158,7 @@ class PlanMotion(Request[Plan], frozen=True):
 
 
 class CancelPlanning(Request[None], frozen=True):
-    """Cancel every search in progress; the ``plan_motion`` requests then fail."""
+    """Cancel every search in progress; their ``plan_motion`` requests fail."""
 
     is_urgent = True
 

@@ -1,8 +1,8 @@
 """Programs, as data: sequences of steps for one arm and its gripper.
 
 Files, requests and the panel use the same structure.  Steps are numbered from 1.  The
-number of a step in a loop starts with the number of the loop: if step 3 is a loop, the
-second step of this loop has the number 3.2.
+number of a step in a loop starts with that of the loop: if step 3 is a loop, its second
+step has the number 3.2.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class MoveJointStep(_Move, frozen=True, kw_only=True, tag="move_joint"):
 
 
 class MoveLinearStep(_Move, frozen=True, kw_only=True, tag="move_linear"):
-    """Move the tool along a straight line, like URScript's ``movel``."""
+    """Move the tool along a straight line, as URScript's ``movel`` does."""
 
     speed: ToolSpeed = 0.25
     """Speed of the tool [m/s]."""

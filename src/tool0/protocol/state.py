@@ -21,7 +21,7 @@ MotionMode = Literal[
 
 SNAPSHOT_PERIOD = 0.008
 """Default simulated time between snapshots [s].  The resulting rate of 125 Hz is also
-the rate of the state reports of a real UR."""
+that of a real UR's state reports."""
 
 
 def ticks_between_snapshots(period: float, control_period: float) -> int:
@@ -87,8 +87,7 @@ class ArmSample(Struct, frozen=True):
     path: int
     """Number of the last path; 0 before the first path."""
     path_time: float
-    """Time on the last path [s]; this time advances more slowly if the speed is
-    scaled."""
+    """Time on the last path [s]; it advances more slowly if the speed is scaled."""
     is_done: bool
     """Whether the path or the deceleration has ended with the setpoint at rest; false
     after a failure."""

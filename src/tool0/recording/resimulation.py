@@ -57,8 +57,7 @@ def resimulate(
     objects are compared.
 
     Args:
-        recording: The recording, which is one file and is repeated from its first frame
-            to its last frame.
+        recording: One file, which is repeated from its first frame to its last.
         when_compared: Callback that is called regularly with the number of compared
             frames and the total number of frames.
 

@@ -80,8 +80,7 @@ def simulate_beside(
     """Simulate the requests of a recording, and compare the motions.
 
     Args:
-        recording: The recording, which is one file and is simulated from its first
-            frame to its last frame.
+        recording: One file, which is simulated from its first frame to its last.
         when_done: Callback that is called after each frame with the number of simulated
             frames and the total number of frames.
 

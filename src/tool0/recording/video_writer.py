@@ -43,8 +43,8 @@ class VideoWriter:
 
         Args:
             path: Path of the MP4 file, which may have any extension.
-            width: Width of each image [pixels].  The width must be even, because colors
-                are encoded at half the resolution.
+            width: Width of each image [pixels].  It must be even, because colors are
+                encoded at half the resolution.
             height: Height of each image, which must be even [pixels].
             fps: Number of images per second [Hz], 1 … 1000.
 

@@ -37,17 +37,16 @@ MAX_QUEUE: Final = 256
 """Largest number of replies and events that may be queued for a page that reads
 slowly."""
 MAX_UNREAD: Final = 1 << 24
-"""Size of the queued replies to a program at which its requests are no longer decoded
+"""Size of a program's queued replies from which its requests are no longer decoded
 [bytes]."""
 MAX_SNAPSHOTS: Final = 1024
-"""Number of queued snapshots for a slow reader at which the oldest snapshots are
-dropped."""
+"""Maximum number of snapshots queued for a slow reader; the oldest are dropped."""
 STUCK_AFTER: Final = 10.0
 """Wall time after which a connection is dropped if its peer does not read [s]."""
 _CHUNK: Final = 4096
 """Size of a chunk of requests [bytes]."""
 MAX_TEXTS: Final = 1 << 18
-"""Size of the undecoded messages at which reading is paused [bytes].  The size includes
+"""Size of undecoded messages from which reading is paused [bytes].  The size includes
 ``_OVERHEAD`` for each message."""
 _OVERHEAD: Final = 64
 """Size that is added to the size of each waiting message [bytes]."""

@@ -205,7 +205,7 @@ class _Handover:
         monitor.begin("parting")
         giver.move_linear(_behind(way.give), give_tool)
         taker.check_hold()
-        # Return along the same path: on a shorter path, the arm might collide with
+        # Return along the same path; on a shorter one, the arm might collide with
         # itself or the giver.
         monitor.begin("withdrawing")
         taker.move_linear(_behind(way.take), take_tool)

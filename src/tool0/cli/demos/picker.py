@@ -50,7 +50,7 @@ class Picker:
                 robot has several arms.
 
         Raises:
-            ControlError: If the object does not exist or cannot be gripped, or if the
+            ControlError: If the object does not exist or cannot be gripped, or the
                 gripper does not support the force or the speed.
         """
         self.hand = Hand(robot, options, monitor, name)

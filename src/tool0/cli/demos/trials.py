@@ -27,7 +27,7 @@ SETTLE = 0.3
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DemoReport:
-    """Report of all picks of a demo, with the conditions of the picks."""
+    """Report of all picks in a demo, with their conditions."""
 
     engine: str
     gripper_model: str

@@ -1,4 +1,4 @@
-"""Hand a bar from one arm to another arm that cannot reach the bar on the table."""
+"""Hand a bar from one arm to another that cannot reach it on the table."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ BAR = "bar"
 LENGTH, MASS, WIDEST = 0.24, 0.1, 0.03
 """Length [m], mass [kg], and largest width and height [m] of the bar."""
 HELD_AT = 0.085
-"""Distance from the bar's center at which a gripper holds the bar [m]."""
+"""Distance from the bar's center at which a gripper holds it [m]."""
 NEAR, FAR, SIDE = 0.34, 0.52, 0.3
-"""Limits of the initial position of the bar's center: minimum and maximum distance in
-front of the giver, and maximum distance to each side, for arms of scale 1 [m]."""
+"""Limits for the bar's center at the start: minimum and maximum distance in front of
+the giver, and maximum distance to each side, for arms of scale 1 [m]."""
 EDGE = 0.31
 """Minimum distance from the giver to the bar, set by the edge of the table, for an arm
 of scale 1 [m]."""

@@ -1,4 +1,4 @@
-"""Pick one cube from a clutter of other objects, and lift the cube."""
+"""Pick one cube from a clutter of other objects, and lift it."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ LARGEST_EDGE = 0.036
 LIFTED = 0.08
 """Minimum height of a lifted target above its initial height [m]."""
 FINGER_ROOM, FINGER_WIDTH = 0.032, 0.03
-"""Space that a finger needs beside the target, along the closing direction of the pads
-and perpendicular to this direction [m]."""
+"""Space that a finger needs next to the target, along and perpendicular to the closing
+direction of the pads [m]."""
 GAP, SPREAD = 0.003, 0.03
 """Minimum gap between objects, and width of the ring around the target in which the
 objects are placed [m].  The ring is widened if it has no free place."""

@@ -1,4 +1,4 @@
-"""A recording for ``tool0 replay``, which pages play with the recorded robot."""
+"""A recording, which the pages of ``tool0 replay`` play with the recorded robot."""
 
 from __future__ import annotations
 
