@@ -201,8 +201,7 @@ class ControllerHandle:
 
         Raises:
             ControlError: If this controller is not a ROS 2 trajectory controller that
-                commands positions, or if the arm's speed slider scales the speed of
-                this controller.
+                commands positions, or if the arm's speed slider scales its speed.
         """
         self._channel.call(ScaleTrajectory(controller=self.name, factor=factor))
 

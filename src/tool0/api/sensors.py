@@ -80,7 +80,7 @@ class ForceTorque:
     def zero(self) -> None:
         """Tare the sensor until its next start, as UR's ``zero_ftsensor`` does.
 
-        A reset of the simulation does not change the tare, as on a real sensor.
+        As with a real sensor, a reset of the simulation does not change the tare.
         """
         self._channel.call(TareForceTorque(link=self.link))
 

@@ -171,7 +171,7 @@ class BatchBackend(Protocol):
         """
 
     def executor(self, i: int) -> Executor:
-        """Return the executor of one copy after updating the copy's core.
+        """Return the executor of one copy after updating its core.
 
         Raises:
             ControlError: If the copies are not on the CPU.

@@ -187,7 +187,7 @@ class Copies:
         return bool(self._is_loaded[rows].all())
 
     def executor(self, i: int) -> Executor:
-        """Return the executor of one copy after updating the copy's core."""
+        """Return the executor of one copy after updating its core."""
         self.observed(i).sync_from_kernel()
         self._unload(i)
         return self._executors[i]

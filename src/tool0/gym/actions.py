@@ -130,8 +130,7 @@ class ArmActions:
             found = tool.steered(target, moves, self._lowest, self.limit)
         else:
             found = self.approach(target, self._tool_target(actions, target))
-        # If a contact has pushed a joint beyond a limit, the joint is commanded to the
-        # limit.
+        # If a contact has pushed a joint beyond a limit, it is commanded to that limit.
         low = np.minimum(np.maximum(q - LEAD, self._lower), self._upper)
         high = np.maximum(np.minimum(q + LEAD, self._upper), self._lower)
         return np.asarray(np.minimum(np.maximum(found, low), high))

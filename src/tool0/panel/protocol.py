@@ -71,7 +71,7 @@ class RobotPartsInfo(Struct, frozen=True, kw_only=True):
     base: str
     """Base link of this robot, which does not carry another robot."""
     joints: list[str]
-    """Names of the robot's movable joints, including the joints of the gripper."""
+    """Names of the robot's movable joints, including those of the gripper."""
     gripper: str | None
     """Name of the robot's gripper; null if the robot has no gripper."""
     tip: str

@@ -148,7 +148,7 @@ class LiveBackend:
         self.answer(request)
 
     def check_setpoint(self, request: Request[Any]) -> None:
-        """Accept every setpoint, because the handlers check setpoints."""
+        """Accept every setpoint, because the handlers check them."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
         return ()

@@ -218,7 +218,7 @@ class ArmSetpoint(NamedTuple):
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether no joint moves."""
+        """Whether all joints are stationary."""
         return not any(self.velocities)
 
     @staticmethod

@@ -40,7 +40,7 @@ MAX_UNREAD: Final = 1 << 24
 """Size of a program's queued replies from which its requests are no longer decoded
 [bytes]."""
 MAX_SNAPSHOTS: Final = 1024
-"""Maximum number of snapshots queued for a slow reader; the oldest are dropped."""
+"""Maximum number of snapshots queued for a slow reader; older ones are dropped."""
 STUCK_AFTER: Final = 10.0
 """Wall time after which a connection is dropped if its peer does not read [s]."""
 _CHUNK: Final = 4096
@@ -49,7 +49,7 @@ MAX_TEXTS: Final = 1 << 18
 """Size of undecoded messages from which reading is paused [bytes].  The size includes
 ``_OVERHEAD`` for each message."""
 _OVERHEAD: Final = 64
-"""Size that is added to the size of each waiting message [bytes]."""
+"""Overhead that is added to the size of each waiting message [bytes]."""
 MAX_BACKLOG: Final = 4096
 """Largest size of one connection's waiting requests, in chunks: 16 MiB in total.
 Additional requests are rejected, so later messages are always read."""

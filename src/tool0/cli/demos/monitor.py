@@ -75,7 +75,7 @@ class GraspMonitor:
         self._since = robot.time
 
     def begin(self, phase: str) -> None:
-        """End the current phase, and begin the phase ``phase``."""
+        """End the current phase, and begin ``phase``."""
         now = self._robot.time
         if self._phase:
             self.phases[self._phase] = self.phases.get(self._phase, 0.0) + (
