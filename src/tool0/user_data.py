@@ -13,7 +13,7 @@ from tool0.errors import ConfigError
 
 
 def data_folder() -> Path:
-    """Return tool0's folder in the user's data home, which may not exist yet."""
+    """Return tool0's folder in the user's data home; the folder may not exist yet."""
     return _home("XDG_DATA_HOME", ".local/share") / "tool0"
 
 

@@ -340,7 +340,7 @@ class Arm:
         Raises:
             CollisionError: If the arm would collide on the line.
             UnreachableError: If the arm cannot follow the line without a joint jump;
-                the message contains the reason and the position on it.
+                the message contains the reason and the position on the line.
             ControlError: If the arm is moving or is already at ``pose``, if no running
                 JointTrajectoryController has the arm's joints, or if the controller
                 refuses the goal.

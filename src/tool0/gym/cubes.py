@@ -35,8 +35,8 @@ APART = 0.13
 """Minimum distance between two cubes at the start [m].  The open gripper fits between
 cubes at this distance."""
 SLIDING = 0.4
-"""Friction coefficient of a cube that is pushed.  With a coefficient of 1, it would tip
-over."""
+"""Friction coefficient of a cube that is pushed.  With a coefficient of 1, the cube
+would tip over."""
 PUSH_WAY = (0.08, 0.20)
 """Range of the distance between the cube and the goal of a push, for an arm of scale 1
 [m]."""
