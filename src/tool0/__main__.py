@@ -6,8 +6,8 @@ import sys
 
 def main() -> int:
     """Run the command line of this process and return its exit status."""
-    # By default, Ctrl-C during an import or at exit would print a KeyboardInterrupt
-    # traceback.
+    # By default, Python prints a KeyboardInterrupt traceback on Ctrl-C during an import
+    # or at exit.
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     from tool0.cli import edge, main

@@ -112,7 +112,7 @@ class GymUnavailableError(Tool0Error, ImportError):
 
 
 class DivergenceError(EngineError):
-    """The physics state, or its input, is not finite or grows without bound."""
+    """The physics state or its input is not finite or grows without bound."""
 
     def __init__(
         self, joint: str, time: float, quantity: str = "state", kind: str = "joint"

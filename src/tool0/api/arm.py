@@ -58,19 +58,19 @@ class PlanOptions(TypedDict, total=False):
     keep_out: tuple[KeepOut, ...]
     """Regions (boxes, or half-spaces below a plane) that the robot must not enter."""
     upright: Upright
-    """Constraint that keeps a tool axis within an angle from its initial direction."""
+    """Constraint that keeps a tool axis within an angle of its initial direction."""
     joint_ranges: dict[str, tuple[float, float]]
     """Joint → narrower position limits for this motion [rad]."""
     timeout: float
     """Wall time after which the search ends [s]; the default is 5."""
     seed: int
-    """Seed of the search; the same seed results in the same plan unless the search
-    reaches the timeout."""
+    """Seed of the search; the same seed gives the same plan unless the search times
+    out."""
 
 
 @final
 class Arm:
-    """An arm with six joints: the pose of its tool, inverse kinematics, and motions.
+    """An arm with six joints, with its tool pose, inverse kinematics and motions.
 
     A pose is a ``Pose`` (xyz [m], rpy [rad]), a ``Transform``, or a homogeneous matrix
     of shape (4, 4).  A pose describes the frame ``tool``, which is fixed to the link
@@ -89,7 +89,7 @@ class Arm:
         """Name of the arm.
 
         The name is the prefix of the arm's links, or ``arm`` if the links have no
-        prefix.  In a cell, the name is the name of the robot.
+        prefix.  In a cell, it is the name of the robot.
         """
         return self._info.name
 
@@ -100,7 +100,7 @@ class Arm:
 
     @property
     def tip(self) -> str:
-        """Link at the end of the arm, which is the default ``tip`` of poses."""
+        """Link at the end of the arm, and the default ``tip`` of poses."""
         return self._info.tip
 
     @property
@@ -124,7 +124,7 @@ class Arm:
     def kinematics(self) -> InverseKinematics:
         """Inverse kinematics of the arm.
 
-        Access raises ControlError if the arm does not have the kinematics of a UR.
+        Reading it raises ControlError if the arm does not have the kinematics of a UR.
         """
         return self._kinematics
 
@@ -171,7 +171,7 @@ class Arm:
 
     @property
     def branch(self) -> Branch:
-        """Current branch of the inverse kinematics; there are eight branches."""
+        """Current branch of the inverse kinematics, one of eight."""
         return self._channel.call(ReadBranch(arm=self.name))
 
     def pose(
@@ -211,9 +211,9 @@ class Arm:
     ) -> tuple[Solution, ...]:
         """Return the joint positions that reach ``pose``, nearest solution first.
 
-        There is at most one solution per branch.  To each position, a multiple of 2π is
-        added so that the position is within the joint's limits and nearest to ``near``.
-        Collisions are not checked.
+        There is at most one solution per branch.  A multiple of 2π is added to each
+        position to bring it within the joint's limits and as close as possible to
+        ``near``.  Collisions are not checked.
 
         Args:
             pose: The pose of the tool.
@@ -274,8 +274,8 @@ class Arm:
             collision: ``refuse`` the motion if the arm would collide on the path (the
                 error contains the bodies and the position on the path), or ``ignore``
                 collisions.
-            plan: Whether to avoid obstacles.  The call then plans and executes a motion
-                to any posture that reaches the pose.
+            plan: Whether to plan a motion around obstacles, to any posture that reaches
+                the pose.
 
         Raises:
             UnreachableError: If no posture reaches the pose.
@@ -373,10 +373,10 @@ class Arm:
         """Plan a collision-free motion to a target, and return the plan.
 
         The robot does not move.  The planned motion starts at the commanded posture,
-        and ends at rest.  An object in a gripper moves with the gripper.  The clearance
-        applies to all pairs of robots, objects, held objects and the ground, except for
-        links that touch by construction.  Bodies that are closer at the start are
-        allowed to remain closer.
+        and ends at rest.  An object in a gripper moves with it.  The clearance applies
+        to all pairs of robots, objects, held objects and the ground, except for links
+        that touch by construction.  Bodies that are closer at the start are allowed to
+        remain closer.
 
         Args:
             target: A pose of the tool, or joint → position [rad].  For a pose, all

@@ -1,4 +1,4 @@
-"""Handle that moves an arm by paths, streams and forces, without controllers."""
+"""Handle that moves an arm without controllers: by paths, streams or forces."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ _ALL = (True,) * 6
 
 @final
 class ArmMotion:
-    """Moves an arm along paths, with streams or by forces, without controllers.
+    """Moves an arm without controllers: along paths, with streams, or by forces.
 
-    Call ``take`` first; it stops the arm's controllers.  When you release the arm, the
+    Call ``take`` first; it stops the arm's controllers.  When you release the arm, its
     controllers are started again.  Joints are ordered from base to flange.  Poses use
     UR's notation: position and rotation vector [m, rad] in the frame of the link
     ``base``.
@@ -95,8 +95,8 @@ class ArmMotion:
             positions: Positions [rad], shape (n_knots, 6).
             velocities: Velocities [rad/s], shape (n_knots, 6); 0 at the last knot.
             accelerations: Accelerations [rad/s²], shape (n_knots, 6).  With
-                accelerations, the segments are quintic polynomials; without
-                accelerations, the segments are cubic polynomials.
+                accelerations, the segments are quintic polynomials; otherwise, they are
+                cubic polynomials.
             after: Number of the path that this path replaces.
             at: Time on the replaced path at which this path begins [s].
 
@@ -233,7 +233,7 @@ class ArmMotion:
         *,
         tcp: Sequence[float] = _NO_POSE,
     ) -> None:
-        """Accelerate to a velocity of the point ``tcp``, in the axes of the base.
+        """Accelerate the point ``tcp`` to a velocity, given in the axes of the base.
 
         ``twist`` is the linear and angular velocity [m/s, rad/s].  After ``duration``
         [s], the arm decelerates to rest.

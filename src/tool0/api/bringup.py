@@ -76,8 +76,8 @@ def bringup(
             (docs/how-to/cells.md).
         args: xacro arguments of your own file, or additional arguments of the built-in
             file.
-        ros2_control: Whether built-in robots have ``<ros2_control>`` tags and,
-            therefore, controllers of ROS 2 (docs/how-to/ros2.md).
+        ros2_control: Whether built-in robots have ``<ros2_control>`` tags, and
+            therefore use controllers of ROS 2 (docs/how-to/ros2.md).
         engine: The physics engine: "mujoco", or "gazebo" (docs/how-to/gazebo.md).
         hardware: The address of a real robot, instead of an engine
             (docs/how-to/hardware.md).
@@ -89,13 +89,13 @@ def bringup(
         initial_pose: A named pose, or positions by joint [rad | m].
         realtime: Whether simulated time passes in real time; otherwise, only ``run``
             and ``wait`` advance time, as fast as possible.
-        speed: Simulated seconds per wall second, if time passes in real time.
+        speed: Simulated seconds per wall second if ``realtime`` is true.
         paused: Whether simulated time is paused at the start.
-        record: An MCAP file for a recording from the start until the robot is closed
+        record: An MCAP file in which the robot is recorded until it is closed
             (docs/how-to/recordings.md).
         description: Options of the robot.
         control: Options of the robot's controllers and initial pose.
-        simulation: Options of the physics, the objects around the robot, and time.
+        simulation: Options for the physics, the objects around the robot, and time.
 
     Returns:
         The robot, which holds its pose.  The ``warnings`` of the robot are also logged.

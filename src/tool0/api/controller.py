@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 @final
 class GoalHandle:
-    """Handle for an accepted goal of a controller, to wait for or cancel the goal."""
+    """Handle for an accepted goal of a controller, to wait for it or cancel it."""
 
     def __init__(self, started: GoalStarted, channel: Channel) -> None:
         self._number = started.goal
@@ -57,12 +57,12 @@ class GoalHandle:
 
     @property
     def status(self) -> GoalStatus:
-        """Status of the goal: ACTIVE, or the final status of the goal."""
+        """Status of the goal: ACTIVE, or its final status."""
         return self._goal.status
 
     @property
     def result(self) -> Result | None:
-        """The outcome of the goal; None while the goal is active."""
+        """The outcome of the goal; None while it is active."""
         return self._goal.result
 
     def wait(self, timeout: float | None = None) -> Result:
@@ -95,7 +95,7 @@ class GoalHandle:
             self._channel.call(CancelGoal(goal=self._number))
 
     def when_finished(self, callback: Callable[[GoalHandle], None]) -> None:
-        """Call ``callback(handle)`` when the goal ends, or now if it has ended.
+        """Call ``callback(handle)`` when the goal ends, or now if it has already ended.
 
         A thread of the simulation executes the callback, and waits until it returns.
         Therefore, the callback must be short.
@@ -201,8 +201,7 @@ class ControllerHandle:
 
         Raises:
             ControlError: If this controller is not a ROS 2 trajectory controller that
-                commands positions, or if the arm's speed slider scales the speed of
-                this controller.
+                commands positions, or if the arm's speed slider scales its speed.
         """
         self._channel.call(ScaleTrajectory(controller=self.name, factor=factor))
 
@@ -241,7 +240,7 @@ class ControllerHandle:
         return GoalHandle(started, self._channel)
 
     def steer(self, positions: Mapping[str, float], *, speed: float = 0.5) -> None:
-        """Move joints like ``move``, but without a goal.
+        """Move joints as ``move`` does, but without a goal.
 
         Use this method for streams of setpoints, for example ten setpoints per second.
         Position, velocity and acceleration are continuous.
@@ -342,7 +341,7 @@ class ControllerHandle:
         i_clamp: float | None = None,
         antiwindup: bool | None = None,
     ) -> Gains:
-        """Change the PID gains of a joint, and return all gains of the joint.
+        """Change the PID gains of a joint, and return all its gains.
 
         Omitted gains keep their values.  The gains can be changed during a motion.  The
         integral term does not jump unless the new clamp limits the term.  The gains
@@ -406,7 +405,7 @@ def _points(method: str, points: Sequence[TrajectoryPoint]) -> Points:
 def _by_joint(
     name: str, tolerances: Mapping[str, ToleranceOverride] | None
 ) -> Tolerances:
-    """Return tolerances as in requests, or raise RequestError if they are invalid.
+    """Return tolerances in request form, or raise RequestError if they are invalid.
 
     The controller rejects the goal if a tolerance is not finite.
     """

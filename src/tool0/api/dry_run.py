@@ -45,14 +45,13 @@ class TouchReport:
     force: float
     """Maximum contact force [N]."""
     is_of_arm: bool
-    """Whether a link of an arm is in contact; otherwise, only the gripper is in
-    contact."""
+    """Whether a link of an arm, rather than only the gripper, is in contact."""
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointPeak:
-    """The arm joint that came closest to a limit, with the value of this joint."""
+    """The arm joint that came closest to its limit, and the joint's maximum value."""
 
     joint: str
     """Name of the joint."""

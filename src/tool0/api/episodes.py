@@ -20,7 +20,7 @@ from tool0.protocol.request import checked_path
 
 @final
 class EpisodesHandle:
-    """Starts and ends episodes, as the panel's bar does (docs/how-to/recordings.md)."""
+    """Starts and ends episodes, as the panel does (docs/how-to/recordings.md)."""
 
     def __init__(self, channel: Channel) -> None:
         self._channel = channel

@@ -1,4 +1,4 @@
-"""Grasps of an object from above, and the bin for the object."""
+"""Grasps of an object from above, and the bin for it."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ _UPRIGHT = math.cos(math.radians(3.0))
 @final
 @dataclass(frozen=True, slots=True)
 class Grasp:
-    """A pose of the gripper at which the gripper can grasp an object."""
+    """A pose of the gripper at which it can grasp an object."""
 
     pose: Transform
-    """Pose of the frame between the pads when the pads touch the object, in the root
+    """Pose of the frame between the pads when they touch the object, in the root
     frame."""
     width: float
     """Width of the object between the pads [m]."""
@@ -132,7 +132,7 @@ def finger_reach(model: RobotModel, gripper: ParallelGripper) -> float:
 
 
 def _sides(name: str, box: Box, pose: Transform) -> Iterator[tuple[Transform, float]]:
-    """Yield frames with z up and y normal to two sides, and the width between them."""
+    """Yield frames with z up and y normal to two sides, and the width across them."""
     up = _upright_axis(name, pose)
     columns = list(zip(*pose.rotation, strict=True))
     for k in range(3):

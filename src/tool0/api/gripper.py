@@ -16,7 +16,7 @@ from tool0.protocol.request import checked_value
 
 @final
 class Gripper:
-    """A parallel gripper; the controller that claims its joint moves the gripper."""
+    """A parallel gripper, which is moved by the controller that claims its joint."""
 
     def __init__(
         self, name: str, geometry: ParallelGripper, model: RobotModel, channel: Channel
@@ -49,8 +49,8 @@ class Gripper:
         """Return the pose of the point midway between the pads at an opening.
 
         The y axis points from pad to pad.  The z axis points away from the gripper.
-        Pads that move on circles advance along z when the gripper closes, by 14 mm for
-        a 2F-85.
+        Pads that move on circles also move forward along z as the gripper closes: by 14
+        mm on a 2F-85.
 
         Args:
             opening: Distance between the pads [m]; the default is the measured

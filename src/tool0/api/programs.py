@@ -152,7 +152,7 @@ class Programs:
         )
 
     def _explain(self, source: ProgramFile) -> None:
-        """Raise ProgramError with the problems of a file and the line numbers."""
+        """Raise ProgramError with the problems in a file and their line numbers."""
         if source.file is None:
             return
         problems = self.check(source.program).problems
@@ -181,7 +181,7 @@ class Programs:
 
 @final
 class ProgramHandle:
-    """Handle for a running program, to wait for, pause, step or stop the program."""
+    """Handle for a running program, to wait for, pause, step or stop it."""
 
     def __init__(self, goal: GoalHandle, channel: Channel, run: int) -> None:
         self._goal, self._channel, self._run = goal, channel, run
@@ -189,7 +189,7 @@ class ProgramHandle:
 
     @property
     def status(self) -> ProgramRun:
-        """Current state of the program, with the present step and the error."""
+        """Current state of the program, including the current step and any error."""
         runs = self._channel.call(ReadRuns())
         found = next((item for item in runs if item.run == self._run), None)
         if found is not None:

@@ -39,7 +39,7 @@ QUANTITIES: Final = (
 """Quantities that are recorded for each joint, in the order of the columns."""
 
 _INTERVAL: Final = 0.1
-"""Interval at which received snapshots are stored in compact form [wall s]."""
+"""Interval between conversions of received snapshots to compact form [wall s]."""
 _LAST_WAIT: Final = 1.0
 """Longest wait for the last samples from another process [wall s]."""
 _NO_SETPOINT: Final = JointSetpoint(float("nan"), float("nan"), float("nan"))
@@ -50,9 +50,9 @@ class Recording(AbstractContextManager["Recording"]):
     """Recording of joint states and setpoints at a constant rate, until ``stop``.
 
     The end of a ``with`` block stops the recording.  The arrays can also be read during
-    the recording; the arrays then contain the samples that were recorded before the
-    read.  The samples are evenly spaced unless the simulation was reset or samples were
-    missed. No samples are recorded while time is paused.
+    the recording; they then contain the samples that have been recorded so far.  The
+    samples are evenly spaced unless the simulation was reset or samples were missed.
+    No samples are recorded while time is paused.
     """
 
     def __init__(self, channel: Channel, rate: float, control_period: float) -> None:
@@ -81,7 +81,7 @@ class Recording(AbstractContextManager["Recording"]):
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of the joints, in the order of the columns of the arrays."""
+        """Names of the joints, in the order of the arrays' columns."""
         return self._joint_names
 
     @property
@@ -203,7 +203,7 @@ class Recording(AbstractContextManager["Recording"]):
         return self._last_tick >= tick
 
     def _take(self) -> None:
-        """Store the received snapshots, with a few hundred bytes for each snapshot."""
+        """Store the received snapshots in a few hundred bytes each."""
         with self._lock:
             for snapshot in self._subscription.pending():
                 if (
@@ -251,7 +251,7 @@ class Recording(AbstractContextManager["Recording"]):
 
 
 def _ticks_between_samples(period: float, control_period: float) -> int:
-    """Return the number of control periods per sample, at most ``period`` [s] in total.
+    """Return the number of control periods per sample, which fit into ``period`` [s].
 
     Up to the default rate of snapshots, every n-th snapshot is a sample.  Above the
     default rate, every snapshot is a sample.

@@ -191,8 +191,8 @@ class Robot(AbstractContextManager["Robot"]):
     def subscribe(self, rate: float | None = None) -> Subscription:
         """Return a reader of snapshots and events.
 
-        A reader with more than 256 unread snapshots loses the oldest snapshots; use
-        ``record`` to keep all snapshots.
+        A reader with more than 256 unread snapshots loses the oldest; use ``record`` to
+        keep all snapshots.
 
         Args:
             rate: Snapshots per simulated second [Hz], at most 500; the default is 125.
@@ -320,9 +320,9 @@ class Robot(AbstractContextManager["Robot"]):
         """Return the collisions at a target posture and on the path to it.
 
         On the path, all joints move synchronously from their current positions, and an
-        object in a gripper moves with the gripper.  A pair is left out if it already
-        overlaps by at least the same depth at present.  The collision shapes are those
-        of MuJoCo, even with Gazebo.
+        object in a gripper moves with it.  A pair that already overlaps at least as
+        deeply at present is left out.  The collision shapes are those of MuJoCo, even
+        with Gazebo.
 
         For example::
 
@@ -374,7 +374,7 @@ class Robot(AbstractContextManager["Robot"]):
         )
 
     def clear_wrenches(self, name: str | None = None) -> None:
-        """End the wrenches of ``apply_wrench`` on one body, or on all bodies."""
+        """Remove the wrenches of ``apply_wrench`` from one body or from all bodies."""
         self.channel.call(ClearWrenches(name=name))
 
     def pose(self, link: str, relative_to: str | None = None) -> Transform:
@@ -579,8 +579,7 @@ class Robot(AbstractContextManager["Robot"]):
                 robots are saved.
 
         Raises:
-            ControlError: If the name is the name of a built-in pose, or is not
-                printable.
+            ControlError: If the name is that of a built-in pose, or is not printable.
             ConfigError: If the file of saved poses cannot be read or written.
         """
         self.channel.call(SavePose(name=name, robot=robot))
@@ -683,7 +682,7 @@ class Robot(AbstractContextManager["Robot"]):
     def gripper(self) -> Gripper:
         """The robot's only gripper.
 
-        Access raises ControlError if the robot does not have exactly one gripper.
+        Reading it raises ControlError if the robot does not have exactly one gripper.
         """
         return only_part(self.grippers, "gripper", self.description.model)
 
@@ -715,7 +714,7 @@ class Robot(AbstractContextManager["Robot"]):
     def force_torque(self) -> ForceTorque:
         """The force-torque sensor at the only ``tool0``.
 
-        Access raises ControlError if the robot does not have exactly one ``tool0``.
+        Reading it raises ControlError if the robot does not have exactly one ``tool0``.
         """
         return self.force_torque_of(None)
 

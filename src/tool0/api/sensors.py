@@ -33,7 +33,7 @@ _LONGEST_WAIT = 0.5
 
 @final
 class ForceTorque:
-    """Sensor of the wrench that a tool exerts on the link that carries the tool.
+    """Sensor for the wrench that a tool exerts on the link that carries it.
 
     The force [N] and the torque [N·m] include the weight, the inertia and the contacts
     of the tool.  The wrench is in the frame of the link.  The sign convention is the
@@ -80,7 +80,7 @@ class ForceTorque:
     def zero(self) -> None:
         """Tare the sensor until its next start, as UR's ``zero_ftsensor`` does.
 
-        A reset of the simulation does not change the tare, as on a real sensor.
+        As with a real sensor, a reset of the simulation does not change the tare.
         """
         self._channel.call(TareForceTorque(link=self.link))
 
@@ -100,7 +100,7 @@ class ForceTorque:
         """Return all samples after ``since``, oldest first.
 
         The sensor keeps the last 4096 samples, which cover 33 s at 125 Hz and 4 s at 1
-        kHz.  After a longer time between two calls, ``dropped`` of the first returned
+        kHz.  If more time passes between two calls, ``dropped`` of the first returned
         sample is the number of missed samples.
 
         Args:

@@ -65,7 +65,7 @@ class PickTable:
         return min(LIFT, max(LOWEST_LIFT, LIFT * self.scale))
 
     def at(self, x: float, y: float) -> tuple[float, float]:
-        """Return a position of ``table_and_bin``, transformed to the root frame [m]."""
+        """Transform a position in ``table_and_bin`` to the root frame [m]."""
         scale = -self.scale if self.is_turned else self.scale
         return self.base[0] + x * scale, self.base[1] + y * scale
 
@@ -110,7 +110,7 @@ class PickTable:
         Args:
             robot: The robot that will lift the object.
             height: Height of the upright object [m].
-            seed: Seed of the poses; the same seed results in the same poses.
+            seed: Seed of the poses; the same seed gives the same poses.
         """
         rng = random.Random(seed)
         # The size of the bin is constant, so the bin covers a larger part of a small
@@ -146,7 +146,7 @@ class PickTable:
 
 
 def joined(tables: Iterable[SceneObject]) -> SceneObject:
-    """Return a table around several tables; all are aligned with the root's axes."""
+    """Return a table that covers several tables, all aligned with the root's axes."""
     first, *_ = boxes = [item for item in tables if isinstance(item.geometry, Box)]
     low, high = (
         [
@@ -165,7 +165,7 @@ def joined(tables: Iterable[SceneObject]) -> SceneObject:
 
 
 def arm_scale(model: RobotModel) -> float:
-    """Return the length of a robot's only arm, in units of ``ARM_LENGTH``.
+    """Return the length of a robot's only arm, as a multiple of ``ARM_LENGTH``.
 
     Raises:
         ControlError: If the robot does not have exactly one arm, or if the arm does not

@@ -1,4 +1,4 @@
-"""Checks of the arrays that callers pass, which have one row per copy."""
+"""Checks of the arrays with one row per copy that callers pass."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 def are_finite(values: Array) -> bool:
-    """Return whether all values are finite; the sum of squares is a fast first test."""
+    """Return whether all values are finite; first test the sum of squares (fast)."""
     return math.isfinite(np.vdot(values, values)) or bool(np.isfinite(values).all())
 
 
@@ -123,7 +123,7 @@ class Arguments:
     ) -> None:
         """Raise ControlError unless ``values`` is an array with n rows on the device.
 
-        ``is_held`` states whether the array is in the device's memory.
+        ``is_held`` is true if the array is in the device's memory.
         """
         whole, found = (self._n, *shape), tuple(getattr(values, "shape", ()))
         if not is_held:

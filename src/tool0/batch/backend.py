@@ -41,7 +41,7 @@ class DeviceArrays(NamedTuple):
     """State of n copies in the memory of the computing device.
 
     The fields are Warp arrays in single precision; ``torch.from_dlpack`` and similar
-    functions share their memory.  Do not write to the arrays, which change as time
+    functions share their memory.  Do not write to the arrays; they change as time
     advances.
     """
 
@@ -62,8 +62,8 @@ class DeviceArrays(NamedTuple):
     """Angular velocities of the objects, each in the object's own axes [rad/s], shape
     (n, m, 3)."""
     diverged: Any
-    """1 for copies that stopped because their physics failed and 0 for all other
-    copies; int32, shape (n,)."""
+    """1 for each copy that stopped because its physics failed, and 0 for the others;
+    int32, shape (n,)."""
 
 
 class BatchBackend(Protocol):
@@ -124,8 +124,8 @@ class BatchBackend(Protocol):
     def wrenches(self, links: frozenset[str], at: str) -> Array:
         """Return the wrench that other bodies exert on links [N, N·m], shape (n, 6).
 
-        The wrench is the sum over the contacts in the last step.  The wrench is given
-        at the origin and in the axes of the link ``at``.
+        The wrench is the sum over the contacts in the last step.  The wrench is
+        expressed at the origin and in the axes of the link ``at``.
         """
 
     def contacts(self, first: Names | None, second: Names | None) -> ContactArrays:
@@ -157,7 +157,7 @@ class BatchBackend(Protocol):
     def change(
         self, rows: Indices, name: str, field: ObjectField, values: Array
     ) -> None:
-        """Change a field of an object, as if it had been created with the values.
+        """Change a field of an object, as if it had been created with the new values.
 
         Args:
             rows: The copies.
@@ -171,7 +171,7 @@ class BatchBackend(Protocol):
         """
 
     def executor(self, i: int) -> Executor:
-        """Return the executor of one copy after updating the copy's core.
+        """Return the executor of one copy after updating its core.
 
         Raises:
             ControlError: If the copies are not on the CPU.
@@ -277,7 +277,7 @@ class BatchBackend(Protocol):
 
 
 def changed_object(item: SceneObject, field: ObjectField, value: Any) -> SceneObject:
-    """Return a copy of an object with another value of a field.
+    """Return a copy of an object with a new value for one field.
 
     Raises:
         ConfigError: If the object cannot have that value.

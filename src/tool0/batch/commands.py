@@ -44,7 +44,7 @@ class ControllerJoints(NamedTuple):
     """Whether the drives of the joints may be limited by a gripper's goal."""
 
     def chosen(self, values: Array) -> Array:
-        """Return the columns of these joints in ``values``, shape (…, k)."""
+        """Return the columns of ``values`` for these joints, shape (…, k)."""
         n = values.shape[-1]
         return values if self.columns == list(range(n)) else values[..., self.columns]
 
@@ -240,7 +240,7 @@ class Commands:
         *,
         has_force: bool,
     ) -> None:
-        """Move the pads with one speed [m/s] and one force [N] per row.
+        """Move the pads, with a separate speed [m/s] and force [N] for each row.
 
         ``openings`` [m] has shape (n,) and may be in the device's memory.  If
         ``has_force`` is False, a GripperActionController applies its default effort.

@@ -25,7 +25,7 @@ Bodies = str | Sequence[str]
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Contacts:
-    """Contacts of all copies in the last step, as m rows that are sorted by copy.
+    """Contacts of all copies in the last step, as m rows sorted by copy.
 
     Each row is a ``Contact`` of one copy: the resultant of all contact points between
     two links or objects.  Vectors are in the axes of the root.
@@ -45,8 +45,8 @@ class Contacts:
     by the normal forces, shape (m, 3).  The length of the normal is 1, or 0 where one
     body is clamped between two sides of the other body."""
     distance: Array
-    """Smallest distance between the surfaces [m], shape (m,), which is negative if the
-    surfaces overlap."""
+    """Smallest distance between the surfaces [m], shape (m,); negative if they
+    overlap."""
     force: Array
     """Force that ``first`` exerts on ``second`` [N], shape (m, 3)."""
     torque: Array
@@ -78,7 +78,7 @@ def contacts_of(found: ContactArrays, rows: Indices) -> Contacts:
 def checked_bodies(
     what: str, given: Bodies | None, model: RobotModel, objects: Sequence[str]
 ) -> frozenset[str] | None:
-    """Return the names as a set; for any body, ``given`` and the result are None.
+    """Return the names as a set, or None if ``given`` is None, which means any body.
 
     Raises:
         ControlError: If a name is not a link, an object or ``ground``.

@@ -58,7 +58,7 @@ class Copies:
     """
 
     def __init__(self, cores: Sequence[Core], threads: int) -> None:
-        """Use these cores; the kernel runs them in ``threads`` threads."""
+        """Make copies from these cores; the kernel uses ``threads`` threads."""
         self._cores = tuple(cores)
         self._period = cores[0].control_period
         self._executors = tuple(map(Executor, cores))
@@ -148,7 +148,7 @@ class Copies:
     def _tick(self, i: int, event: Ended | None, left: int) -> int:
         """Execute a tick of one copy in Python.
 
-        Return the number by which the copy's remaining ticks have decreased.
+        Return the decrease in the copy's remaining ticks.
         """
         core, untold = self._cores[i], int(self._untold[i])
         self._untold[i] = 0
@@ -187,7 +187,7 @@ class Copies:
         return bool(self._is_loaded[rows].all())
 
     def executor(self, i: int) -> Executor:
-        """Return the executor of one copy after updating the copy's core."""
+        """Return the executor of one copy after updating its core."""
         self.observed(i).sync_from_kernel()
         self._unload(i)
         return self._executors[i]

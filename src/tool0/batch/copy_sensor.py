@@ -84,8 +84,8 @@ class CopySensor:
     def tick(self, ticks: NDArray[np.int64], steps: Addresses) -> None:
         """Advance copies by ``ticks``, shape (n,), and take the samples that are due.
 
-        ``steps`` are the addresses of the last steps in the kernel, shape (n, 3), in
-        the form of ``ToolMeter.wrenches``.  The addresses are 0 for a copy whose last
+        ``steps`` are the addresses of the last steps in the kernel, shape (n, 3), as
+        required by ``ToolMeter.wrenches``.  The addresses are 0 for a copy whose last
         step is in its core.
         """
         self.left -= ticks

@@ -24,9 +24,9 @@ class BatchForceTorque:
     As with ``robot.force_torque``, the measured force [N] and torque [N·m] include the
     effects of the tool's weight, inertia and contacts.  Force and torque are given at
     the origin and in the axes of the link.  The sensor uses no computing time until the
-    first reading starts it.  The samples of each copy are timed by the clock of the
-    copy: A sample is taken when the sensor starts, when the copy is reset, and every
-    ``1 / rate`` seconds after these events.
+    first reading starts it.  The samples of each copy are timed by its clock: A sample
+    is taken when the sensor starts, when the copy is reset, and every ``1 / rate``
+    seconds after these events.
     """
 
     def __init__(

@@ -133,7 +133,7 @@ class Images:
         ]
 
     def _coloured(self, i: int) -> Snapshot:
-        """Return the state of a copy, with the colors of objects in this copy."""
+        """Return the state of a copy, with its object colors."""
         state, colours = self._snapshot(i), self._looks[i].colours
         if not colours:
             return state

@@ -31,7 +31,7 @@ class OneThread:
         self._begin = begin
 
     def then(self, begin: Callable[[], None]) -> OneThread:
-        """Return a context with the same lock that calls ``begin`` on entering."""
+        """Return a context that shares the lock and calls ``begin`` on entering."""
         return OneThread(self._lock, begin)
 
     def __enter__(self) -> None:

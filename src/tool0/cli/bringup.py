@@ -233,7 +233,7 @@ def _run(
 ) -> None:
     """Run the simulation for the given duration, or until a signal is received.
 
-    The duration is measured from the call of this function, because simulated time may
+    The duration is measured from the call to this function, because simulated time may
     have passed while the interfaces were starting.
     """
     simulation, duration = options.simulation, options.run.duration

@@ -103,7 +103,7 @@ def report(error: Exception) -> bool:
 
 
 def _discard_unwritten(stream: TextIO | None) -> None:
-    """Flush a stream; after a failure, prevent another attempt at exit."""
+    """Flush a stream; if this fails, prevent another flush at exit."""
     try:
         if stream is not None:
             stream.flush()

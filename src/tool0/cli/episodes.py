@@ -98,7 +98,7 @@ class _Session:
         self.show(problem)
 
     def show(self, problem: str = "") -> None:
-        """Show the problem, or show the status if there is no problem."""
+        """Show the problem, or the status if there is no problem."""
         from tool0.protocol.episodes import ReadEpisodes
 
         text = problem or _described(self._robot.channel.call(ReadEpisodes()))

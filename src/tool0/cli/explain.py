@@ -22,7 +22,7 @@ WIDTH = 100
 """Width of the output [columns]."""
 EMPTY = "''"
 _LEAST = 40
-"""Minimum width of the text, including text that is deep in the tree [columns]."""
+"""Minimum width of the text, even deep in the tree [columns]."""
 _FIND = "$(find\N{NO-BREAK SPACE}"
 
 

@@ -218,7 +218,7 @@ def _joint_motion(
 def _arm_of(
     target: Pose | Mapping[str, float], connected: Robot, robot: str | None
 ) -> Arm:
-    """Return the arm that moves to a target, given by ``--robot`` or the joints."""
+    """Return the arm to move to a target, selected by ``--robot`` or the joints."""
     if robot is None and not isinstance(target, Pose):
         for arm in connected.arms.values():
             if not target.keys().isdisjoint(arm.joint_names):
@@ -279,7 +279,7 @@ def _way_text(plan: Plan) -> str:
 
 
 def _check_units(units: Mapping[str, Quantity], robot: Robot) -> None:
-    """Raise ConfigError if a value has the wrong kind of unit for its joint."""
+    """Raise ConfigError if a value's unit does not match the type of its joint."""
     joints = robot.description.model.joint_by_name if units else {}
     for name, quantity in units.items():
         if name not in joints:

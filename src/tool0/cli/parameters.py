@@ -176,7 +176,7 @@ def _unwrapped(kind: Any) -> tuple[Any, tuple[Any, ...]]:
 
 
 def _option(annotated: Any) -> Option:
-    """Return the annotation of a type; for a union, the annotation of a part."""
+    """Return the annotation of a type; for a union, that of one of its types."""
     kind, marks = _unwrapped(annotated)
     inner = get_args(kind) if get_origin(kind) in (Union, UnionType) else ()
     found = [mark for mark in marks if isinstance(mark, Option)]

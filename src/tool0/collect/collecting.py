@@ -29,8 +29,8 @@ N_COPIES: Final = 8
 _ROUNDS: Final = 2
 """Largest number of episodes per copy in a chunk."""
 _WINDOW: Final = 4
-"""Largest number of chunks per worker in the range from the first missing chunk to the
-last submitted chunk."""
+"""Largest number of chunks per worker from the first missing chunk to the last
+submitted one."""
 _SHARES: Final = 8
 """Largest number of chunks per worker.  The number is smaller if each copy would
 otherwise get less than one episode per chunk."""
@@ -85,8 +85,8 @@ def collect(
             machine, without Ray.
         policy: Callable that takes the seed of an episode and returns a function from
             observation to action.  The policy is a function or class at the top level
-            of a module, or the name of this function or class as ``module:name`` or
-            ``file.py:name``.  By default, the task's expert is used.
+            of a module, or its name as ``module:name`` or ``file.py:name``.  By
+            default, the task's expert is used.
         seed: Base from which the episodes' seeds are derived.
         format: Format of the data set: ``parquet`` or ``lerobot``.
         instruction: Description of the task for LeRobot's format; the default is the
@@ -95,8 +95,8 @@ def collect(
         progress: Callback that is called about twice per second with the progress.
 
     Raises:
-        ConfigError: If a parameter is wrong, or differs from the value with which the
-            folder was collected.
+        ConfigError: If a parameter is wrong, or differs from the value that was used
+            for the folder.
         CollectError: If a worker or the policy fails, or the disk is full.
         TransportError: If the Ray cluster cannot be reached.
     """

@@ -1,9 +1,9 @@
 """The folder of a data set, with one file and one index row per episode.
 
 Episodes are added in order, so a data set always consists of the episodes 0 … n-1.  A
-file is renamed to its final name after it has been written to the disk, and then the
-row of the file is appended to the index.  Files without a row, which an interruption
-may leave, are removed when the folder is opened again.
+file is written to the disk and then renamed to its final name; finally, its row is
+appended to the index.  Files without a row, which an interruption may leave behind, are
+removed when the folder is opened again.
 """
 
 from __future__ import annotations
@@ -96,8 +96,8 @@ class Dataset:
         """Append the next episodes.
 
         Raises:
-            OSError: If a file cannot be written, such as on a full disk.  ``recover``
-                removes incomplete files.
+            OSError: If a file cannot be written, for example because the disk is full.
+                ``recover`` removes incomplete files.
         """
         rows, files, first_frame = [], {}, self._n_frames
         for row, sent in episodes:
@@ -192,7 +192,7 @@ def opened(folder: Path, settings: Settings, n_requested: int) -> Iterator[Datas
 
     Raises:
         ConfigError: If the folder contains other episodes or unrelated files, or
-            another process uses the folder.
+            another process uses it.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)

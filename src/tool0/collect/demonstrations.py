@@ -1,10 +1,10 @@
 """Conversion of recorded demonstrations to a LeRobot data set.
 
-The state consists of the positions of the driven joints, followed by the velocities of
-these joints.  The action is the position that is commanded at the next frame.  No
-setpoint is recorded for joints that follow a stream, so the action of these joints is
-the measured position at the next frame.  The poses of objects form the environment
-state.  Images are rendered from the snapshots.
+The state consists of the positions of the driven joints, followed by their velocities.
+The action is the position that is commanded at the next frame.  No setpoint is recorded
+for joints that follow a stream, so their action is the measured position at the next
+frame.  The poses of objects form the environment state.  Images are rendered from the
+snapshots.
 """
 
 from __future__ import annotations
@@ -179,7 +179,7 @@ def episode_of(
     width: int | None = None,
     height: int | None = None,
 ) -> Episode:
-    """Return one episode with ``rate`` frames per simulated second [Hz].
+    """Return one episode, resampled to ``rate`` frames per simulated second.
 
     Numbers are interpolated between two snapshots; images show the nearest snapshot.
 

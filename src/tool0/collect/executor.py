@@ -9,7 +9,7 @@ from typing import Final, Protocol, final
 from tool0.collect.worker import Chunk
 
 QUEUED: Final = 2
-"""Largest number of chunks of a worker: the current chunk and the next chunk."""
+"""Largest number of chunks that a worker has: the current one and the next one."""
 
 
 @final
@@ -19,13 +19,13 @@ class Finished:
 
     chunk: Chunk
     message: bytes | None
-    """Message of the worker; None if the worker ended without a message."""
+    """Message of the worker; None if it ended without a message."""
     trouble: str = ""
-    """Reason why the worker ended; empty if the worker had not started the chunk."""
+    """Reason why the worker ended; empty if it had not started the chunk."""
 
 
 def lost(chunks: Iterable[Chunk], trouble: str) -> list[Finished]:
-    """Return the chunks of a worker that ended while it processed the first chunk."""
+    """Return the chunks of a worker that ended while processing the first one."""
     return [
         Finished(chunk, None, "" if number else trouble)
         for number, chunk in enumerate(chunks)

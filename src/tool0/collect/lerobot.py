@@ -1,4 +1,4 @@
-"""LeRobot data sets in version 3.0, with files of episodes and descriptions.
+"""LeRobot data sets (version 3.0): the files of the episodes and the descriptions.
 
 The format is that of lerobot 0.6.1 (lerobot/datasets/utils.py, feature_utils.py and
 dataset_metadata.py, https://github.com/huggingface/lerobot).  Each episode has a

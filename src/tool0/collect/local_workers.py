@@ -29,7 +29,7 @@ _ONE_THREAD: Final = dict.fromkeys(
 
 @final
 class _Process:
-    """Process of a worker, with its chunks and its connection, which may be None."""
+    """A worker's process, with its chunks and, once established, its connection."""
 
     def __init__(self, child: ChildProcess) -> None:
         self.child = child

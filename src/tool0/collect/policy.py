@@ -1,7 +1,7 @@
 """Policies that are named functions or classes in modules or files.
 
 A policy is called with an episode's seed and returns a function from an observation to
-an action.  A policy can therefore keep a state during an episode, but not between
+an action.  A policy can therefore keep state during an episode, but not between
 episodes.
 """
 
@@ -22,7 +22,7 @@ Policy = Callable[[int], Act]
 
 
 def located(policy: str | Policy) -> tuple[str, str | None]:
-    """Return the full name of a policy, and the SHA-256 of its file if there is one.
+    """Return the full name of a policy, and the SHA-256 of its file, if it has one.
 
     Workers load the policy by this name.  Neither code nor pickled objects are sent.
 

@@ -1,8 +1,8 @@
 """Workers that are Ray actors on one or several machines.
 
 Only bytes, numbers and strings are sent, but Ray serializes them with pickle.  Anyone
-who can connect to a cluster can therefore execute code on it, so the network of the
-cluster must be trusted.
+who can connect to a cluster can therefore execute code on it, so its network must be
+trusted.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ only 127.0.0.1."""
 
 @final
 class _Actor:
-    """A worker, with its message about its programs, and its chunks."""
+    """A worker, with its chunks and the message that describes its programs."""
 
     def __init__(self, handle: Any) -> None:
         self.handle = handle

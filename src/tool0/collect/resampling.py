@@ -22,8 +22,8 @@ class Resampled:
         """Choose the times up to the first gap in the snapshots.
 
         The first time is the time of the first snapshot with a tick that is a multiple
-        of the snapshots' interval.  If the interval between the times is a multiple of
-        the snapshots' interval, each time is therefore the time of a snapshot.
+        of the snapshots' interval.  Therefore, each time is the time of a snapshot if
+        the interval between the times is a multiple of the snapshots' interval.
 
         Args:
             tick: Tick of each snapshot [control periods], shape (n,).

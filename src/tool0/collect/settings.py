@@ -23,7 +23,7 @@ _LIBRARIES: Final = ("gymnasium", "pyarrow")
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """The parameters of a data set, which define an episode together with its index."""
+    """The parameters of a data set; with an index, they define an episode."""
 
     task: str
     """Name of the task, or id of a Gymnasium environment with its module or file."""

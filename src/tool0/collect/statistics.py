@@ -18,8 +18,7 @@ from tool0.collect.parquet import Array, is_image
 Numbers = NDArray[np.float64]
 Statistics = dict[str, Array]
 """Values of each statistic by name.  A statistic has one value per component or, for
-images, one value per color channel, scaled to 0 … 1.  ``count`` is the number of
-frames."""
+images, one per color channel, scaled to 0 … 1.  ``count`` is the number of frames."""
 
 _QUANTILES: Final = {"q01": 0.01, "q10": 0.1, "q50": 0.5, "q90": 0.9, "q99": 0.99}
 NAMES: Final = ("min", "max", "mean", "std", "count", *_QUANTILES)

@@ -21,7 +21,7 @@ _VERSION: Final = re.compile(r"-v\d+$")
 
 
 def located_task(task: str) -> tuple[str, str | None]:
-    """Return the full name of a task, and the SHA-256 of its file if there is one.
+    """Return the full name of a task, and the SHA-256 of its file, if it has one.
 
     Raises:
         ConfigError: If there is no such task.

@@ -106,8 +106,8 @@ class ArmActions:
         (6,)."""
         self._moves = np.array([*[self.linear] * 3, self.turn])
         self._lower, self._upper = workspace.lower + MARGIN, workspace.upper - MARGIN
-        # Below this height, the fingertips would press on the table, so a lower tool
-        # can only move up.
+        # Below this height, the fingertips would press on the table, so from there the
+        # tool can only move up.
         self._lowest = workspace.lowest
 
     def openings(self, actions: Array) -> Array:
@@ -130,8 +130,7 @@ class ArmActions:
             found = tool.steered(target, moves, self._lowest, self.limit)
         else:
             found = self.approach(target, self._tool_target(actions, target))
-        # If a contact has pushed a joint beyond a limit, the joint is commanded to the
-        # limit.
+        # If a contact has pushed a joint beyond a limit, it is commanded to that limit.
         low = np.minimum(np.maximum(q - LEAD, self._lower), self._upper)
         high = np.maximum(np.minimum(q + LEAD, self._upper), self._lower)
         return np.asarray(np.minimum(np.maximum(found, low), high))

@@ -72,7 +72,7 @@ class ArmCopies:
         self.target[which] = q[which]
 
     def settle(self, which: Mask) -> None:
-        """Store the current openings as the openings before the first action."""
+        """Store the current openings as those before the first action."""
         opening = self._batch.opening(self.space.gripper_name)
         self._last_opening[which] = opening[which]
 

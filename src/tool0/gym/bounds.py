@@ -28,8 +28,8 @@ def finite(values: Array) -> Array:
 def reading(diverged: NDArray[np.bool_]) -> Callable[[Array], Array]:
     """Return a function that copies measurements of all copies.
 
-    If a copy has diverged, the function is ``finite``; otherwise, all measurements are
-    already finite.
+    The function is ``finite`` if a copy has diverged; otherwise, it is a plain copy,
+    because all measurements are finite.
     """
     return finite if np.count_nonzero(diverged) else np.ndarray.copy
 

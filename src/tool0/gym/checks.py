@@ -1,4 +1,4 @@
-"""Checks the functions of a user's task once, before the task is first used."""
+"""Checks the functions of a user's task once, before it is first used."""
 
 from __future__ import annotations
 

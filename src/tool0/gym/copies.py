@@ -155,7 +155,7 @@ class Copies:
         return mass, friction
 
     def _put_arms(self, which: Mask, q: Sequence[Array]) -> None:
-        """Reset copies, with the arms at ``q`` [rad], (n, 6), and open grippers."""
+        """Reset copies, set the arms to ``q`` [rad], (n, 6), and open the grippers."""
         position = np.tile(self._start, (self.n, 1))
         for arm, each in zip(self.arms, q, strict=True):
             arm.put(position, each)
@@ -261,7 +261,7 @@ class Copies:
         height, width), which are at most ``FARTHEST`` [m].  If segmentation is enabled,
         the key ``segmentation`` contains int32 values of shape (n, height, width),
         which are defined in ``Batch.segment_all``.  If there are several cameras, the
-        camera's name follows each key, such as ``rgb_scene``.
+        camera's name is appended to each key, as in ``rgb_scene``.
         """
         found = {}
         for name, keys in self.options.image_keys.items():

@@ -18,14 +18,14 @@ from tool0.kinematics.chain import Array
 
 CUBE, LOWER = "cube", "lower_cube"
 REACHED = 0.02
-"""Distance from the goal below which a TCP has reached the goal [m]."""
+"""Distance within which a TCP is considered to have reached the goal [m]."""
 LIFTED = 0.08
 """Minimum height of a lifted cube above its initial height [m]."""
 PUSHED = 0.03
-"""Distance from the goal below which a pushed cube has reached the goal [m]."""
+"""Distance within which a pushed cube is considered to have reached the goal [m]."""
 ON_LOWER = 0.4
-"""Largest horizontal offset of a stacked cube, as a fraction of the edge of the
-smallest cube."""
+"""Largest horizontal offset of a stacked cube, as a fraction of the smallest cube's
+edge."""
 LEVEL = 0.006
 """Largest height error of a cube at rest [m]."""
 RELEASED = 0.006
@@ -76,7 +76,7 @@ class Reach(Task):
 
 @final
 class Lift(Task):
-    """Task of grasping a cube and lifting the cube."""
+    """Task of grasping a cube and lifting it."""
 
     instruction = "Lift the cube."
     objects = (CUBE,)
@@ -111,7 +111,7 @@ class Lift(Task):
 
 @final
 class PickPlace(Task):
-    """Task of placing a cube in a bin and releasing the cube."""
+    """Task of placing a cube in a bin and releasing it."""
 
     instruction = "Put the cube into the bin."
     objects = (CUBE,)
@@ -158,7 +158,7 @@ class PickPlace(Task):
 
 @final
 class Stack(Task):
-    """Task of placing a cube on another cube and releasing the placed cube."""
+    """Task of placing a cube on another cube and releasing it."""
 
     instruction = "Stack the cube on the other cube."
     objects = (CUBE, LOWER)
@@ -276,7 +276,7 @@ def _place_and_release(state: State, space: Workspace) -> Array:
 
 
 def _same(achieved: Array, desired: Array) -> Mask:
-    """Return True where the object is released or the goal requires no release."""
+    """Return whether the object is released or the goal requires no release."""
     return np.asarray(achieved[..., 3] >= desired[..., 3])
 
 

@@ -1,4 +1,4 @@
-"""Gymnasium environments with a single copy or many copies of a task."""
+"""Gymnasium environments with one or many copies of a task."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scripted experts, which solve tasks from the full state of the simulation.
+"""Scripted experts, which use the full state of the simulation to solve tasks.
 
 ``Task.expert`` returns the next target of the tool and gripper.  This module converts
 the target of an expert to an action.
@@ -90,8 +90,7 @@ def expert(env: Any) -> Expert:  # Env or VectorEnv, in any wrappers
     """Return an expert for one of tool0's environments.
 
     Raises:
-        ConfigError: If the environment is not an environment of tool0, or its task has
-            no expert.
+        ConfigError: If the environment is not from tool0, or its task has no expert.
     """
     inner = getattr(env, "unwrapped", env)
     if not isinstance(inner, TaskEnv | TaskVectorEnv):

@@ -38,8 +38,8 @@ def grasped(
             pose.
         hold: Way in which the gripper holds the object.
         force: Force at each pad [N].
-        start: Positions of all joints at the start, with open grippers [rad | m], shape
-            (n_joints,).
+        start: Positions of all joints at the start, when the grippers are open [rad |
+            m], shape (n_joints,).
 
     Raises:
         ConfigError: If the gripper fails to hold the object.

@@ -25,8 +25,8 @@ class Hold(NamedTuple):
     """Number of yaws per full turn at which the pads fit: 4 for a cube, 2 for a bar
     along x."""
     hover: float | None = None
-    """Height of the TCP in the root frame at which the fingers clear all objects [m]
-    (default: the height at which the fingers clear cubes)."""
+    """Height of the TCP in the root frame at which the fingers clear all objects [m];
+    by default, the height at which they clear cubes."""
     opening: float | None = None
     """Opening of the gripper around the object [m]; the default is the gripper's
     maximum opening."""

@@ -16,7 +16,7 @@ from tool0.gym.parts import parts, values
 from tool0.kinematics.chain import Array
 
 Observation = Array | dict[str, NDArray[Any]]
-"""One array, or one array per key.  The first axis is the number of the copy."""
+"""One array, or one array per key.  The first axis is indexed by the copy."""
 
 
 @final
@@ -32,7 +32,7 @@ class NumberNames:
     objects and goals."""
     action: tuple[str, ...]
     grippers: tuple[int, ...] = ()
-    """Indices of an action's numbers that are gripper openings."""
+    """Indices of the gripper openings in an action."""
 
 
 @final

@@ -50,8 +50,8 @@ class Randomisation:
     joint_noise: float = 0.03
     """Largest deviation of an arm's joints from the start pose [rad]."""
     colour: float = 0.15
-    """Largest change of each of the red, green and blue values of an object, which are
-    within 0 … 1; it affects only images."""
+    """Largest change in an object's red, green and blue values, which are within 0 … 1;
+    it affects only images."""
     brightness: tuple[float, float] = (0.6, 1.2)
     """Range of the light's brightness, relative to the default; it affects only
     images."""
@@ -107,7 +107,7 @@ class EnvOptions:
     """Kind of observation (docs/how-to/gym.md)."""
     reward: RewardMode = "dense"
     """Kind of reward: "dense" for a reward in each step, or "sparse" for a reward only
-    for success."""
+    on success."""
     control_rate: float = 20.0
     """Actions per simulated second [Hz]."""
     terminate_on_success: bool = True
@@ -126,7 +126,7 @@ class EnvOptions:
     dt: float = 0.001
     """Length of a physics step [s]."""
     threads: int | None = None
-    """Number of threads that step the copies; the default is the default of
+    """Number of threads that step the copies; the default is that of
     ``tool0.Batch``."""
     device: str = "cpu"
     """The device that computes the physics; see ``tool0.Batch``."""
@@ -185,7 +185,7 @@ class EnvOptions:
 
     @property
     def cameras(self) -> tuple[str, ...]:
-        """The cameras for images; there is at least one camera."""
+        """The cameras for images: at least one."""
         return (self.camera,) if isinstance(self.camera, str) else tuple(self.camera)
 
     @property

@@ -35,7 +35,7 @@ class ObservationPart(NamedTuple):
     high: Array
     """Upper bounds of the values, shape (m,)."""
     of_robot: bool = True
-    """Whether the robot's sensors measure the part; otherwise, the part describes the
+    """Whether the robot's sensors measure the part; otherwise, it describes the
     surroundings."""
 
 

@@ -39,7 +39,7 @@ class Site:
     """The identical arms of a task, each with a gripper, and the cameras.
 
     The root frame is at the base of the first arm, which faces along x.  A second arm
-    is mounted opposite the first arm and faces the first arm.
+    is mounted opposite the first arm and faces it.
     """
 
     def __init__(

@@ -20,7 +20,7 @@ from tool0.kinematics.chain import Array
 
 @final
 class Sizes:
-    """Random object sizes in n copies of a task: sizes in the scene times factors."""
+    """Random object sizes in n copies of a task: the scene's sizes, randomly scaled."""
 
     def __init__(
         self,
@@ -72,8 +72,7 @@ class Sizes:
         ranges = [workspace.size_factors(self._own[k]) for k in self._resized]
         self._ranges = np.reshape(ranges, (len(self._resized), 2))
         self.extents = np.tile(self._own, (n, 1, 1))
-        """Sizes of the objects in the form of ``State.object_size``, shape (n, k,
-        3)."""
+        """Sizes of the objects, as in ``State.object_size``, shape (n, k, 3)."""
 
     def draw(self, rng: np.random.Generator) -> Array:
         """Return random size factors of all objects, (k,).
@@ -96,7 +95,7 @@ class Sizes:
             batch.set_size(name, size if own.size > 1 else size[:, 0], which)
 
     def risen(self, places: Array) -> Array:
-        """Return places (n, k, 3) [m] that keep the heights of the objects' bottoms."""
+        """Return places (n, k, 3) [m], adjusted to keep the heights of the bottoms."""
         if not self.names:
             return places
         higher = (self.extents - self._own)[..., 2] / 2.0
@@ -114,7 +113,7 @@ def _own_size(item: SceneObject) -> Array:
 
 
 def _extents(item: SceneObject) -> tuple[float, ...]:
-    """Return the extents of an object, in the form of ``State.object_size``."""
+    """Return the extents of an object, as in ``State.object_size``."""
     if isinstance(item.geometry, Box | Cylinder | Sphere):
         return extents(item.geometry)
     return (np.nan,) * 3

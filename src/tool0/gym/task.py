@@ -1,8 +1,8 @@
 """Base class of tasks, with functions on arrays of the state of n copies.
 
 To define your own task, derive a class from ``Task`` (docs/how-to/gym.md) and register
-the class with ``tool0.gym.register``.  A *goal* is an array of shape (n, g).  The
-columns of ``achieved`` and ``desired`` have the same meanings.
+it with ``tool0.gym.register``.  A *goal* is an array of shape (n, g).  The columns of
+``achieved`` and ``desired`` have the same meanings.
 """
 
 from __future__ import annotations
@@ -188,7 +188,7 @@ class Task(abc.ABC):
     """Distance between the bases of two arms of scale 1 [m]."""
     hold: Hold | None = None
     """The way in which the gripper holds the first object in starts with ``is_held``;
-    None if the task has no starts with ``is_held``."""
+    None if the task has no such starts."""
     resizable: tuple[str, ...] = ()
     """Names of objects that ``Randomisation.size`` may resize, which must be boxes,
     cylinders or spheres with a mass.  Starts are drawn for the size in the scene.  An
@@ -232,11 +232,11 @@ class Task(abc.ABC):
         return length(achieved - desired)
 
     def progress(self, state: State) -> Array:
-        """Return the progress of the task within 0 … 1, shape (n,)."""
+        """Return the progress of the task from 0 to 1, shape (n,)."""
         return nearness(self.distance(self.achieved(state), self.desired(state)))
 
     def reward(self, state: State, success: Mask) -> Array:
-        """Return the dense rewards, (n,): the progress minus 1, or 0 upon success."""
+        """Return the dense rewards, (n,): the progress minus 1, or 0 on success."""
         progress = np.minimum(np.maximum(self.progress(state), 0.0), 1.0)
         return np.where(success, 0.0, progress - 1.0)
 
@@ -248,8 +248,7 @@ class Task(abc.ABC):
         """Return the expert's next target; ``commanded`` is the TCP's current target.
 
         The expert has no memory and infers the progress from the state.  The function
-        is optional, but ``tool0.gym.expert`` raises an error for a task without the
-        function.
+        is optional, but ``tool0.gym.expert`` raises an error for a task without it.
         """
         raise NotImplementedError
 

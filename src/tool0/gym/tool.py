@@ -22,10 +22,10 @@ below 0.1 mm."""
 
 @final
 class Tool:
-    """The TCP of a gripper, which is a frame that is fixed to the arm's flange.
+    """The TCP of a gripper, a frame that is fixed to the arm's flange.
 
-    The compiled kernel computes the poses if the kernel is available.  Otherwise, the
-    reference implementation in NumPy computes the poses.
+    The compiled kernel computes the poses if it is available.  Otherwise, the reference
+    implementation in NumPy computes the poses.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class Tool:
             q: Start of the motion [rad], shape (n, 6).
             target: Target pose of the tool in the root frame, about one step away.
             limit: Largest change of each joint [rad], shape (6,).  If the change of a
-                joint would exceed the limit, the changes of all joints of the copy are
+                joint would exceed the limit, the changes of all the copy's joints are
                 scaled down together.
         """
         if self._kernel is not None:

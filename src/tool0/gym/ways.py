@@ -21,10 +21,9 @@ from tool0.kinematics.geometry import wrapped
 HELD = 0.025
 """Largest distance between the TCP and the grasp point of a held object [m]."""
 ALIGNED = 0.006
-"""Largest offset between the pads and the object at which the pads may close [m]."""
+"""Largest offset between the pads and the object for closing the pads [m]."""
 PARALLEL = 0.08
-"""Largest angle between the pads and the sides of a cube at which the pads may close
-[rad]."""
+"""Largest angle between the pads and the sides of a cube for closing the pads [rad]."""
 NEAR = 2.0
 """Factor by which the tolerances increase while an expert continues an action."""
 STILL = 0.004
@@ -55,7 +54,7 @@ def _hold_place(state: State, hold: Hold) -> Array:
 
 
 def reach(space: Workspace, state: State) -> Target:
-    """Return the next target on the way to the goal, which is a point."""
+    """Return the next target on the way to a goal that is a point."""
     n = len(state.q)
     yaw = np.full(n, space.start_yaw)
     return Target(state.goal, yaw, state.opening_target, np.ones(n))
@@ -105,7 +104,7 @@ def grasp(
     over = hover + np.maximum(0.0, middle[:, 2] - TABLE_TOP - cube.edge)
     aim = middle.copy()
     aim[:, 2] = np.where(aligned, middle[:, 2], over)
-    # Low fingers that are not aligned may be beside an object, so they first rise
+    # Low fingers that are not aligned may be next to an object, so they first rise
     # vertically.
     stuck = ~aligned & (tcp[:, 2] < hover - 0.02)
     aim[:, :2] = np.where(stuck[:, None], commanded.position[:, :2], aim[:, :2])
@@ -149,7 +148,7 @@ def carried(
 
 
 def is_sent_below(state: State, commanded: Frames, point: Array, height: float) -> Mask:
-    """Return whether a held object's point is commanded below a height, shape (n,).
+    """Return whether a point of a held object is commanded below a height, (n,).
 
     The function uses the commanded position instead of the measured position, so that
     it detects when an expert has begun to lower the object.  ``point`` is in the root
@@ -227,8 +226,7 @@ def push(space: Workspace, state: State, commanded: Frames) -> Target:
     ready &= (behind > 0.4 * edge) & (behind < clear + 0.03)
     ready &= (np.abs(aside) < slack * 0.008) & (twist < slack * 0.1)
     aim = np.empty((len(state.q), 3))
-    # The tool stays above the place behind the cube until it can move down to this
-    # place.
+    # The tool stays above the place behind the cube until it can move down there.
     aim[:, :2] = cube[:, :2] - along * clear
     aim[:, 2] = np.where(ready, low, hover)
     stuck = ~ready & (tcp[:, 2] < hover - 0.015)

@@ -114,8 +114,8 @@ class Workspace:
         closed = grasp_frame(model, self.gripper, 0.0, tip)
         away = closed.position[2] - T_tip_tcp.position[2]
         self.advance = max(0.0, away)
-        """Distance by which the fingertips move forward when the gripper closes
-        completely from the opening at which it holds a cube [m]."""
+        """Distance by which the fingertips of a closed gripper extend beyond those of
+        one that holds a cube [m]."""
         self.grasp_height = self.grasp_height_of(self.edge)
         """Height of the TCP above a cube's support when the gripper grasps the cube
         [m]."""
@@ -176,8 +176,8 @@ class Workspace:
         The result is the range of ``Randomisation.size``, limited so that the middle of
         the pads is beside the object, the gripper opens wide enough, and a cube can be
         carried above another cube.  If the nominal size of an object is outside these
-        limits, the nominal size becomes the limit.  ``extents`` are the extents of the
-        object [m], shape (3,).
+        limits, it becomes the limit.  ``extents`` are the extents of the object [m],
+        shape (3,).
 
         Raises:
             ConfigError: If the limited range is empty.

@@ -21,7 +21,7 @@ TOKEN_VARIABLE: Final = "TOOL0_PANEL_TOKEN"
 _LOOPBACK_NAMES: Final = frozenset({"127.0.0.1", "localhost", "::1"})
 _PORT: Final = re.compile(r"[0-9]{1,5}")
 _SEND_BUFFER: Final = 65536
-"""Size of the system's send buffer for a page [bytes], which holds two seconds of
+"""Size of the system's send buffer for a page [bytes]: enough for two seconds of
 frames.  With the system's default of several megabytes, a slow page would lag half a
 minute behind the robot."""
 _RECEIVE_BUFFER: Final = 32768
@@ -57,7 +57,7 @@ class Endpoint:
         The owner of a foreign page can make the page's host name resolve to this
         machine (DNS rebinding), in which case the browser sends the foreign name.  If a
         token is required, the port may differ, because a container or a tunnel may map
-        the port.
+        it.
         """
         name, port = _split(host_header)
         is_chosen = name in _LOOPBACK_NAMES or name == self.host.lower()
@@ -136,8 +136,8 @@ def _refusal(host: str, port: int | None, error: OSError) -> TransportError:
 def _split(host_header: str) -> tuple[str, int | None]:
     """Return the name in lower case without brackets, and the port.
 
-    If the header contains no port, the port is 80.  If the port is invalid, the port is
-    None.
+    If the header contains no port, the port is 80.  If the port is invalid, it is
+    returned as None.
     """
     name, colon, port = host_header.strip().lower().rpartition(":")
     if not colon or "]" in port:

@@ -47,7 +47,7 @@ class PageImage:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Rendering:
-    """An image that is rendered or being rendered, with its encodings."""
+    """An image that has been or is being rendered, with its encodings."""
 
     number: int
     image: asyncio.Future[CameraImage]
@@ -75,13 +75,13 @@ class CameraImages:
     ) -> PageImage | None:
         """Return the current image, or None if its number is ``after``.
 
-        A page that requests an image while the image is being rendered receives this
+        If the image is being rendered when a page requests it, the page receives that
         image.
 
         Args:
             name: Name of the camera.
             kind: ``color``, or ``depth`` in the format of ``depth_pixels``.
-            width: Width of the image [pixels]; the height results from the camera's
+            width: Width of the image [pixels]; the height follows from the camera's
                 aspect ratio.
             after: Number of the image that the page already has; 0 if the page has no
                 image.

@@ -115,8 +115,8 @@ class Entrance:
 
     async def _take(self, peer: socket.socket) -> None:
         self._visitors = [visitor for visitor in self._visitors if visitor.is_open]
-        # The system assigns the lowest free descriptor, so the descriptor's number
-        # shows how many are in use.
+        # The system assigns the lowest free descriptor, so its number shows how many
+        # are in use.
         is_short = peer.fileno() >= self._max_descriptors
         is_full = len(self._visitors) >= MAX_CONNECTIONS
         if (is_short or is_full) and not self._drop_a_stranger():

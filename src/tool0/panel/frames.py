@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from tool0.protocol.state import Snapshot
 
 _DIGITS: Final = 6
-"""Number of decimals of positions and similar values.  The rounding results in equal
-frames of a stationary robot."""
+"""Number of decimals of positions and similar values.  Because of the rounding, the
+frames of a stationary robot are identical."""
 _FORCE_DIGITS: Final = 4
 
 

@@ -25,13 +25,13 @@ _PANEL: Final = "Panel: "
 
 @final
 class LastRecording:
-    """Finds the last recording and replays this recording in a separate process.
+    """Finds the last recording and replays it in a separate process.
 
     The process ends when this object is closed or another recording is replayed.
     """
 
     def __init__(self, backend: Backend, host: str) -> None:
-        """Store the settings; ``host`` is the address at which replays listen."""
+        """Store the settings; ``host`` is the address on which replays listen."""
         self._backend = backend
         self._host = host
         self._replay: _ReplayProcess | None = None
@@ -63,7 +63,7 @@ class LastRecording:
             return await asyncio.to_thread(replay.address)
 
     async def close(self) -> None:
-        """End the replay if there is a replay."""
+        """End the replay, if there is one."""
         replay, self._replay = self._replay, None
         if replay is not None:
             await asyncio.to_thread(replay.close)
@@ -97,7 +97,7 @@ class _ReplayProcess:
         return self._child.exit_status is not None
 
     def address(self) -> str:
-        """Wait for the address of the page, and return the address."""
+        """Wait for the address of the page, and return it."""
         self._is_known.wait(_STARTS_WITHIN)
         if self._address is None:
             why = last_lines("\n".join(self._lines)) or "it says nothing"
@@ -109,7 +109,7 @@ class _ReplayProcess:
         self._reader.join()
 
     def _read(self, descriptor: int) -> None:
-        """Read all output of the process, so that the process never blocks."""
+        """Read all output of the process, so that it never blocks."""
         with open(descriptor, encoding="utf-8", errors="replace") as output:
             for line in output:
                 if self._is_known.is_set():

@@ -38,7 +38,7 @@ class NoticeBook:
         self.kept: deque[Notice] = deque(maxlen=NOTICES_KEPT)
 
     def note(self, notification: Notification) -> Notice | None:
-        """Return a notification as a notice, or None for an early repetition."""
+        """Return a notification as a notice, or None if it is repeated too early."""
         now = time.time()
         text = notification.text
         if notification.code == "refused" and self._is_repeated(text, now):

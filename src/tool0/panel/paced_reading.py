@@ -12,10 +12,10 @@ from typing import Any, Final, final
 from tool0.server.budget import Account
 
 _CHUNK: Final = 1 << 12
-"""Largest number of bytes in one read.  Short frames of this size are parsed within 0.5
-ms."""
+"""Largest number of bytes in one read.  Even if they consist of short frames, they are
+parsed within 0.5 ms."""
 _arriving: Final = memoryview(bytearray(_CHUNK))
-"""Buffer into which the event loop reads data, which is copied immediately."""
+"""Buffer into which the event loop reads data; the data is copied out immediately."""
 
 
 @final
@@ -29,8 +29,8 @@ class PacedProtocol(asyncio.BufferedProtocol):
         protocol."""
         self._transport: asyncio.Transport
         self._is_waiting, self._is_paused = False, False
-        """Whether the account (first value) or the protocol (second value) has paused
-        reading."""
+        """Whether reading has been paused by the account and by the protocol, in this
+        order."""
         self._task: asyncio.Task[None] | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:

@@ -71,7 +71,7 @@ class RobotPartsInfo(Struct, frozen=True, kw_only=True):
     base: str
     """Base link of this robot, which does not carry another robot."""
     joints: list[str]
-    """Names of the robot's movable joints, including the joints of the gripper."""
+    """Names of the robot's movable joints, including those of the gripper."""
     gripper: str | None
     """Name of the robot's gripper; null if the robot has no gripper."""
     tip: str
@@ -85,8 +85,7 @@ class RobotInfo(Struct, frozen=True, kw_only=True):
     root: str
     """Fixed root link; all poses are given in its frame."""
     urdf: str
-    """Path of the URDF on this server; meshes in the URDF also have paths on this
-    server."""
+    """Path of the URDF on this server; its meshes also have paths on this server."""
     ground: float | None
     """Height of the ground in the root frame [m]; null if there is no ground."""
     joints: list[JointInfo]
@@ -186,7 +185,7 @@ class GripperState(Struct, frozen=True, kw_only=True):
     ]
     """``holding_inside``: The gripper squeezes an object between its pads.
     ``holding_outside``: The gripper presses its pads outward against an object.
-    ``blocked``: The gripper cannot continue to move, although no object presses on both
+    ``blocked``: The gripper cannot move further, although no object presses on both
     fingers.  ``idle``: No position controller of the gripper is running."""
     gobj: int
     """Value of Robotiq's ``gOBJ``: 0 (moving), 1 (stopped by an object while opening),
@@ -264,9 +263,9 @@ class Status(Struct, frozen=True, kw_only=True, tag="status"):
     """Requested simulated seconds per wall second; null if the simulation runs as fast
     as possible."""
     real_time_factor: float
-    """Ratio of simulated time to wall time over about the last second."""
+    """Ratio of simulated time to wall time over roughly the last second."""
     late_ticks: int
-    """Number of ticks that started late in about the last second."""
+    """Number of ticks that started late over roughly the last second."""
     clients: int
     """Number of connected pages."""
     controllers: list[ControllerInfo]
@@ -286,7 +285,7 @@ class Status(Struct, frozen=True, kw_only=True, tag="status"):
     recording."""
     loops: bool = False
     """Whether a replay starts again at its end; in a replay, ``paused`` and ``speed``
-    also describe the replay."""
+    also describe the playback."""
     episodes: EpisodesStatus | None = None
     """State of the open folder of demonstrations, with times in whole seconds; null if
     no folder is open."""
@@ -329,7 +328,8 @@ class ViewInfo(Struct, frozen=True, kw_only=True, tag="view"):
     control_period: float | None
     """Duration of a tick in simulated time [s]; null without physics."""
     grasp_assist: bool
-    """Whether grasped objects are fixed to the gripper, which is not physical."""
+    """Whether grasped objects are fixed to the gripper, which is physically
+    unrealistic."""
     robot: RobotInfo
     cameras: list[CameraInfo]
     """Cameras, with images at ``/cameras/NAME/color?width=640`` and

@@ -84,7 +84,7 @@ class RobotFiles:
         self._url_of_object: Mapping[Path, str] = {}
 
     def set_objects(self, objects: Sequence[SceneObject]) -> None:
-        """Serve the meshes of these objects, and of no other objects.
+        """Serve only the meshes of these objects.
 
         A mesh that is removed and added again is served at another path, because its
         file may have changed.
@@ -136,9 +136,9 @@ def robot_info(
 ) -> RobotInfo:
     """Return the data that a page needs to draw the robot.
 
-    ``joints`` are in the order of the arrays of a frame, ``ground`` is the height of
-    the ground in the robot's root frame [m], and ``limits`` are the limits that differ
-    from the limits in the URDF.
+    ``joints`` are in the order of a frame's arrays, ``ground`` is the height of the
+    ground in the robot's root frame [m], and ``limits`` are the limits that differ from
+    those in the URDF.
     """
     model = description.model
     titles = {robot.prefix: robot.parts_title for robot in description.robots}

@@ -79,7 +79,7 @@ def load() -> None:
 class WebService:
     """Service of a hub's robot as a web page; see ``server.hub.Service``.
 
-    The address can be used immediately.  The page is served when the server has been
+    The address can be used immediately.  The page is served once the server has been
     loaded.
     """
 
@@ -108,7 +108,7 @@ class WebService:
         self._endpoint = endpoint
         self.listener = endpoint.listener
         self.url = endpoint.url
-        """The page's address, with the token if a token is required."""
+        """The page's address, with the token if one is required."""
         self._setpoint_requests = setpoint_requests
         self._shown = threading.Event()
         self._feed: ViewFeed | None = None
@@ -278,7 +278,7 @@ class Panel(AbstractContextManager["Panel"]):
         endpoint = endpoint or open_endpoint(host, port, token)
         backend, service = panel_service(robot, endpoint)
         self.url = service.url
-        """The page's address, with the token if a token is required."""
+        """The page's address, with the token if one is required."""
         self.await_page = service.await_page
         self._server = Server(backend, [service])
 
@@ -336,5 +336,5 @@ def _configuration(app: ASGIApp) -> uvicorn.Config:
 
 
 def _is_problem(record: logging.LogRecord) -> bool:
-    """Return whether a log record is not about a fault of a page."""
+    """Return False for a log record about a fault of a page, and True otherwise."""
     return record.getMessage() not in _FAULTS_OF_PAGES

@@ -197,7 +197,7 @@ class SimulationView:
 
 
 def gripper_state(name: str, grasp: GraspState) -> GripperState:
-    """Return a gripper's state in the form of the protocol."""
+    """Return a gripper's state in the form that the protocol uses."""
     return GripperState(
         name=name,
         opening=round(grasp.opening, 4),
@@ -208,7 +208,7 @@ def gripper_state(name: str, grasp: GraspState) -> GripperState:
 
 
 def stall_infos(snapshot: Snapshot) -> list[StallInfo]:
-    """Return the joints at their effort limit in the form of the protocol."""
+    """Return the joints at their effort limit, in the form that the protocol uses."""
     return [
         StallInfo(
             joint=stall.joint,

@@ -1,4 +1,4 @@
-"""A robot without physics for ``tool0 view``, which pages show and pose."""
+"""A robot without physics, which the pages of ``tool0 view`` show and pose."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ logger = logging.getLogger(__name__)
 FRAME_PERIOD: Final = 1 / 60
 """Shortest period between frames [wall s]."""
 STATUS_PERIOD: Final = 0.1
-"""Period of updates of the status and of checks for notifications [wall s]."""
+"""Period of status updates and of checks for notifications [wall s]."""
 HEARTBEAT: Final = 0.2
 """Longest wall time between frames, including frames of a paused robot [s]."""
 

@@ -14,7 +14,7 @@ class CallablePolicy:
     """A callable that maps a seed to a function from observation to actions."""
 
     def __init__(self, policy: str | Policy) -> None:
-        """Use a function or class, or load the function or class with this name.
+        """Use the given function or class, or load it by name.
 
         Raises:
             ConfigError: If there is no such policy, or its file raises an error.

@@ -93,8 +93,8 @@ def within_limits(
         clips: Whether to also clip actions that are far beyond the limits.
 
     Raises:
-        ActionRefusedError: If the action is far beyond the limits and ``clips`` is
-            False, or the action is not finite.
+        ActionRefusedError: If the action is not finite, or is far beyond the limits and
+            ``clips`` is False.
     """
     low, high = environment.limits
     names = environment.action_names

@@ -46,7 +46,7 @@ class OpenpiServer:
             address: Address of the server, ``ws://HOST:PORT``.
             keys: Mapping from each name that the server expects to ``state``,
                 ``environment_state``, ``prompt``, the name of an image, or a
-                comma-separated list of names of numbers.  If the mapping is empty, the
+                comma-separated list of number names.  If the mapping is empty, the
                 names that openpi's LIBERO policies expect are used.
 
         Raises:
@@ -83,8 +83,8 @@ class OpenpiServer:
         """Return the server's actions, shape (h, m).
 
         Raises:
-            PolicyError: If the server reports an error, or the server's answer contains
-                no actions.
+            PolicyError: If the server reports an error, or its answer contains no
+                actions.
             TransportError: If the server does not answer.
         """
         from websockets.exceptions import WebSocketException
@@ -117,7 +117,7 @@ class OpenpiServer:
 
 
 def _default_keys(columns: Mapping[str, Any]) -> dict[str, str]:
-    """Return the keys for an observation that openpi's LIBERO policies expect."""
+    """Return the keys that openpi's LIBERO policies expect for an observation."""
     images = [
         name.removeprefix(_IMAGES) for name in columns if name.startswith(_IMAGES)
     ]
@@ -195,7 +195,7 @@ def _with_arrays(value: Any) -> Any:
 
 
 def _dtype(name: str | bytes) -> np.dtype[Any]:
-    """Return a numeric data type, or reject an object type, which executes code."""
+    """Return a numeric data type; reject an object type, which could execute code."""
     found = np.dtype(name.decode() if isinstance(name, bytes) else name)
     if found.kind not in "biuf":
         raise ValueError(f"an array of {found}")

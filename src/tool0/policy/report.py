@@ -22,7 +22,7 @@ class Report:
     """Statistics of episodes with different seeds."""
 
     n_episodes: int
-    """Number of completed episodes, excluding an episode that the user interrupted."""
+    """Number of completed episodes, excluding one that the user interrupted."""
     n_succeeded: int
     n_stopped: int
     """Number of episodes that ended with an action beyond the limits, which are counted

@@ -1,7 +1,7 @@
 """An environment with a running robot, which may be simulated or real.
 
 Observations and actions have the form of ``tool0 export --format lerobot``, so policies
-that were trained on demonstrations of a robot can control this robot.  An action is the
+that were trained on demonstrations of a robot can control it.  An action is the
 position of each driven joint at the end of a control period.
 """
 
@@ -214,8 +214,8 @@ class RobotEnvironment:
     def send(self, action: Array) -> None:
         """Send targets [rad | m], shape (m,), without waiting.
 
-        After a pause, the arms begin a new stream from the positions at which the arms
-        came to rest.
+        After a pause, the arms begin a new stream from the positions at which they came
+        to rest.
 
         Raises:
             ControlError: If the robot rejects the targets, or the policy no longer

@@ -66,7 +66,7 @@ class EpisodeRun:
     seed: int
     result: Result
     reason: str = ""
-    """Reason why the episode was stopped; empty if the episode was not stopped."""
+    """Reason why the episode was stopped; empty if it was not stopped."""
     n_steps: int
     """Number of executed actions."""
     total_reward: float
@@ -92,7 +92,7 @@ def run_episode(
     """Execute a policy until the episode ends, and stop all motion.
 
     Raises:
-        PolicyError: If the policy fails, or an answer of the policy has a wrong shape.
+        PolicyError: If the policy fails, or one of its answers has a wrong shape.
         TransportError: If the policy's server does not answer.
         ControlError: If the robot rejects an action.
     """

@@ -22,7 +22,7 @@ class Seen:
     observation: Any
     """Observation in the form of the environment: an array or a dictionary."""
     values: Mapping[str, Array]
-    """Arrays of the observation by name; ``""`` if the observation is a single
+    """Arrays of the observation by name; the name is ``""`` if there is a single
     array."""
     kept: Mapping[str, Array]
     """Arrays of the observation that are recorded with the action."""

@@ -1,4 +1,4 @@
-"""Programs as scripts: Python for tool0's API, and URScript for UR's control box."""
+"""Programs as scripts: Python for tool0's API, or URScript for UR's control box."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """Planning of a program before execution: every path from every possible posture.
 
-Consecutive moves form one path, including the blends between the moves; comments
-between the moves are ignored.  A move until contact can end at any point of its path;
-therefore, planning continues from both ends of the path.  A loop is planned until its
-start postures repeat.  A path around obstacles is planned in the present scene, and is
+Consecutive moves form one path, including the blends between them; comments between
+moves are ignored.  A move until contact can end at any point of its path; therefore,
+planning continues from both ends of the path.  A loop is planned until its start
+postures repeat.  A path around obstacles is planned in the present scene, and is
 planned again when the step begins.
 """
 
@@ -101,7 +101,7 @@ class ProgramPath:
 
 
 class _UnknownEndError(Exception):
-    """Raised if the end of a step cannot be known before the step begins."""
+    """Raised if the end of a step cannot be known before it begins."""
 
 
 class StepError(Exception):

@@ -172,14 +172,14 @@ class RobotContext:
         return self.find_way(target, start, joints)
 
     def search(self, step: UntilStep, start: Array) -> Move:
-        """Return the longest move of a search that starts at ``start`` [rad]."""
+        """Return the longest move until contact from ``start`` [rad]."""
         T = self.tool(start[None])[0]
         T[:3, 3] += step.distance * self.direction(step, T)
         a, v = step.acceleration, step.speed
         return Move(kind="linear", pose=pose_numbers(T), a=a, v=v)
 
     def direction(self, step: UntilStep, T_root_tool: Array) -> Array:
-        """Return the direction of a search as a unit vector in the root's axes."""
+        """Return the unit direction of a move until contact, in the root's axes."""
         given = np.array(step.direction)
         length = float(np.linalg.norm(given))
         if not length > 0.0:

@@ -32,8 +32,8 @@ def folders() -> tuple[Path, ...]:
     """Return the folders that may contain sockets, with the preferred folder first.
 
     ``XDG_RUNTIME_DIR`` is private to the user and is emptied at logout.  If this
-    variable is not set (in a container, with cron or su), a folder with mode 0700 is
-    used instead.
+    variable is not set (for example, in a container or under cron), a folder with mode
+    0700 is used instead.
     """
     import tempfile
 
@@ -149,7 +149,7 @@ def _usable_folder() -> Path:
 
 
 def _locked_file(path: Path, name: str) -> IO[str]:
-    """Return the lock file, locked, with the id of this process as its content."""
+    """Lock the lock file, write the id of this process to it, and return it."""
     import fcntl  # this module does not exist on Windows
 
     while True:

@@ -31,8 +31,8 @@ class ArmInfo(Struct, frozen=True, kw_only=True):
     """An arm: six revolute joints that end at a link ``…tool0``."""
 
     name: str
-    """Name of the arm: the prefix of its links, or ``arm`` if the links have no prefix;
-    in a cell, the name of the robot."""
+    """Name of the arm: the prefix of its links, or ``arm`` if they have no prefix; in a
+    cell, the name of the robot."""
     base: str
     """Base link of the arm."""
     tip: str

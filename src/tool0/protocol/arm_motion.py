@@ -1,7 +1,7 @@
 """Requests to an arm that a program, rather than a ROS controller, moves.
 
-A program takes the arm, sends paths or streams, and releases the arm.  Joints are
-ordered from base to flange.
+A program takes the arm, sends paths or streams, and releases it.  Joints are ordered
+from base to flange.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class TakeArm(ArmRequest[None], frozen=True):
 
 
 class ReturnArm(ArmRequest[None], frozen=True):
-    """Stop an arm, and restart its controllers when the arm is at rest."""
+    """Stop an arm, and restart its controllers once it is at rest."""
 
     by: Name | None = None
     """Name of the program that releases the arm.  If another program has taken the arm
@@ -151,11 +151,11 @@ class StopArm(ArmRequest[None], frozen=True):
     deceleration of the path's speed [1/s]; at 2, the arm stops within half a
     second."""
     along_path: bool = False
-    """Whether an arm that follows a path stays on the path during the deceleration."""
+    """Whether an arm that follows a path stays on it during the deceleration."""
 
 
 class ServoJoints(ArmRequest[None], frozen=True):
-    """Follow a target or a stream of targets, like URScript's ``servoj``.
+    """Follow a target or a stream of targets, as URScript's ``servoj`` does.
 
     Each request that is sent without an id is executed at the next tick.  The control
     law is qdd = gain (target - (q + lookahead_time qd)), where q and qd are the
@@ -171,8 +171,8 @@ class ServoJoints(ArmRequest[None], frozen=True):
     """Simulated time until the next target is expected [s].  After this time, the arm
     holds the last target."""
     lookahead_time: Annotated[float, Meta(ge=0.03, le=0.2)] = 0.1
-    """Lookahead time of the control law [s].  With a longer time, the motion is
-    smoother, but has more lag."""
+    """Lookahead time of the control law [s].  A longer time makes the motion smoother,
+    but increases its lag."""
     gain: Annotated[float, Meta(ge=100.0, le=2000.0)] = 300.0
     """Gain of the control law [1/s²]."""
     timeout: Timeout = SILENCE
@@ -194,8 +194,8 @@ class SpeedJoints(ArmRequest[None], frozen=True):
     acceleration: Acceleration = 1.4
     """Acceleration of the leading joint [rad/s²]."""
     duration: Duration | None = None
-    """Time after which the arm decelerates to rest [s]; by default or at 0, the arm
-    continues to move."""
+    """Time after which the arm decelerates to rest [s]; with the default
+    or 0, the arm continues to move."""
     timeout: Timeout | None = None
     """Longest wall time between two targets of a stream [s]; see ``servo_joints``.  The
     default is 0.5 s without a ``duration``; with a ``duration``, the time is
@@ -203,7 +203,7 @@ class SpeedJoints(ArmRequest[None], frozen=True):
 
 
 class SpeedTool(ArmRequest[None], frozen=True):
-    """Accelerate to a velocity of the tool, like URScript's ``speedl``.
+    """Accelerate the tool to a velocity, as URScript's ``speedl`` does.
 
     If a joint would be too fast or would reach its limit, the tool decelerates, but
     keeps its direction of motion.
@@ -217,8 +217,8 @@ class SpeedTool(ArmRequest[None], frozen=True):
     """Linear acceleration of the tool [m/s²].  The same number limits the angular
     acceleration of the tool [rad/s²]."""
     duration: Duration | None = None
-    """Time after which the arm decelerates to rest [s]; by default or at 0, the arm
-    continues to move."""
+    """Time after which the arm decelerates to rest [s]; with the default
+    or 0, the arm continues to move."""
     timeout: Timeout | None = None
     """Longest wall time between two targets of a stream [s]; see ``servo_joints``.  The
     default is 0.5 s without a ``duration``; with a ``duration``, the time is
@@ -265,11 +265,11 @@ class EndTorques(ArmRequest[None], frozen=True):
 
 
 class StartForceMode(ArmRequest[None], frozen=True):
-    """Apply a force along some axes of a frame, like URScript's ``force_mode``.
+    """Apply a force along some axes of a frame, as URScript's ``force_mode`` does.
 
     Force mode is superimposed on the arm's motion; a second request replaces the first
-    request.  ``wrench`` is the wrench that the tool exerts on its environment at rest.
-    Motions and setpoints do not include the compliant deviation.
+    request.  ``wrench`` is the wrench that the tool, when at rest, exerts on its
+    environment.  Motions and setpoints do not include the compliant deviation.
     """
 
     frame: Row6
@@ -307,10 +307,10 @@ class EndForceMode(ArmRequest[None], frozen=True):
 
 
 class StartFreedrive(ArmRequest[None], frozen=True):
-    """Start freedrive: the arm can be guided by hand, and then holds its position."""
+    """Start freedrive: the arm can be guided by hand, and stays where it is left."""
 
     axes: Flags6 = (True,) * 6
-    """Axes of the frame along which and about which the tool can be moved."""
+    """Axes of the frame along or about which the tool can be moved."""
     frame: Row6 = ZERO_POSE
     """Pose of the task frame in the base: position and rotation vector [m, rad]."""
     controller: Name | None = None
@@ -335,10 +335,9 @@ class ZeroWrench(ArmRequest[None], frozen=True):
 
 
 class EndStream(Request[None], frozen=True):
-    """Decelerate the arm to rest if the arm follows a stream; other motions continue.
+    """Decelerate the arm to rest if it is following a stream; other motions continue.
 
-    The simulation ends a stream automatically when the stream contains no further
-    targets.
+    The simulation ends a stream automatically when it contains no further targets.
     """
 
     arm: Name

@@ -51,7 +51,7 @@ class Observed(Protocol):
             EngineError: If the physics failed.
             ControlError: If the robot was closed, or is paused and does not run in real
                 time.
-            TransportError: If the robot is in another process, and this process has
+            TransportError: If the robot is in another process, and that process has
                 ended.
         """
 
@@ -148,7 +148,7 @@ class Backend(Protocol):
         """Raise Tool0Error for a streamed setpoint that can never be executed."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
-        """Return the controllers whose setpoint streams are ended by a request."""
+        """Return the controllers whose setpoint streams a request ends."""
 
 
 def missing(request: type[Request[Any]], reason: str) -> NotOfferedError:

@@ -178,8 +178,8 @@ class Subscription:
     def following(self, timeout: float | None = None) -> Snapshot | None:
         """Wait for the next snapshot and return it; None after ``timeout`` [wall s].
 
-        No snapshot is skipped unless the reader is behind by more than
-        ``SNAPSHOTS_KEPT`` snapshots.
+        No snapshot is skipped unless the reader falls more than ``SNAPSHOTS_KEPT``
+        snapshots behind.
         """
         following = self._bus.newer_than(self._seen, timeout)
         if following is not None and self._seen is not None:
@@ -215,9 +215,9 @@ class Bus:
         skipped."""
         self.latest: Snapshot | None = None
         self._recent: deque[Snapshot] = deque(maxlen=SNAPSHOTS_KEPT)
-        """Recent snapshots, which are kept only if a subscriber needs them.  The reason
-        is that freeing a snapshot that is no longer in the processor's cache takes
-        longer than creating a snapshot."""
+        """Recent snapshots, which are kept only if a subscriber needs them.  Freeing a
+        snapshot that is no longer in the processor's cache takes longer than creating
+        one."""
         self._keeps_recent = False
         self._history: deque[Snapshot] = deque(maxlen=HISTORY_LENGTH)
         self._history_time = -math.inf
@@ -351,7 +351,7 @@ class Bus:
             return None if self.latest is seen else self.latest
 
     def since(self, seen: Snapshot | None) -> list[Snapshot]:
-        """Return the snapshots after ``seen``, oldest first; for None, only the newest.
+        """Return the snapshots after ``seen``, oldest first; if None, only the newest.
 
         If ``seen`` is no longer stored, all stored snapshots are returned.
         """

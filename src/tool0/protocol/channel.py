@@ -39,7 +39,7 @@ class Channel(Observed, Protocol):
         """
 
     def close(self) -> None:
-        """End the simulation, or the connection to the simulation."""
+        """End the simulation, or the connection to it."""
 
 
 @final

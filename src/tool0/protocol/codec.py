@@ -343,7 +343,7 @@ def encode_error(ident: int | str | None, error: BaseException) -> bytes:
 
 
 def decode_response(request: Request[Any], result: Raw) -> Any:
-    """Return the decoded response; raise TransportError if the response is invalid."""
+    """Return the decoded response; raise TransportError if it is invalid."""
     response = response_type(type(request))
     form = _WIRE_FORMS.get(response)
     try:

@@ -76,7 +76,7 @@ class SetAnalogInput(ArmRequest[None], frozen=True):
 
 
 class SetSpeedSlider(ArmRequest[None], frozen=True):
-    """Set the speed slider, which smoothly changes the speed of scaled trajectories."""
+    """Set the speed slider; the speed of scaled trajectories changes smoothly."""
 
     fraction: Fraction
     """Fraction of the programmed speed."""
@@ -131,7 +131,7 @@ class ReleaseBrakes(ArmRequest[None], frozen=True):
 
 
 class StopProtectively(ArmRequest[None], frozen=True):
-    """Trigger a protective stop: the arm is stopped until the stop is unlocked."""
+    """Trigger a protective stop: the arm stays stopped until the stop is unlocked."""
 
     is_urgent = True
     revokes = ("unlock_protective_stop", "restart_safety")

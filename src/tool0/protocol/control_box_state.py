@@ -107,8 +107,7 @@ class SafetyLimits(Struct, frozen=True, kw_only=True):
     """Limits that stop an arm automatically."""
 
     is_enabled: bool = False
-    """Whether these limits are active; if they are not active, only requests stop the
-    arm."""
+    """Whether these limits are active; otherwise, only requests stop the arm."""
     force: float = 150.0
     """Maximum contact force on any link except the base [N]; the default is from UR's
     default safety preset."""
@@ -217,7 +216,7 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
     arm is not taken."""
     motion_failure: str = ""
     """Reason why a motion of the program ``taken_by`` failed.  The arm then does not
-    move until the program takes the arm again.  Empty if no motion failed."""
+    move until the program takes it again.  Empty if no motion failed."""
     ur: UrReport | None = None
     """State of the UR protocol interface; None if UR's protocols are not served."""
     link: RobotLink | None = None
@@ -225,7 +224,7 @@ class ControlBoxState(Struct, frozen=True, kw_only=True):
 
     @property
     def may_move(self) -> bool:
-        """Whether the arm is powered, without engaged brakes or an active stop."""
+        """Whether the arm is powered, with released brakes and no active stop."""
         return self.robot_mode in POWERED and self.safety_mode in UNSTOPPED
 
     @property

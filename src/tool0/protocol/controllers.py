@@ -197,8 +197,8 @@ class LoadController(Request[None], frozen=True):
 
     name: Name
     type: Name | None = None
-    """Type of the controller, required if the files do not contain the type; it
-    corresponds to the controller manager's parameter ``<name>.type``."""
+    """Type of the controller, required if the files do not contain it; it corresponds
+    to the controller manager's parameter ``<name>.type``."""
     files: Annotated[tuple[str, ...], Meta(max_length=100)] = ()
     """YAML files on the simulation's machine; they correspond to the parameter
     ``<name>.params_file``.  If the files and the type are left out, the configuration
@@ -249,8 +249,8 @@ class SwitchControllers(Request[None], frozen=True):
     start: Names = ()
     stop: Names = ()
     strict: bool = True
-    """Whether an impossible change rejects the whole request; otherwise, the impossible
-    change is skipped."""
+    """Whether an impossible change rejects the whole request; otherwise, it is
+    skipped."""
 
 
 class ReadController(Request[TrajectoryState], frozen=True):

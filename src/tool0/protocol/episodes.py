@@ -25,8 +25,8 @@ class EpisodesStatus(Struct, frozen=True, kw_only=True):
     is_recording: bool
     """Whether an episode is being recorded."""
     duration: float
-    """Simulated duration of the episode that is being recorded [s]; 0 without a
-    recording."""
+    """Simulated duration of the episode that is being recorded [s]; 0 if there is no
+    such episode."""
     episodes: int
     """Number of episodes in the folder."""
     succeeded: int
@@ -37,9 +37,9 @@ class EpisodesStatus(Struct, frozen=True, kw_only=True):
 
 
 class OpenEpisodes(Request[EpisodesStatus], frozen=True):
-    """Select the folder for episodes; the folder can already contain episodes.
+    """Select the folder for episodes; it can already contain some.
 
-    While a folder is open, keys in the panel start and end episodes.
+    While a folder is open, you can start and end episodes with keys in the panel.
     """
 
     written_paths = ("folder",)

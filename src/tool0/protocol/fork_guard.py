@@ -17,7 +17,7 @@ class OwnProcess:
 
     @property
     def is_this(self) -> bool:
-        """Whether the current process created the robot, and is not a forked child."""
+        """Whether the current process, rather than its parent, created the robot."""
         return os.getpid() == self._pid
 
     def check(self) -> None:

@@ -1,4 +1,4 @@
-"""Detection of a frozen process: the process was stopped, or the machine slept."""
+"""Detection of times in which the process was stopped or the machine slept."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Goals: their status, outcome and tolerances, and requests about goals.
 
-A fault is raised as an exception; an outcome is a value.
+Faults are raised as exceptions; outcomes are returned as values.
 """
 
 from __future__ import annotations
@@ -79,8 +79,7 @@ class GripperResult:
     holds: bool = False
     """Whether the gripper holds an object: both fingers are in contact with it."""
     error_string: str = ""
-    """Reason why the joint stopped before the goal; empty if the joint reached the
-    goal."""
+    """Reason why the joint stopped before the goal; empty if it reached the goal."""
 
 
 Result = GoalResult | GripperResult
@@ -115,7 +114,7 @@ class Goal:
 
     @property
     def result(self) -> Result | None:
-        """The outcome of the goal; None while the goal is active."""
+        """The outcome of the goal; None while it is active."""
         return self._result
 
     def finish(self, result: Result) -> None:
@@ -130,7 +129,7 @@ class Goal:
             callback(self)
 
     def when_finished(self, callback: Callable[[Goal], None]) -> None:
-        """When the goal ends, call ``callback(goal)`` in the thread that ends it."""
+        """Call ``callback(goal)`` when the goal ends, in the thread that ends it."""
         with self._lock:
             if self._result is None:
                 self._callbacks.append(callback)

@@ -23,7 +23,7 @@ class GraspState:
     motion: GripperMotion
     """``holding_inside``: the gripper squeezes an object between the pads.
     ``holding_outside``: the gripper presses the pads outward against an object.
-    ``blocked``: the gripper cannot move further, although it does not hold an object.
+    ``blocked``: the gripper cannot move further, but does not hold an object.
     ``idle``: no position controller is running."""
     opening: float
     """Distance between the pads [m]."""

@@ -1,4 +1,4 @@
-"""The request for hardware components, as in the controller_manager of ros2_control."""
+"""Request for the hardware components, modeled on ros2_control's controller_manager."""
 
 from __future__ import annotations
 

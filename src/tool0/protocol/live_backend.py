@@ -1,6 +1,6 @@
 """A backend that consists of published states and a function for each request.
 
-The backend is for robots that are not simulated: the time of the robot is wall time.
+The backend is for robots that are not simulated: their time is wall time.
 """
 
 from __future__ import annotations
@@ -148,7 +148,7 @@ class LiveBackend:
         self.answer(request)
 
     def check_setpoint(self, request: Request[Any]) -> None:
-        """Accept every setpoint, because the handlers check setpoints."""
+        """Accept every setpoint, because the handlers check them."""
 
     def superseded(self, request: Request[Any]) -> Collection[str]:
         return ()

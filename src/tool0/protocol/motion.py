@@ -38,8 +38,8 @@ class MoveJoints(Request[tuple[GoalStarted, ...]], frozen=True):
     """Duration of the motions [s], instead of a speed.  The motions are cubic
     polynomials.  The other joints of the controllers keep their setpoints."""
     controller: Name | None = None
-    """Controller that moves the joints; by default, the controllers that claim the
-    joints move them."""
+    """Controller that moves the joints; by default, the controllers that claim them are
+    used."""
     collision: CollisionRule = "ignore"
 
     def as_done(self) -> Request[Any]:
@@ -75,13 +75,13 @@ class CommandGripper(Request[GoalStarted], frozen=True):
     max_effort: float | None = None
     """Maximum effort [N·m | N].  Without a value, the default of the controller
     applies.  ROS 2's parallel gripper controller writes this value to its
-    ``max_effort_interface``.  If this interface is an interface of the gripper, the
-    value is the force at the pads [N]."""
+    ``max_effort_interface``.  If the gripper has this interface, the value is the force
+    at the pads [N]."""
     max_velocity: float | None = None
     """Maximum velocity [rad/s | m/s].  Without a value, the default of the controller
     applies.  ROS 2's parallel gripper controller writes this value to its
-    ``max_velocity_interface``.  If this interface is an interface of the gripper, the
-    value is the relative speed of the pads [m/s]."""
+    ``max_velocity_interface``.  If the gripper has this interface, the value is the
+    relative speed of the pads [m/s]."""
     grip: GripLimits | None = None
     """Limits of the pads' speed and force, instead of ``max_effort`` and
     ``max_velocity``."""

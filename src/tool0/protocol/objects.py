@@ -37,10 +37,10 @@ from tool0.protocol.request import (
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Collision:
-    """Two bodies that would overlap on a path or at the end of the path."""
+    """Two bodies that would overlap on a path or at its end."""
 
     first: str
-    """First body: a link of the robot, or an object that the robot holds."""
+    """First body: a link of the robot, or an object that it holds."""
     second: str
     """Second body: a link, an object, or ``ground``."""
     depth: float
@@ -218,10 +218,10 @@ class ApplyWrench(Request[None], frozen=True):
     point: Place | None = None
     """Initial point of action of the force, in the robot's root frame [m]; the default
     is the body's center of mass.  The point follows the translation of the body, but
-    not the rotation of the body."""
+    not its rotation."""
     start: Annotated[float, Meta(ge=0.0)] = 0.0
-    """Simulated time at which the wrench begins [s]; for a past time, the wrench begins
-    immediately."""
+    """Simulated time at which the wrench begins [s]; if this time has passed, the
+    wrench begins immediately."""
     duration: Annotated[float, Meta(ge=0.0)] | None = None
     """Simulated time for which the wrench acts [s].  Without a duration, the wrench
     acts until it is cleared or the robot is reset."""
@@ -253,7 +253,7 @@ class PullLink(Request[None], frozen=True):
 
 
 class ClearWrenches(Request[None], frozen=True):
-    """End all wrenches and springs on one body; without a name, on all bodies."""
+    """End all wrenches and springs on one body, or on all bodies if none is given."""
 
     name: Name | None = None
 
@@ -267,12 +267,12 @@ class ReadContacts(Request[tuple[Contact, ...]], frozen=True):
 
 
 class FindCollisions(Request[tuple[Collision, ...]], frozen=True):
-    """Find the collisions of the robot on the path to a pose and at the pose.
+    """Find the collisions of the robot at a pose and on the path to it.
 
     On the path, all joints move synchronously from their current positions, and objects
-    in grippers move with the grippers.  A pair is left out if it already overlaps by at
-    least the same depth at present.  The pairs are sorted by the beginning of their
-    collisions.
+    in grippers move with the grippers.  A pair that already overlaps at least as deeply
+    at present is left out.  The pairs are sorted by where on the path their collisions
+    begin.
     """
 
     positions: JointPositions

@@ -65,7 +65,7 @@ class KeepOut(Struct, frozen=True, kw_only=True):
 
 
 class Upright(Struct, frozen=True, kw_only=True):
-    """Constraint that keeps a tool axis within an angle from its initial direction."""
+    """Constraint that keeps a tool axis within an angle of its initial direction."""
 
     tilt: Annotated[float, Meta(ge=0.01, le=3.2)]
     """Maximum angle between the axis and its initial direction [rad]."""
@@ -79,7 +79,7 @@ class Checked(Struct, frozen=True, kw_only=True):
     """Result of checking whether a motion is free of collisions."""
 
     is_free: bool
-    """Whether all bodies keep the clearance during the motion, without collisions."""
+    """Whether the motion is free of collisions, and all bodies keep the clearance."""
     reason: str = ""
     """The two bodies that are too close, and the distance between them; empty if the
     motion is free."""
@@ -153,12 +153,12 @@ class PlanMotion(Request[Plan], frozen=True):
     timeout: Annotated[float, Meta(gt=0.0, le=600.0)] = 5.0
     """Wall time after which the search ends [s]."""
     seed: Annotated[int, Meta(ge=0, le=2**31)] = 0
-    """Seed of the search; the same seed results in the same plan unless the search
-    reaches the timeout."""
+    """Seed of the search; the same seed gives the same plan unless the search times
+    out."""
 
 
 class CancelPlanning(Request[None], frozen=True):
-    """Cancel every search in progress; the ``plan_motion`` requests then fail."""
+    """Cancel every search in progress; their ``plan_motion`` requests fail."""
 
     is_urgent = True
 
@@ -166,8 +166,8 @@ class CancelPlanning(Request[None], frozen=True):
 class ExecutePlan(Request[tuple[GoalStarted, ...]], frozen=True):
     """Execute a plan; each trajectory controller of the arms gets a goal.
 
-    The plan is refused if the arm or an object has moved since the planning.  A new
-    contact that the plan does not allow stops the motion.
+    The plan is refused if the arm or an object has moved since the plan was made.  A
+    new contact that the plan does not allow stops the motion.
     """
 
     number: int

@@ -16,8 +16,8 @@ class SavePose(Request[None], frozen=True):
 
     name: Name
     robot: Name | None = None
-    """Robot of the cell whose joints are saved.  If a saved pose has the same name, the
-    joints of the other robots are kept.  By default, all joints are saved."""
+    """Robot of the cell whose joints are saved.  If a pose with this name exists, its
+    values for the other robots are kept.  By default, all joints are saved."""
 
 
 class DeletePose(Request[None], frozen=True):

@@ -1,8 +1,8 @@
 """Programs, as data: sequences of steps for one arm and its gripper.
 
 Files, requests and the panel use the same structure.  Steps are numbered from 1.  The
-number of a step in a loop starts with the number of the loop: if step 3 is a loop, the
-second step of this loop has the number 3.2.
+number of a step in a loop starts with that of the loop: if step 3 is a loop, its second
+step has the number 3.2.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class MoveJointStep(_Move, frozen=True, kw_only=True, tag="move_joint"):
 
 
 class MoveLinearStep(_Move, frozen=True, kw_only=True, tag="move_linear"):
-    """Move the tool along a straight line, like URScript's ``movel``."""
+    """Move the tool along a straight line, as URScript's ``movel`` does."""
 
     speed: ToolSpeed = 0.25
     """Speed of the tool [m/s]."""
@@ -185,7 +185,7 @@ class LoopStep(_Step, frozen=True, kw_only=True, tag="loop"):
     loop is endless."""
     while_input: Pin | None = None
     """Pin number of a digital input, instead of a number of iterations.  The loop ends
-    if the input does not have the level before an iteration."""
+    if the input does not have the given ``level`` at the start of an iteration."""
     level: bool = True
     """Level of the input at which the loop continues; true is high."""
 
@@ -210,7 +210,7 @@ class Program(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     format: Literal[1] = 1
     """Version of the file format."""
     name: Name
-    """Name of the program; the program is saved under this name."""
+    """Name of the program, under which it is saved."""
     arm: Name | None = None
     """Name of the arm in ``list_arms``; required only if the robot has several arms."""
     gripper: Name | None = None
@@ -239,8 +239,8 @@ def walk(
 def require_shallow(program: Program) -> None:
     """Raise ControlError if loops are nested too deeply for recursion.
 
-    The check of the program reports a smaller nesting depth that is still invalid, with
-    the location.
+    The check of the program also rejects less deeply nested loops that are still
+    invalid, and reports their location.
     """
     steps: Sequence[Step] = program.steps
     for _ in range(_DEEPEST + 1):

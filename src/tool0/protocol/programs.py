@@ -73,8 +73,7 @@ class ProgramRun(Struct, frozen=True, kw_only=True):
     text: str = ""
     """Description of the current or last executed step."""
     error: str = ""
-    """Reason why the program failed or was stopped; empty if there is no such
-    reason."""
+    """Reason why the program failed or was stopped; empty otherwise."""
     time: float = 0.0
     """Simulated time since the start of the program [s]."""
 
@@ -121,9 +120,8 @@ class ExportProgram(Request[str], frozen=True):
 class RunProgram(Request[GoalStarted], frozen=True):
     """Check a program and run it.
 
-    The program takes the arm from the arm's controllers, and releases the arm at the
-    end.  The goal ends when the program ends; the goal number is the negated run
-    number.
+    The program takes the arm from its controllers, and releases it at the end.  The
+    goal ends when the program ends; the goal number is the negated run number.
     """
 
     program: Program | None = None

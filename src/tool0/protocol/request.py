@@ -55,7 +55,7 @@ class Request(
         return ()
 
     def as_done(self) -> Request[Any]:
-        """Return a request that has the same effect as this request, but no checks."""
+        """Return a request with the same effect as this request, but without checks."""
         return self
 
 
@@ -97,8 +97,8 @@ Coordinate = Annotated[float, Meta(ge=-1000.0, le=1000.0)]
 Place = tuple[Coordinate, Coordinate, Coordinate]
 
 CollisionRule = Literal["refuse", "ignore"]
-"""``refuse``: check the motion, and refuse the motion if an arm would collide.
-``ignore``: do not check the motion."""
+"""``refuse``: check the motion, and refuse it if an arm would collide.  ``ignore``: do
+not check the motion."""
 
 JointPositions = Annotated[dict[str, float], Meta(max_length=1000)]
 """Joint → position [rad | m]."""

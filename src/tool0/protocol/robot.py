@@ -106,7 +106,7 @@ class DescriptionInfo(Struct, frozen=True, kw_only=True):
     """The robot's arms and grippers from the catalog; empty if the robot is from a
     user's file."""
     namespaces: tuple[NamespaceInfo, ...]
-    """The robots of a cell with namespaces; empty without namespaces."""
+    """The robots of a cell with their namespaces; empty if they have none."""
     packages: dict[str, str]
     """ROS packages in tool0 that the URDF refers to: name → ``file://`` URI of the
     package."""

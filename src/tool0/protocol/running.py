@@ -18,7 +18,7 @@ class Resume(Request[None], frozen=True):
 
 
 class Step(Request[float], frozen=True):
-    """Run control periods during a pause; the response is the new time [s]."""
+    """Run control periods while paused; the response is the new time [s]."""
 
     ticks: Annotated[int, Meta(ge=1, le=1_000_000)] = 1
 

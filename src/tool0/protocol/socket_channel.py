@@ -303,7 +303,7 @@ class SocketChannel:
                 self._hello.set_result(message)
 
     def _goal(self, number: int, controller: str) -> Goal:
-        """Return the goal with this number; create the goal if it does not exist."""
+        """Return the goal with this number; create it if it does not exist."""
         with self._lock:
             if number not in self._goals:
                 self._goals[number] = Goal(controller)

@@ -17,11 +17,11 @@ from tool0.protocol.trajectories import TrajectoryState
 MotionMode = Literal[
     "free", "hold", "path", "servo", "speed", "stop", "freedrive", "torque"
 ]
-"""Source of an arm's motion; ``free``: a ROS controller, or no source."""
+"""Source of an arm's motion; ``free`` means a ROS controller or no source."""
 
 SNAPSHOT_PERIOD = 0.008
 """Default simulated time between snapshots [s].  The resulting rate of 125 Hz is also
-the rate of the state reports of a real UR."""
+that of a real UR's state reports."""
 
 
 def ticks_between_snapshots(period: float, control_period: float) -> int:
@@ -78,17 +78,16 @@ class ArmSample(Struct, frozen=True):
     """Motion of an arm, the source of the motion, and the wrench on the tool."""
 
     mode: MotionMode
-    """Source of the motion; ``free``: a ROS controller, or no source."""
+    """Source of the motion; ``free`` means a ROS controller or no source."""
     setpoint: ArmSetpoint | None
     """Setpoint of the arm, or the measured motion if the arm is not driven.  The
     setpoint is sent as [positions, velocities, accelerations], from base to flange
-    [rad, rad/s, rad/s²].  The value is None only in snapshots in the simulation's
-    process, if a controller has the setpoint."""
+    [rad, rad/s, rad/s²].  The value is None only within the simulation's process, if a
+    controller has the setpoint."""
     path: int
     """Number of the last path; 0 before the first path."""
     path_time: float
-    """Time on the last path [s]; this time advances more slowly if the speed is
-    scaled."""
+    """Time on the last path [s]; it advances more slowly if the speed is scaled."""
     is_done: bool
     """Whether the path or the deceleration has ended with the setpoint at rest; false
     after a failure."""
@@ -136,13 +135,13 @@ class Snapshot(Struct, frozen=True):
     is_stopped: bool = False
     """Whether the emergency stop is engaged."""
     real_time_factor: float = 1.0
-    """Ratio of simulated time to wall time, measured over about the last second."""
+    """Ratio of simulated time to wall time, measured over roughly the last second."""
     overruns: int = 0
     """Number of ticks that have begun more than one control period late since the
     start."""
     late_ticks: int = 0
-    """Number of ticks that began more than one control period late, in about the last
-    second of wall time."""
+    """Number of ticks that began more than one control period late over roughly the
+    last second of wall time."""
     fault: str | None = None
     """Reason why the simulation is stopped until a reset; None if it is not stopped."""
     speed: float | None = None
@@ -219,7 +218,7 @@ class ArmSetpoint(NamedTuple):
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether no joint moves."""
+        """Whether all joints are stationary."""
         return not any(self.velocities)
 
     @staticmethod
@@ -240,11 +239,11 @@ class Stall(NamedTuple):
     effort: float
     """Effort with which the joint pushes [N·m | N]."""
     contacts: tuple[tuple[str, str], ...] = ()
-    """Contacts, strongest first: pairs of a link beyond the joint and the body that the
-    link touches.  Empty if the joint is at its mechanical stop or is overloaded."""
+    """Contacts, strongest first: pairs of a link beyond the joint and the body that it
+    touches.  Empty if the joint is at its mechanical stop or is overloaded."""
     lag: float | None = None
-    """Distance of the joint from its setpoint [rad | m]; None if the joint is at its
-    effort limit."""
+    """Distance of the joint from its setpoint [rad | m]; None if it is at its effort
+    limit."""
 
     def __str__(self) -> str:
         touching = contacts_text(self.contacts)

@@ -66,13 +66,13 @@ class RareChanges(Struct, frozen=True, kw_only=True, omit_defaults=True):
     gripping: tuple[str, ...] | UnsetType = UNSET
     """Names of the grippers that press on an object from two sides."""
     real_time_factor: float | UnsetType = UNSET
-    """Ratio of simulated time to wall time, measured over about the last second."""
+    """Ratio of simulated time to wall time, measured over roughly the last second."""
     overruns: int | UnsetType = UNSET
     """Number of ticks that have begun more than one control period late since the
     start."""
     late_ticks: int | UnsetType = UNSET
-    """Number of ticks that began more than one control period late, in about the last
-    second of wall time."""
+    """Number of ticks that began more than one control period late over roughly the
+    last second of wall time."""
     controllers: tuple[ControllerStatus, ...] | UnsetType = UNSET
     """Status of every loaded controller."""
     control_boxes: tuple[ControlBoxState, ...] | UnsetType = UNSET

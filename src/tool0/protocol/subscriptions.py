@@ -14,10 +14,10 @@ from tool0.protocol.state_message import SNAPSHOT_FIELDS, StateField
 class Subscribe(Request[None], frozen=True):
     """Receive ``state`` messages, events when they occur, and log messages.
 
-    A second request replaces the first request.  A field that rarely changes, such as
-    ``joint_names``, ``controllers`` or ``scene``, is in the first message, and in a
-    later message only if it has changed.  A slow reader loses the oldest states.  The
-    next state contains the number of lost states, and all fields.
+    A second request replaces the first request.  After the first message, fields that
+    rarely change, such as ``joint_names``, ``controllers`` or ``scene``, are included
+    only when they have changed.  A slow reader loses the oldest states.  The next state
+    contains the number of lost states, and all fields.
     """
 
     is_of_connection = True

@@ -108,11 +108,10 @@ class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
     """Positions, velocities and accelerations at ``time_from_start`` [s], in the order
     of ``joint_names``."""
     joint_names: tuple[str, ...] | None = None
-    """Names of the joints of the points; by default, the joints of the controller are
-    used."""
+    """Names of the points' joints; by default, the controller's joints are used."""
     stamp: float | None = None
-    """Simulated time at which the trajectory starts [s]; by default, the trajectory
-    starts immediately."""
+    """Simulated time at which the trajectory starts [s]; by default, it starts
+    immediately."""
 
 
 class FollowTrajectory(_OfTrajectory[GoalStarted], frozen=True):

@@ -23,7 +23,7 @@ _UINT32, _FLOAT64 = 6, 8
 
 
 def _string(text: str, offset: int) -> bytes:
-    """Return a string that is encoded for ``offset``, with the padding before it."""
+    """Return a string encoded for ``offset``, preceded by its padding."""
     data = text.encode() + b"\x00"
     return _padding(offset, 4) + struct.pack("<I", len(data)) + data
 
@@ -205,7 +205,7 @@ class Points:
         self._head = struct.Struct(f"<4siI{len(self._names)}sII{len(self._fields)}sII")
 
     def encode(self, stamp: int, points: Sequence[Sequence[float]]) -> bytes:
-        """Return the message for points that consist of doubles and then integers."""
+        """Return the message for points, each with doubles followed by integers."""
         data = b"".join(self._point.pack(*point) for point in points)
         n, size = len(points), len(data)
         head = self._head.pack(
@@ -214,5 +214,5 @@ class Points:
         return head + data + b"\x01"  # is_dense
 
     def decode(self, message: bytes) -> list[tuple[Any, ...]]:
-        """Return the points as tuples of doubles and then integers."""
+        """Return the points as tuples of doubles followed by integers."""
         return list(self._point.iter_unpack(message[self._head.size : -1]))

@@ -28,8 +28,7 @@ FORMAT: Final = 1
 file."""
 METADATA: Final = "tool0"
 MESHES: Final = "tool0.meshes"
-"""Name of the metadata that maps the URI of each mesh to the name of the mesh's
-attachment."""
+"""Name of the metadata that maps each mesh's URI to the name of its attachment."""
 ROBOT: Final = "robot.urdf"
 DESCRIPTION: Final = "description.json"
 SIMULATION: Final = "simulation.json"

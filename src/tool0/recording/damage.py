@@ -1,4 +1,4 @@
-"""Conversion to RecordingError of all errors that a damaged recording can cause."""
+"""Converts all errors that a damaged recording can cause to RecordingError."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Events and requests in a recording, which are the data that are not arrays."""
+"""Events and requests in a recording: the data that is not stored in arrays."""
 
 from __future__ import annotations
 
@@ -45,6 +45,6 @@ class RecordedRequest:
     params: Mapping[str, Any] | None
     """Parameters of the request; None if they could not be written."""
     error: str | None = None
-    """Reason why the request was refused; None if the request succeeded."""
+    """Reason why the request was refused; None if it succeeded."""
     unrepeatable: str | None = None
     """Reason why the parameters could not be written; None if they were written."""

@@ -1,7 +1,7 @@
 """Demonstrations: a folder with one recording per episode, and an index.
 
-A user or a program moves the robot, starts each episode and specifies the episode's
-outcome by pressing a key in the terminal or the panel, or by sending a request.
+A user or a program moves the robot, starts each episode and specifies its outcome by
+pressing a key in the terminal or the panel, or by sending a request.
 ``episodes.jsonl`` has a line for each episode that was kept, in the order of the
 episode numbers.
 """
@@ -167,7 +167,7 @@ class Episodes:
             return self._status()
 
     def end(self, outcome: EpisodeEnd) -> EpisodesStatus:
-        """End the episode and add it to the index, or discard the episode.
+        """End the episode, and add it to the index or discard it.
 
         Raises:
             ControlError: If no episode is being recorded.

@@ -1,4 +1,4 @@
-"""Writing of snapshots as ROS 2 messages to one file."""
+"""Writes snapshots to one file as ROS 2 messages."""
 
 from __future__ import annotations
 

@@ -26,8 +26,7 @@ REQUESTS: Final = "/tool0/requests"
 class RequestWriter:
     """Writer of a simulation's complete journal, from which the run can be repeated.
 
-    A file that begins after the bring-up also contains all requests before its
-    beginning.
+    A file that begins after the bring-up also contains all earlier requests.
     """
 
     def __init__(self, file: McapFile, journal: Journal) -> None:

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 LARGEST_CHUNK: Final = 256 * 1024
-"""Size at which a chunk ends, unless the chunk is flushed earlier [bytes].  The
-compression of a chunk takes less than a millisecond, during which the interpreter's
-lock is released."""
+"""Size at which a chunk ends, unless it is flushed earlier [bytes].  The compression of
+a chunk takes less than a millisecond, during which the interpreter's lock is
+released."""
 
 
 @final
@@ -109,7 +109,7 @@ class McapFile:
         self._writer.add_message(channel, time, data, time, sequence)
 
     def attach(self, name: str, media_type: str, data: bytes, time: int = 0) -> None:
-        """Add an attachment, which is a file within the file."""
+        """Add an attachment, which is a file inside the MCAP file."""
         self._writer.flush()  # keeps the order of messages and attachments
         self._writer.add_attachment(0, time, name, media_type, data)
         self._written = self.size

@@ -32,7 +32,7 @@ def definition(name: str) -> str:
 
 
 def message(kind: str, /, **fields: Any) -> bytes:
-    """Return a message in CDR; the arguments are the fields of the message."""
+    """Return a message in CDR; the arguments are its fields."""
     store = typestore()
     return bytes(store.serialize_cdr(store.types[kind](**fields), kind))
 

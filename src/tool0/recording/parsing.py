@@ -1,4 +1,4 @@
-"""Parser of an MCAP file's records, which accepts a truncated file."""
+"""Parser for the records of an MCAP file, which may be truncated."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MESSAGE: Final = struct.Struct("<HIQQ")
 _CHECKSUM: Final = struct.Struct("<I")
 """CRC-32 checksum of the preceding bytes; 0 if the checksum was not computed."""
 _LARGEST: Final = 1 << 30
-"""Largest unpacked size of a chunk that is accepted [bytes]."""
+"""Largest unpacked size of an accepted chunk [bytes]."""
 
 
 @final

@@ -1,4 +1,4 @@
-"""One self-contained file of a recording; rotation begins a new file."""
+"""One self-contained file of a recording; each rotation begins a new one."""
 
 from __future__ import annotations
 

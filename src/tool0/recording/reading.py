@@ -62,8 +62,8 @@ Array = NDArray[np.float64]
 def open_recording(path: Path | str) -> RecordingFile:
     """Read a recording that tool0 wrote.
 
-    If a crash or a full disk has truncated the file, the file is read up to its last
-    complete chunk.
+    If a crash or a full disk has truncated the file, it is read up to its last complete
+    chunk.
 
     Args:
         path: Path of the MCAP file.

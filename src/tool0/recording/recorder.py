@@ -34,8 +34,8 @@ _POLL_PERIOD: Final = 0.04
 wait for the interpreter's lock."""
 _MOST_WAITING: Final = 2500
 """Largest number of snapshots that are buffered before they are written (20 s).  If the
-buffer is full, the oldest snapshots are dropped in real time; otherwise, simulated time
-is paused."""
+buffer is full, a real-time recording drops the oldest snapshots, and any other
+recording pauses simulated time."""
 
 
 @final
@@ -92,7 +92,7 @@ class Recorder:
         assert backlog is not None  # this subscription keeps all snapshots
         self._backlog = backlog
         self._events = EventQueue(self._subscription)
-        # Causes the publication of the first snapshot of the file.
+        # This call makes the loop publish the first snapshot of the file.
         simulation.loop.call(lambda: None)
         self._next_flush = 0.0
         self._thread = threading.Thread(
@@ -125,7 +125,7 @@ class Recorder:
     # ---- tick thread -----------------------------------------------------------------
 
     def _hold_time(self) -> None:
-        """Wait for a shorter backlog; only real-time recordings drop data."""
+        """Wait until the backlog is shorter; only real-time recordings drop data."""
         backlog = self._backlog
         while len(backlog) >= _MOST_WAITING and not self._is_over.is_set():
             time.sleep(_POLL_PERIOD)

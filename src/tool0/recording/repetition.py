@@ -70,7 +70,7 @@ class Repetition:
         return None
 
     def _request(self, recorded: RecordedRequest) -> Request[Any] | None:
-        """Return a request, or note that it cannot be repeated and return None."""
+        """Return a request, or record that it cannot be repeated and return None."""
         problem = recorded.unrepeatable
         if problem is None:
             try:

@@ -1,8 +1,7 @@
 """Re-simulation of a recording, with the same robot, requests and steps.
 
 A simulation is deterministic between requests, so every frame must be bit-identical to
-the recorded frame.  The result lists all possible reasons for a difference that can be
-found.
+the recorded frame.  The result lists all reasons for a difference that can be detected.
 """
 
 from __future__ import annotations
@@ -58,8 +57,7 @@ def resimulate(
     objects are compared.
 
     Args:
-        recording: The recording, which is one file and is repeated from its first frame
-            to its last frame.
+        recording: One file, which is repeated from its first frame to its last.
         when_compared: Callback that is called regularly with the number of compared
             frames and the total number of frames.
 

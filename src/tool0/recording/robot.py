@@ -69,7 +69,7 @@ class RecordedRobot:
 
     @cached_property
     def wrench_topics(self) -> Mapping[str, tuple[str, str]]:
-        """Topic of the wrench, and link of the wrench's axes, by arm."""
+        """Topic of the wrench, and link in whose axes it is given, by arm."""
         model = self.description.model
         topics, flanges = wrench_topics(model), flange_names(model)
         return {arm: (topics[arm], flanges[arm]) for arm in flanges}

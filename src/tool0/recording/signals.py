@@ -117,7 +117,7 @@ def _column(table: Mapping[str, Array], name: str, i: int) -> Array:
 def thinned(
     time: Array, columns: Sequence[Array], points: int
 ) -> tuple[list[float], list[list[float | None]]]:
-    """Return at most about ``points`` samples of signals, which include all peaks.
+    """Return at most about ``points`` samples of signals, including all peaks.
 
     In each group of consecutive samples, the smallest and the largest samples are kept
     in their original order.  NaN is replaced by None.

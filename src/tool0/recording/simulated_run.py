@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 ENGINE: Final = "mujoco"
 LONGEST_LAG: Final = 0.5
-"""Largest considered lag of the recorded robot behind the simulated robot [s]."""
+"""Largest lag of the recorded robot that is tried [s]."""
 _LAG_STEP: Final = 0.002
 """Step size of the search for the lag of the recorded robot [s]."""
 
@@ -43,7 +43,7 @@ _LAG_STEP: Final = 0.002
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointDifference:
-    """Difference between recording and simulation for one joint, without the lag."""
+    """Difference between recording and simulation of one joint, without the lag."""
 
     position_rms: float
     """Root mean square of the position difference [rad | m]."""
@@ -65,8 +65,8 @@ class SimulatedRun:
     effort: Array
     """Simulated efforts [N·m | N], shape (n, n_joints)."""
     lag: float
-    """Lag of the recorded arms behind the simulated arms [s], at which the position
-    differences are smallest."""
+    """Lag of the recorded arms behind the simulated arms at which the position
+    differences are smallest [s]."""
     joints: Mapping[str, JointDifference]
     """Differences by driven joint, in the order of the recording."""
     notes: tuple[str, ...]
@@ -80,8 +80,7 @@ def simulate_beside(
     """Simulate the requests of a recording, and compare the motions.
 
     Args:
-        recording: The recording, which is one file and is simulated from its first
-            frame to its last frame.
+        recording: One file, which is simulated from its first frame to its last.
         when_done: Callback that is called after each frame with the number of simulated
             frames and the total number of frames.
 

@@ -1,4 +1,4 @@
-"""Output of a recording as a table in a file, and of its events as lines of text."""
+"""Writes a recording to a file as a table, and its events as lines of text."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _ORDER: Final = ("info", "warning", "error")
 _LONGEST: Final = 120
-"""Largest number of characters of a request's parameters in a line of text."""
+"""Maximum length of a request's parameters in a line of text [characters]."""
 
 
 def write_csv(recording: RecordingFile, path: Path) -> None:

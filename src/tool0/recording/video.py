@@ -63,7 +63,7 @@ def write_video(
         width: Width of the video, which must be even [pixels].
         height: Height of the video, which must be even [pixels].
         fps: Number of images per second of the video [Hz].
-        speed: Number of seconds of the recording per second of the video.
+        speed: Recorded seconds per second of the video.
         start: Simulated time of the first image [s] (default: the time of the first
             snapshot).
         end: Simulated time of the last image [s] (default: the time of the last

@@ -33,8 +33,7 @@ def require_encoder(path: Path | str) -> None:
 class VideoWriter:
     """Context manager that writes images as one video.
 
-    After an error, the file is a valid video of the images that were written before the
-    error.
+    After an error, the file is a valid video of the images written so far.
     """
 
     def __init__(
@@ -44,8 +43,8 @@ class VideoWriter:
 
         Args:
             path: Path of the MP4 file, which may have any extension.
-            width: Width of each image [pixels].  The width must be even, because colors
-                are encoded at half the resolution.
+            width: Width of each image [pixels].  It must be even, because colors are
+                encoded at half the resolution.
             height: Height of each image, which must be even [pixels].
             fps: Number of images per second [Hz], 1 … 1000.
 

@@ -30,8 +30,8 @@ MAX_CHARGE: Final = 0.01
 """Largest charge for one piece of work [s].  The limit prevents a long planning request
 from blocking its client."""
 _ACTIVE: Final = 0.1
-"""Time without work after which a client is inactive, so that active clients share its
-part [wall s]."""
+"""Time without work after which a client is inactive, and active clients share its part
+[wall s]."""
 _LONGEST_WAIT: Final = 0.05
 """Longest time until a waiting account is checked again, because other clients may have
 become inactive [wall s]."""
@@ -199,7 +199,7 @@ class Account:
             self.charge(time.thread_time() - start)
 
     def _own(self) -> float:
-        """Return the processor time that this client may use in any case [s]."""
+        """Return the processor time that this client is guaranteed [s]."""
         now = self._budget.now()
         gained = (now - self._counted_at) * self._budget.part
         self._left = min(RESERVE, self._left + gained)

@@ -1,4 +1,4 @@
-"""A process that is started with a robot and restarted when the process ends."""
+"""A process that is started with a robot and restarted whenever it ends."""
 
 from __future__ import annotations
 
@@ -51,8 +51,8 @@ class Companion:
     """Program that provides an interface of a robot until the companion is closed.
 
     This class is a context manager.  The program is restarted when it ends, unless its
-    exit status is ``UNABLE``.  The line ``{"ready": true, …}`` on the standard output
-    of the program reports that the program is ready.  Other lines are log messages in
+    exit status is ``UNABLE``.  The program reports that it is ready with the line
+    ``{"ready": true, …}`` on its standard output.  Other lines are log messages in
     ROS's format: ``[WARN] [time] [name]: text``.
     """
 
@@ -69,7 +69,7 @@ class Companion:
         command: Callable[[str], list[str]],
         environment: Mapping[str, str],
     ) -> None:
-        """Start the program; ``_wait_for_report`` waits until the program is ready.
+        """Start the program; ``_wait_for_report`` waits until it is ready.
 
         Args:
             robot: A robot of this process or another process, or the name of a
@@ -105,7 +105,7 @@ class Companion:
 
     @property
     def pid(self) -> int | None:
-        """Process id of the program; None while the program does not run."""
+        """Process id of the program; None while it is not running."""
         child = self._child
         return None if child is None else child.pid
 
@@ -217,7 +217,7 @@ class Companion:
 def _served_name(
     robot: Connected | str, label: str, stack: contextlib.ExitStack
 ) -> str:
-    """Return the name at which a robot is served, and serve the robot if it is local.
+    """Return the name under which a robot is served; serve the robot if it is local.
 
     Args:
         robot: A robot of this process or another process, or the robot's name.

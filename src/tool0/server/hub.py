@@ -42,7 +42,7 @@ logger = logging.getLogger(__name__)
 
 
 _ADVANCING: Final = (Run, Step)
-"""Requests that may execute the ticks of a simulation that is not in real time.  The
+"""Requests that may execute ticks if the simulation does not run in real time.  The
 processor time of these ticks is not charged to a client."""
 _POST_COST: Final = 0.1e-3
 """Processor time of a streamed request in the tick thread [s]."""
@@ -339,7 +339,7 @@ class Hub:
         number: int,
         goal: Goal,
     ) -> None:
-        """Report the end of a goal to the connection that started the goal."""
+        """Report the end of a goal to the connection that started it."""
         assert goal.result is not None  # the goal has finished
         message = GoalEnded(
             goal=number, controller=goal.controller, outcome=outcome_of(goal.result)

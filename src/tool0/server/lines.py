@@ -18,7 +18,7 @@ paused."""
 _READ_COST: Final = 50e-6
 """Processor time of the system calls for one read [s]."""
 _arriving: Final = memoryview(bytearray(_CHUNK))
-"""Buffer into which the event loop reads data, which is copied immediately."""
+"""Buffer into which the event loop reads data; the data is copied out immediately."""
 
 
 @final

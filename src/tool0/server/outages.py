@@ -30,8 +30,7 @@ from tool0.protocol.trajectories import CommandTrajectory, FollowTrajectory
 from tool0.server.session import Session
 
 READING: Final = 1.0
-"""Wall time after an outage within which messages that were sent during the outage are
-read [s]."""
+"""Wall time after an outage within which the messages sent during it are read [s]."""
 _REPEATED: Final = 1.0
 """Minimum wall time between two equal errors that are sent to one peer for requests
 without a reply [s]."""

@@ -37,22 +37,21 @@ MAX_QUEUE: Final = 256
 """Largest number of replies and events that may be queued for a page that reads
 slowly."""
 MAX_UNREAD: Final = 1 << 24
-"""Size of the queued replies to a program at which the program's requests are no longer
-decoded [bytes]."""
+"""Size of a program's queued replies from which its requests are no longer decoded
+[bytes]."""
 MAX_SNAPSHOTS: Final = 1024
-"""Number of queued snapshots for a slow reader at which the oldest snapshots are
-dropped."""
+"""Maximum number of snapshots queued for a slow reader; older ones are dropped."""
 STUCK_AFTER: Final = 10.0
 """Wall time after which a connection is dropped if its peer does not read [s]."""
 _CHUNK: Final = 4096
 """Size of a chunk of requests [bytes]."""
 MAX_TEXTS: Final = 1 << 18
-"""Size of the undecoded messages at which reading is paused [bytes].  The size includes
+"""Size of undecoded messages from which reading is paused [bytes].  The size includes
 ``_OVERHEAD`` for each message."""
 _OVERHEAD: Final = 64
-"""Size that is added to the size of each waiting message [bytes]."""
+"""Overhead that is added to the size of each waiting message [bytes]."""
 MAX_BACKLOG: Final = 4096
-"""Largest size of the waiting requests of one connection, in chunks, which is 16 MiB.
+"""Largest size of one connection's waiting requests, in chunks: 16 MiB in total.
 Additional requests are rejected, so later messages are always read."""
 _SENT_AT_ONCE: Final = 1 << 14
 """Total size of the replies that are combined into one send [bytes].  Replies are
@@ -171,7 +170,7 @@ class Session:
 
     @property
     def is_busy(self) -> bool:
-        """Whether requests are waiting or being executed, so new requests must wait."""
+        """Whether requests are waiting or being executed; new requests then wait."""
         return self._backlog > 0
 
     def is_stuck(self) -> bool:

@@ -42,8 +42,8 @@ class SetpointStreams:
     def submit(self, setpoint: StreamedSetpoint) -> None:
         """Replace the waiting setpoint with ``setpoint``.
 
-        Joints that are only in the older setpoint of the same sender keep their
-        positions from the older setpoint.
+        Joints that are only in an older setpoint from the same sender keep their
+        positions from that setpoint.
         """
         key = getattr(setpoint.request, "controller", "")
         before = self._waiting.get(key)

@@ -41,7 +41,7 @@ POLL_PERIOD: Final = 0.004
 """Period of polling for states [wall s], which is twice the shortest snapshot period.
 No state is lost between two polls."""
 _FLUSH_PERIOD: Final = 0.05
-"""Wall time after which a delayed state is sent in all cases [s]."""
+"""Wall time after which a delayed state is sent in any case [s]."""
 _FAST_PERIOD: Final = 0.02
 """Wall time between states while simulated time runs fast [s].  Each state delays the
 tick by about 0.4 ms, because the stream and the tick both need the interpreter's
@@ -356,7 +356,7 @@ class LogForwarder(logging.Handler):
 
 
 def event_message(states: States, event: Event) -> EventMessage | None:
-    """Return the message for an event; None if the event is not sent.
+    """Return the message for an event; None if it is not sent.
 
     Some events are only sent to the panel and the log.
     """

@@ -185,7 +185,7 @@ class Hand:
             raise TaskFailure(f"the goal was {result.status.name}{why}")
 
     def put(self, into: Bin, grasps: Sequence[Grasp], height: float) -> None:
-        """Carry the object to a bin, release the object, and retreat.
+        """Carry the object to a bin, release it, and retreat.
 
         Args:
             into: The bin.
@@ -220,7 +220,7 @@ class Hand:
             raise TaskFailure(f"it is at ({x:.3f}, {y:.3f}, {z:.3f}), not in the bin")
 
     def nearest(self, position: Vector3, grasps: Sequence[Grasp]) -> Grasp:
-        """Return the grasp, shifted to ``position``, that needs the least motion."""
+        """Return the grasp that needs the least motion when shifted to ``position``."""
         moved = [
             replace(grasp, pose=replace(grasp.pose, position=position))
             for grasp in grasps

@@ -40,7 +40,7 @@ APART = 0.1
 class HandoverCell:
     """Two robots side by side: the giver is on the left, and the taker is on the right.
 
-    The grippers meet face to face, in front of the bases and halfway between the bases.
+    The grippers meet face to face, in front of and halfway between the bases.
     """
 
     giver: PickTable
@@ -174,7 +174,7 @@ class _Handover:
         self._meeting = meeting
 
     def do(self) -> float:
-        """Bring the object to the meeting point, and hand the object over.
+        """Bring the object to the meeting point, and hand it over.
 
         Returns:
             The width of the object between the taker's pads [m].
@@ -205,7 +205,7 @@ class _Handover:
         monitor.begin("parting")
         giver.move_linear(_behind(way.give), give_tool)
         taker.check_hold()
-        # Return along the same path: on a shorter path, the arm might collide with
+        # Return along the same path; on a shorter one, the arm might collide with
         # itself or the giver.
         monitor.begin("withdrawing")
         taker.move_linear(_behind(way.take), take_tool)

@@ -47,7 +47,7 @@ class GraspMonitor:
         item: str,
         on_snapshot: Callable[[Snapshot], None] = lambda snapshot: None,
     ) -> None:
-        """Start to measure the effect of the grippers on the object ``item``.
+        """Start measuring the effect of the grippers on the object ``item``.
 
         Args:
             robot: The robot.
@@ -75,7 +75,7 @@ class GraspMonitor:
         self._since = robot.time
 
     def begin(self, phase: str) -> None:
-        """End the current phase, and begin the phase ``phase``."""
+        """End the current phase, and begin ``phase``."""
         now = self._robot.time
         if self._phase:
             self.phases[self._phase] = self.phases.get(self._phase, 0.0) + (
@@ -112,7 +112,7 @@ class GraspMonitor:
         self.until(lambda: False, duration)
 
     def start_slip(self, gripper: Gripper) -> None:
-        """Start to measure the object's slip relative to its present position."""
+        """Start measuring the object's slip relative to its present position."""
         geometry = gripper.geometry
         base = self._robot.description.model.joint(geometry.joint).parent
         pads = pad_links(self._robot.description.model, geometry)

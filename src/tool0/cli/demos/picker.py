@@ -1,4 +1,4 @@
-"""Pick and place: picks an object from above, and places the object in a bin."""
+"""Pick and place: picks an object from above, and places it in a bin."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Picker:
                 robot has several arms.
 
         Raises:
-            ControlError: If the object does not exist or cannot be gripped, or if the
+            ControlError: If the object does not exist or cannot be gripped, or the
                 gripper does not support the force or the speed.
         """
         self.hand = Hand(robot, options, monitor, name)

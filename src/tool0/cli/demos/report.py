@@ -24,15 +24,14 @@ class PickReport:
     start: tuple[float, float, float]
     """Start position of the object, in the root frame [m]."""
     end: tuple[float, float, float] | None
-    """Final position of the object, in the root frame [m]; None if the object was
-    removed."""
+    """Final position of the object, in the root frame [m]; None if it was removed."""
     force: float
     """Requested force at each pad [N]."""
     grip_force: float | None = None
     """Force of a pad on the object at the beginning of the lift [N]."""
     peak_force: float
-    """Largest force of a pad on the object [N], sampled at 125 Hz.  This force includes
-    the deceleration of the drive's rotor when the pads meet a rigid object."""
+    """Largest force of a pad on the object [N], sampled at 125 Hz.  When the pads meet
+    a rigid object, the deceleration of the drive's rotor adds to this force."""
     width: float | None = None
     """Width of the held object, calculated from the position of the gripper's joint
     [m]."""

@@ -1,4 +1,4 @@
-"""The demos: each consists of a robot, the robot's surroundings, and a task."""
+"""The demos: each consists of a robot, its surroundings, and a task."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Cube:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Demo:
-    """A demo: a robot, the robot's surroundings, and a task."""
+    """A demo: a robot, its surroundings, and a task."""
 
     description: DescriptionConfig
     scene: Scene

@@ -58,7 +58,7 @@ ASIDE: Final = {"shoulder_pan_joint": 1.6, "shoulder_lift_joint": -1.9}
 _BESIDE: Final = 0.12
 """Minimum distance of an object's center from the sides of the shelf [m]."""
 _DEPTHS: Final = (0.04, 0.09)
-"""Range of depths of random poses, measured from the edge of the board [m]."""
+"""Depth range of random poses, measured from the edge of the board [m]."""
 _TURN: Final = 0.3
 """Largest yaw of random poses, in either direction [rad]."""
 _TILT: Final = math.radians(70.0)
@@ -202,7 +202,7 @@ class ShelfPicker:
         hand.release(into, place, height)
 
     def _before(self, grasp: Grasp) -> Grasp:
-        """Return a copy of a grasp that is moved backward out of the shelf."""
+        """Return a copy of a grasp, moved backward out of the shelf."""
         pose = grasp.pose
         ahead = _axis(pose, 2)
         x, y, z = pose.position

@@ -27,7 +27,7 @@ SETTLE = 0.3
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DemoReport:
-    """Report of all picks of a demo, with the conditions of the picks."""
+    """Report of all picks in a demo, with their conditions."""
 
     engine: str
     gripper_model: str
@@ -84,7 +84,7 @@ def run_trials(
         robot: A robot with one or several arms and grippers.
         item: The object, which is put back on the table between picks.
         task: Function that picks the object, such as ``pick_and_place``.
-        poses: The start poses of the object; for None, the object is not moved.
+        poses: The start poses of the object; with None, the object is not moved.
         n_picks: Number of picks to perform.
         on_snapshot: Called with each snapshot between the picks.
         on_pick: Called after each pick.

@@ -1,1 +1,1 @@
-"""Tasks beyond cubes: insertion, assembly, a drawer, clutter and a handover."""
+"""Benchmark tasks: insertion, assembly, a drawer, clutter and a handover."""

@@ -1,4 +1,4 @@
-"""Hand a bar from one arm to another arm that cannot reach the bar on the table."""
+"""Hand a bar from one arm to another that cannot reach it on the table."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ BAR = "bar"
 LENGTH, MASS, WIDEST = 0.24, 0.1, 0.03
 """Length [m], mass [kg], and largest width and height [m] of the bar."""
 HELD_AT = 0.085
-"""Distance from the bar's center at which a gripper holds the bar [m]."""
+"""Distance from the bar's center at which a gripper holds it [m]."""
 NEAR, FAR, SIDE = 0.34, 0.52, 0.3
-"""Limits of the initial position of the bar's center: minimum and maximum distance in
-front of the giver, and maximum distance to each side, for arms of scale 1 [m]."""
+"""Limits for the bar's center at the start: minimum and maximum distance in front of
+the giver, and maximum distance to each side, for arms of scale 1 [m]."""
 EDGE = 0.31
-"""Minimum distance of the bar in front of the giver, which is the distance of the
-table's edge, for an arm of scale 1 [m]."""
+"""Minimum distance from the giver to the bar, set by the edge of the table, for an arm
+of scale 1 [m]."""
 CLOSE = 0.4
 """Minimum distance from the giver's axis to the TCP when it grasps the bar, for an arm
 of scale 1 [m].  At a shorter distance, a small arm with a long gripper would collide
@@ -48,14 +48,14 @@ RELEASED = 0.006
 """The bar is released when the gripper's opening exceeds the bar's width by more than
 this length [m]."""
 AT_END = 0.03
-"""Largest distance between a TCP and the grasp point at an end of the bar for which the
-TCP is considered to be at that end [m]."""
+"""Distance from the grasp point at an end of the bar within which a TCP is considered
+to be at that end [m]."""
 BELOW = 0.03
 """A bar that is below the handover height by more than this distance first rises
 vertically [m]."""
 MET, STRAIGHT = 0.006, 0.06
-"""Largest position error [m] and angle [rad] of the bar at which the taker approaches
-the bar."""
+"""Largest position error [m] and angle [rad] of the bar for the taker to approach
+it."""
 SLACK = 3.0
 """Factor by which MET and STRAIGHT increase when the taker is at the bar."""
 LEAVE = 0.12
@@ -75,8 +75,8 @@ class _Ends(NamedTuple):
 class Handover(Task):
     """Task in which one arm lifts a bar, and a second arm takes the bar in the air.
 
-    The bar lies at a place that only the first arm can reach.  Each arm holds one half
-    of the bar.
+    The bar lies where only the first arm can reach it.  Each arm holds one half of the
+    bar.
     """
 
     instruction = "Hand the bar over from the left arm to the right arm."

@@ -1,4 +1,4 @@
-"""Put a square nut with a handle over a square peg, and release the nut."""
+"""Put a square nut with a handle over a square peg, and release it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ INNER, OUTER, THICKNESS, NUT_MASS = 0.03, 0.06, 0.025, 0.1
 HANDLE_LENGTH, HANDLE_WIDTH = 0.06, 0.022
 """Length of the handle along the nut's x axis, and its width [m]."""
 HELD_AT = 0.07
-"""Distance from the nut's center, along the handle, at which the gripper holds the nut
+"""Distance from the nut's center, along the handle, at which the gripper holds it
 [m]."""
 PEG_WIDTH, PEG_HEIGHT = 0.024, 0.08
 """Width and height of the peg [m]."""
@@ -34,13 +34,12 @@ APART = 0.17
 """Minimum distance between the nut and the peg at the start [m]."""
 AROUND, LEVEL, RELEASED = 0.006, 0.006, 0.006
 """Largest horizontal offset and largest height error of a nut on the peg, and smallest
-excess of the gripper's opening over the handle's width at which the nut is released
-[m]."""
+clearance between the pads and the handle of a released nut [m]."""
 RAISED, LOW = 0.015, 0.002
-"""Height above the peg at which the nut is carried to the peg, and minimum height above
-the peg at which the nut may move horizontally [m]."""
+"""Height above the peg at which the nut is carried, and minimum height above the peg
+for moving it horizontally [m]."""
 OVER, STRAIGHT = 0.001, 0.03
-"""Largest offset [m] and angle [rad] at which the nut may be lowered over the peg."""
+"""Largest offset [m] and angle [rad] of the nut for lowering it over the peg."""
 SWING = 3.0
 """Factor by which OVER and STRAIGHT increase while the nut is lowered."""
 DOWN = 0.25
@@ -49,7 +48,7 @@ DOWN = 0.25
 
 @final
 class NutOnPeg(Task):
-    """Task of putting a nut with a handle over a fixed peg, and releasing the nut."""
+    """Task of putting a nut with a handle over a fixed peg, and releasing it."""
 
     instruction = "Put the nut over the peg."
     objects = (NUT, PEG)

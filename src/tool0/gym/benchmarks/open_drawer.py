@@ -24,15 +24,15 @@ DEPTH, WIDTH, HEIGHT, DRAWER_MASS = 0.18, 0.12, 0.05, 0.4
 PLATE, WALL = 0.006, 0.01
 """Thickness of the drawer's plates and of the cabinet's walls [m]."""
 PLAY = 0.001
-"""Clearance on each side of the drawer and above the drawer [m]."""
+"""Clearance on each side of the drawer and above it [m]."""
 SLIDING, GRIP = 0.2, 0.8
 """Friction coefficient of the cabinet, which has plastic runners, and friction
 coefficient of the drawer."""
 HANDLE_LENGTH, HANDLE_WIDTH, HANDLE_HEIGHT = 0.06, 0.018, 0.03
-"""Size of the handle, which is an upright plate at the front, along x, y and z [m]."""
+"""Size of the handle, an upright plate at the front, along x, y and z [m]."""
 HELD_AT = 0.047
-"""Distance of the TCP in front of the drawer [m], at which the gripper's base clears
-the cabinet."""
+"""Distance of the TCP in front of the drawer that keeps the gripper's base clear of the
+cabinet [m]."""
 PULLED = 0.1
 """Minimum travel of an open drawer [m]."""
 TURNED = 0.4

@@ -26,23 +26,21 @@ CLEARANCE = 0.0005
 OUTER, HEIGHT = 0.085, 0.04
 """Width and height of the socket, which has a hole that is open at the bottom [m]."""
 SLIDING = 0.3
-"""Friction coefficient of the socket, which is about the coefficient of polished
-steel."""
+"""Friction coefficient of the socket, similar to that of polished steel."""
 HELD_AT = 0.025
 """Height of the TCP above the peg's middle [m]."""
 DEPTH = 0.025
 """Minimum depth of an inserted peg [m]."""
 INSIDE = 0.002
-"""Largest horizontal offset between a peg's end and the hole for which the peg is
-considered to be in the hole [m]."""
+"""Horizontal offset of a peg's end from the hole up to which the peg is considered to
+be inside [m]."""
 FAR_ABOVE, ABOVE = 0.02, 0.004
-"""Height of the peg's end above the socket, first far from the hole and then above the
-hole [m]."""
+"""Heights of the peg's end above the socket: far from the hole, and above it [m]."""
 BEGUN = 0.002
 """The peg is entering the hole if its end is less than this height above the socket
 [m]."""
 CENTRED, STRAIGHT = 0.00015, 0.006
-"""Largest offset [m] and angle [rad] at which the peg may be lowered."""
+"""Largest offset [m] and angle [rad] of the peg for lowering it."""
 SWING = 5.0
 """Factor by which CENTRED and STRAIGHT increase while the peg is lowered."""
 DOWN = 0.05

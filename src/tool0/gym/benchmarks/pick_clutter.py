@@ -1,4 +1,4 @@
-"""Pick one cube from a clutter of other objects, and lift the cube."""
+"""Pick one cube from a clutter of other objects, and lift it."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ OTHERS: Final[dict[str, Geometry]] = {
 TALLEST = 0.042
 """Height of the tallest object [m]."""
 DENSITY = 900.0
-"""Density of all objects [kg/m³], which is the density of plastic."""
+"""Density of all objects [kg/m³], equal to that of plastic."""
 LARGEST_EDGE = 0.036
 """Largest edge of the target cube [m]."""
 LIFTED = 0.08
 """Minimum height of a lifted target above its initial height [m]."""
 FINGER_ROOM, FINGER_WIDTH = 0.032, 0.03
-"""Space that a finger needs beside the target, along the closing direction of the pads
-and perpendicular to this direction [m]."""
+"""Space that a finger needs next to the target, along and perpendicular to the closing
+direction of the pads [m]."""
 GAP, SPREAD = 0.003, 0.03
 """Minimum gap between objects, and width of the ring around the target in which the
 objects are placed [m].  The ring is widened if it has no free place."""

@@ -12,7 +12,7 @@ MIN_SPEED, MAX_SPEED = 0.01, 100.0
 
 @final
 class Playhead:
-    """A time between a start and an end that advances with the wall clock.
+    """A time that advances with the wall clock between a start and an end.
 
     This class is thread-safe.
     """
@@ -54,7 +54,7 @@ class Playhead:
         return self._loops
 
     def play(self) -> None:
-        """Start the playback; at the end, playback starts again from the start."""
+        """Start the playback, from the beginning if it has reached the end."""
         with self._lock:
             if self._update() >= self._end:
                 self._time = self._start
@@ -73,7 +73,7 @@ class Playhead:
             self._time = min(self._end, max(self._start, time))
 
     def set_speed(self, speed: float) -> None:
-        """Set the speed of the playback, clamped to the range of speeds."""
+        """Set the speed of the playback, clamped to the allowed range."""
         with self._lock:
             self._update()
             self._speed = min(MAX_SPEED, max(MIN_SPEED, speed))

@@ -1,4 +1,4 @@
-"""A recording for ``tool0 replay``, which pages play with the recorded robot."""
+"""A recording, which the pages of ``tool0 replay`` play with the recorded robot."""
 
 from __future__ import annotations
 
@@ -209,7 +209,7 @@ class Replay:
         return max(0, bisect_right(self._times, self.playhead.time + 1e-9) - 1)
 
     def _read(self, request: ReadReplay) -> ReplaySamples:
-        """Return the samples in a range, and the nearest sample outside each end."""
+        """Return the samples in a range, and the nearest sample beyond each end."""
         first = max(0, bisect_right(self._times, request.start) - 1)
         end = bisect_right(self._times, request.end) + 1
         columns = [self._signals[name][first:end] for name in request.signals]
