@@ -31,8 +31,8 @@ def folders() -> tuple[Path, ...]:
     """Return the folders that may contain sockets, with the preferred folder first.
 
     ``XDG_RUNTIME_DIR`` is private to the user and is emptied at logout.  If this
-    variable is not set (in a container, with cron or su), a folder with mode 0700 is
-    used instead.
+    variable is not set (for example, in a container or under cron), a folder with mode
+    0700 is used instead.
     """
     import tempfile
 
