@@ -98,8 +98,8 @@ class ControllerManager:
         self._blocked: dict[str, str] = {}
         """Joint → reason why controllers that claim it cannot be started."""
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
-        """Name and instance of each running controller, and the controller's positions
-        in the list of commands."""
+        """Name and instance of each running controller, and the indices of its commands
+        in the list of all commands."""
         self.running_controllers: tuple[tuple[Controller, tuple[int, ...]], ...] = ()
         """The running controllers in load order, with their joints.  The tuple is
         replaced whenever a controller starts or stops."""
@@ -272,7 +272,7 @@ class ControllerManager:
         *,
         with_rotors: bool = False,
     ) -> None:
-        """Drive a running controller's joints with a law, not with its commands.
+        """Drive a running controller's joints with a law instead of its commands.
 
         If ``law`` is None, the joints follow the commands again.
         ``RobotHardware.claim_efforts`` documents ``with_rotors``.

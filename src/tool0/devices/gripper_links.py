@@ -78,7 +78,7 @@ class UrcapLink:
             raise TransportError(f"{self._peer}: {error}") from None
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._slow: tuple[int, int] = (Activation.RESET, 0)
-        """Activation and fault, which are read only at every eighth reading."""
+        """Activation and fault; only every eighth reading updates them."""
         self._reads = 0
 
     def read(self) -> GripperReading | None:

@@ -46,7 +46,7 @@ class PolledGripper:
         self._last = _ACTIVE
         """Last command that was sent to the gripper."""
         self.is_sent = True
-        """Whether the newest command has been sent and followed by a reading."""
+        """Whether a reading has been received since the newest command was sent."""
         self._thread = threading.Thread(
             target=self._run, name=f"tool0 {name}", daemon=True
         )

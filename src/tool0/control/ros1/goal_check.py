@@ -138,9 +138,9 @@ def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
 def goal_time_with(default: float, override: float | None) -> float:
     """Return the time to arrive for a goal with a ``goal_time_tolerance`` [s].
 
-    A value > 0 replaces the default, and 0 keeps the default, as for tolerances.  A
-    value < 0 means no limit: the goal stays active until the joints arrive.  In ROS, a
-    value < 0 gives the joints no extra time.
+    As for tolerances, a value > 0 replaces the default, and 0 keeps it.  A value < 0
+    means no limit: the goal stays active until the joints arrive.  In ROS, a value < 0
+    gives the joints no extra time.
     """
     if override is None or override == 0.0:
         return default

@@ -1,9 +1,9 @@
 """The built-in controllers of a robot with drives from ``<ros2_control>`` tags.
 
-As it does for ROS 1, ``tool0_description/config`` contains a file that all arms share
-and a file that all grippers share.  The folder of an arm or a gripper may contain a
-separate file for this arm or gripper.  Each controller specifies its type; the section
-of the manager is assembled from these types.
+As for ROS 1, ``tool0_description/config`` contains a file that all arms share and a
+file that all grippers share.  The folder of an arm or a gripper may contain a separate
+file for this arm or gripper.  Each controller specifies its type; the section of the
+manager is assembled from these types.
 """
 
 from __future__ import annotations
