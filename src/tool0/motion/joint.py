@@ -154,7 +154,7 @@ def _within_limits(
 def _joints_outside(
     joints: Sequence[Joint], start: MovingJoints, motion: ruckig.Trajectory
 ) -> list[int]:
-    """Return the joints that would exceed their limits or exceed them even further."""
+    """Return the joints that would exceed their limits, or exceed them by even more."""
     return [
         k
         for k, (joint, extremes) in enumerate(
@@ -225,7 +225,7 @@ def _jerk_to_stay_below(limit: float, qd: float, qdd: float) -> float:
 
     The acceleration of a user's goal may be much higher than that of a planned motion.
     If a very high acceleration ended with the usual jerk, the speed of the joint would
-    increase by qdd² / (2 jerk) before the acceleration is 0.
+    increase by qdd² / (2 jerk) before the acceleration reached 0.
     """
     most = max(limit, abs(qd))
     room = max(most - math.copysign(qd, qd * qdd), _LEAST_ROOM * most)

@@ -29,7 +29,7 @@ class Phase(NamedTuple):
 class SpeedProfile:
     """The distance x along a path as a non-decreasing function of time.
 
-    Distances are in meters or radians, like the distances of the path.
+    Distances are in meters or radians, as they are on the path.
     """
 
     def __init__(

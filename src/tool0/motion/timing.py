@@ -46,7 +46,7 @@ class ArmLimits:
         self.names = tuple(joint.name for joint in joints)
         velocities = [joint.max_velocity for joint in joints]
         self.fastest = _SPEED_SHARE * np.array(velocities)
-        """Maximum velocities of the joints that plans use [rad/s], shape (6,)."""
+        """Maximum joint velocities in plans [rad/s], shape (6,)."""
         self.strongest = np.array(rules.accelerations)
         """Maximum accelerations of the joints [rad/s²], shape (6,)."""
         self.braking = np.array([joint.max_acceleration for joint in joints])

@@ -24,7 +24,7 @@ _KNOT: Final = 0.02
 """Time between two knots of the motion [s]."""
 _STILL: Final = 1e-9
 _LEAST: Final = 1e-8
-"""Displacement of each joint in a motion without distinct start and end [rad | m]."""
+"""Displacement of each joint if the start and end of a motion coincide [rad | m]."""
 
 
 @final

@@ -31,9 +31,9 @@ SHORT_OF_IT = 0.3
 neither at their target nor pushing [s]. A real gripper reports an object up to 0.15 s
 after its pads have started to push the object."""
 STILL = 0.1
-"""Fraction of the travel at the slowest speed within the window below which pads are
-considered to be at rest. With weak gains, pads creep to their target at twice this
-fraction of the travel."""
+"""Pads are considered to be at rest if their travel within the window is less than this
+fraction of the travel at the slowest speed. With weak gains, pads creep to their target
+at twice this fraction of the travel."""
 CREEP = 2.5 * STILL
 """Fraction that replaces ``STILL`` for pads that push firmly. The fraction is larger
 because the object yields."""

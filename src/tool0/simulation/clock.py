@@ -126,8 +126,8 @@ class SpeedMeter:
 BEHIND = 0.95
 """Fraction of the requested speed below which a second is counted as slow."""
 SLOW_WINDOWS = 3
-"""Number by which slow seconds must exceed other seconds for the simulation to be
-considered to be behind."""
+"""Excess of slow seconds over other seconds at which the simulation is considered to be
+falling behind."""
 
 
 @final

@@ -68,7 +68,7 @@ class Journal:
         self._count = 0
 
     def begin(self, request: Struct) -> Callable[[Exception | None], None]:
-        """Record the time of a request, and return a function.
+        """Record the time of a request, and return a function that reports its end.
 
         Call the returned function with the error of the request, or with None if the
         request succeeded.

@@ -362,8 +362,7 @@ class Loop:
 
         At the default period, limits and contacts are also checked.
 
-        The checks of limits and contacts therefore do not depend on the rates of
-        subscribers.
+        These checks therefore do not depend on the rates of subscribers.
         """
         core = self._core
         if core.ticks % self._default_snapshot_ticks:

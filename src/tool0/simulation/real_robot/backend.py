@@ -89,9 +89,9 @@ _DID_NOT: Final = "the robot did not {}"
 class RealRobotBackend:
     """A real robot, moved by the same controllers and executor as a simulated robot.
 
-    Requests for the robot's controller (power, payload, tare) are forwarded to this
-    controller, and are answered after the robot has executed the requests.  The safety
-    system of the UR robot is the only safety function.
+    Requests for the robot's controller (power, payload, tare) are forwarded to it, and
+    are answered after the robot has executed them.  The safety system of the UR robot
+    is the only safety function.
     """
 
     mode: Final = "hardware"
