@@ -29,7 +29,8 @@ from tool0.simulation.simulation import Simulation
 
 
 def reproduction(simulation: Simulation) -> Reproduction:
-    """Return the data that, with the journal, allow repeating this simulation."""
+    """Return the data that, together with the journal, make this simulation
+    repeatable."""
     setup = simulation.setup
     description, options = setup.description, setup.options
     model, choice = description.model, setup.choice

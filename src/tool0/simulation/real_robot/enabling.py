@@ -1,4 +1,4 @@
-"""Enabling of a real arm's motion, after checks of the conditions."""
+"""Enables a real arm's motion after checking the conditions."""
 
 from __future__ import annotations
 
