@@ -119,7 +119,7 @@ class Path:
     def beside(self, standing: Mapping[str, float]) -> Path:
         """Return the path for all joints of ``standing``, in its order.
 
-        Joints that do not move remain at their positions in ``standing`` [rad | m].
+        Joints that do not move keep their positions in ``standing`` [rad | m].
         """
         if tuple(standing) == self.joint_names:
             return self

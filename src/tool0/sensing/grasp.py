@@ -27,9 +27,9 @@ WINDOW = 0.1
 hold an object [s]. The pads of a simulated grip chatter, so their velocity at one time
 is not a suitable criterion."""
 SHORT_OF_IT = 0.3
-"""Time after which the motion of pads at rest is considered complete if the pads are
-neither at their target nor pushing [s]. A real gripper reports an object up to 0.15 s
-after its pads have started to push the object."""
+"""Time for which pads must be at rest before their motion is considered complete, if
+they are neither at their target nor pushing [s]. A real gripper reports an object up to
+0.15 s after its pads have started to push the object."""
 STILL = 0.1
 """Pads are considered to be at rest if their travel within the window is less than this
 fraction of the travel at the slowest speed. With weak gains, pads creep to their target
@@ -178,8 +178,8 @@ WARNING = (
     "which no real gripper does"
 )
 PADS_MOVED = 0.002
-"""Change of the opening that releases the object [m], which is larger than the change
-that a stronger grip causes."""
+"""Change of the opening that releases the object [m]; it is larger than any change that
+a stronger grip causes."""
 
 
 @final
@@ -216,7 +216,7 @@ class GraspAssist:
                     assisted.held, assisted.opening = name, state.opening
 
     def forget(self) -> None:
-        """Discard held objects, which a reset has detached."""
+        """Discard held objects after a reset, which has detached them."""
         for assisted in self._grippers:
             assisted.forget()
 

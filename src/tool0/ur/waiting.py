@@ -1,4 +1,4 @@
-"""Waits of programs for other programs, with a limit in wall time."""
+"""Waits of programs for other programs, limited in wall time."""
 
 from __future__ import annotations
 

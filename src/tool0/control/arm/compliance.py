@@ -52,8 +52,7 @@ RIDGE: Final = SINGULAR**2
 """Fraction by which the mobility along each axis is increased in a singular posture, so
 that the spring forces remain finite."""
 EASE: Final = 0.3
-"""Width of the range below a speed limit in which the force is faded out, as a fraction
-of the limit."""
+"""The force is faded out over this fraction of a speed limit, just below the limit."""
 SLOWEST: Final = 1e-9
 """Lower bound of the speed limits in the computation of the fade-out [m/s, rad/s]."""
 UNLIMITED: Final = 100.0

@@ -109,8 +109,8 @@ class Arm(abc.ABC):
     def tick(self, state: JointState, period: float) -> None:
         """Advance the speed scaling by one tick of ``period`` [s].
 
-        Once an arm that its program has released is at rest, it is returned to its
-        controllers.
+        Once an arm that has been released by its program is at rest, it is returned to
+        its controllers.
         """
         self.box.tick(period)
         self.mode.tick(state)

@@ -29,8 +29,7 @@ from tool0.simulation.simulation import Simulation
 
 
 def reproduction(simulation: Simulation) -> Reproduction:
-    """Return the data that, together with the journal, make this simulation
-    repeatable."""
+    """Return the data that, with the journal, make this simulation repeatable."""
     setup = simulation.setup
     description, options = setup.description, setup.options
     model, choice = description.model, setup.choice

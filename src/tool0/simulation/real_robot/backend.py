@@ -189,7 +189,7 @@ class RealRobotBackend:
         box.look()
 
     def _clear_stop(self, command: str, accepted: str) -> None:
-        """Clear a stop of the safety system, and wait until the stop is over."""
+        """Clear a stop of the safety system, and wait until it is over."""
         self._engine.connection.dashboard.order(command, accepted)
         box = self._enabling
         box.wait(lambda: box.box.safety_mode in UNSTOPPED, _DID_NOT.format(command))
