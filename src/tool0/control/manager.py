@@ -398,7 +398,7 @@ class ControllerManager:
     def block(self, joints: Collection[str], reason: str) -> None:
         """Prevent the start of controllers that claim ``joints``.
 
-        An empty ``reason`` permits the start again.
+        An empty ``reason`` allows such controllers to start again.
 
         Controllers that are already running continue.
         """

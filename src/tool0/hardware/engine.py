@@ -209,7 +209,7 @@ class World(Protocol):
 
 
 class Engine(Protocol):
-    """Physics engine as the control loop uses it.
+    """Interface through which the control loop uses a physics engine.
 
     The loop reads, writes and steps, in this order.
 

@@ -86,7 +86,7 @@ class FollowedClock:
 class SpeedMeter:
     """Measures the ratio of simulated time to wall time, and counts late ticks.
 
-    The measurement covers about the last second.
+    The measurement covers roughly the last second.
     """
 
     def __init__(self, now: Callable[[], float] = time.perf_counter) -> None:

@@ -1,6 +1,6 @@
 """The executor, which starts and ends every motion of the robot.
 
-A running controller moves joints.  If a program has taken control of an arm, the arm's
+Running controllers move the joints.  If a program has taken control of an arm, the arm's
 motion controller moves the joints.  Clients, handlers and programs move the robot only
 through the executor.
 """

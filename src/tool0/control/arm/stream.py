@@ -69,8 +69,8 @@ class JointBounds:
         """Return the smallest and largest velocity of each joint after a tick.
 
         At a velocity in the returned range, a joint can still stop before its position
-        limit without exceeding the acceleration limit of planned motions.  ``scale``
-        scales the largest velocity.
+        limit without exceeding the acceleration limit of planned motions.  ``scale`` is
+        a factor for the largest velocity.
         """
         found = []
         for (lower, upper, fastest, a), x, v in zip(self._joints, q, qd, strict=True):

@@ -249,7 +249,7 @@ class RobotiqGripper:
         )
 
     async def wait_until(self, condition: Callable[[], bool]) -> None:
-        """Wait until the registers fulfill a condition."""
+        """Wait until the registers meet a condition."""
         while not condition():
             await self._changed.wait()
 
