@@ -120,7 +120,7 @@ def default_controllers(
 ) -> ControllerConfig:
     """Return the built-in controllers, with their locations in the files.
 
-    The result is empty if no built-in controllers fit a robot file of the user.
+    The result is empty if no built-in controllers fit the user's robot file.
 
     Raises:
         ConfigError: If the file of a part is invalid, or ``gripper_action`` is given
@@ -207,7 +207,7 @@ def _load_rows(tree: Tree, start: str, rows: Sequence[Row], end: str) -> None:
 def _pieces(
     description: RobotDescription, gripper_action: bool, period: float
 ) -> list[_Piece]:
-    """Return the parts of all robots; empty if no parts fit a file of the user."""
+    """Return the parts of all robots; empty if no parts fit the user's robot file."""
     parts = [
         piece
         for robot in description.robots

@@ -81,8 +81,8 @@ class TrajectoryLaw(NamedTuple):
     wrapping: Sequence[int]
     """Indices of the joints with errors that are wrapped to the shortest rotation."""
     lead: float = 0.0
-    """Time by which the commanded motion leads the motion from which the errors are
-    computed [s]."""
+    """Time by which the commanded motion leads the motion that determines the errors
+    [s]."""
     clock: TrajectoryClock = REAL_CLOCK
     start: TrajectoryStart | None = None
     """Rules for the start of another trajectory.  If the rules are None although

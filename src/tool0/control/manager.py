@@ -98,8 +98,7 @@ class ControllerManager:
         self._blocked: dict[str, str] = {}
         """Joint → reason why controllers that claim it cannot be started."""
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
-        """Name and instance of each running controller, and the indices of its commands
-        in the list of all commands."""
+        """Name and instance of each running controller, and its command indices."""
         self.running_controllers: tuple[tuple[Controller, tuple[int, ...]], ...] = ()
         """The running controllers in load order, with their joints.  The tuple is
         replaced whenever a controller starts or stops."""

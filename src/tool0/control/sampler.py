@@ -1,4 +1,4 @@
-"""Sampling of the motion of several joints in the tick, and monitoring of a goal."""
+"""Samples the motion of several joints in the tick, and monitors a goal."""
 
 from __future__ import annotations
 

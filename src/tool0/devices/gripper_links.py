@@ -26,7 +26,7 @@ URCAP_PORT: Final = 63352
 _COMMAND_REGISTER: Final = 1000
 _STATUS_REGISTER: Final = 2000
 _REGISTERS: Final = 3
-"""Number of registers of a command and of a status; each is six bytes long."""
+"""Number of registers in a command and in a status; each is six bytes long."""
 _UNIT: Final = 9
 """The gripper's factory-set Modbus address."""
 _ANSWER: Final = re.compile(rb"([A-Z]{3}) (\d{1,3})\n")

@@ -33,8 +33,7 @@ class JointState(NamedTuple):
 
 
 JointSelector = Callable[[list[float]], Sequence[float]]
-"""Function that selects the values of some joints from a list of the values of all
-joints."""
+"""Function that selects the values of some joints from a list for all joints."""
 
 
 def joint_selector(indices: Sequence[int]) -> JointSelector:

@@ -1,6 +1,6 @@
 """Keeps joints within their speed limits, as the drives of a real arm do.
 
-The effort of one drive changes the speeds of all joints of an arm.  The governor
+The effort of one drive affects the speeds of all joints in an arm.  The governor
 predicts the velocities after the coming step from the accelerations in the last step
 and the changes of all efforts.  If a predicted velocity exceeds its limit, each drive
 applies the effort that keeps its joint within the limit and is closest to the requested

@@ -68,7 +68,8 @@ def plan_joints(
         joints: The joints to move, with their limits.
         start: Motion of the joints at time 0, such as the desired state of a trajectory
             controller.
-        targets: Target positions [rad | m] within the limits. A continuous joint turns in the shorter direction.
+        targets: Target positions [rad | m] within the limits. A continuous joint turns
+            in the shorter direction.
         speed: Fraction of each joint's maximum velocity, SLOWEST … 1. The limits of
             acceleration and jerk do not change, so motions at different speeds can
             follow each other.

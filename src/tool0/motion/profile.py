@@ -143,7 +143,8 @@ def ramp(length: float, before: float, after: float) -> SpeedProfile:
 def smoothed(profile: SpeedProfile, duration: float) -> SpeedProfile:
     """Return a profile from rest to rest without sudden changes of acceleration.
 
-    The result is the mean of copies that are delayed by 0 … ``duration`` [s]. The smoothed profile takes ``duration`` longer. The speed is not higher than in the
+    The result is the mean of copies that are delayed by 0 … ``duration`` [s]. The
+    smoothed profile takes ``duration`` longer. The speed is not higher than in the
     original profile, and the acceleration changes in small steps.
     """
     delays = np.linspace(0.0, duration, _COPIES)

@@ -276,7 +276,7 @@ class PlanningGroup:
     """Collision checks for motions of some joints, with the pairs of their shapes."""
 
     names: tuple[tuple[str, str], ...]
-    """Names of the two bodies of each pair of shapes."""
+    """Names of the two bodies to which each pair of shapes belongs."""
     least: Array
     """Minimum distance of each pair, including SLACK [m]."""
     clearances: Clearances

@@ -1,8 +1,8 @@
 """The executor, which starts and ends every motion of the robot.
 
-Running controllers move the joints.  If a program has taken control of an arm, the arm's
-motion controller moves the joints.  Clients, handlers and programs move the robot only
-through the executor.
+Running controllers move the joints.  If a program has taken control of an arm, the
+arm's motion controller moves the joints.  Clients, handlers and programs move the robot
+only through the executor.
 """
 
 from __future__ import annotations

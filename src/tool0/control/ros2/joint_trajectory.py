@@ -119,7 +119,7 @@ class JointTrajectoryController:
 
     The command is the desired motion one period ahead, whereas errors refer to the
     current desired motion.  A trajectory that is received between ticks starts in the
-    next tick, from the motion that is measured in that tick.
+    next tick, from the motion measured in that tick.
 
     The controller behaves like the ROS 2 controller of the same name, with these
     improvements:

@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 MAX_THREADS: Final = 50
 MAX_VARIABLES: Final = 2_000
-"""Maximum number of variables of the program and of all unfinished calls."""
+"""Maximum number of variables in the program and in all unfinished calls."""
 MAX_DEPTH: Final = 100
 """Maximum depth of nested calls."""
 SLICE: Final = 100
