@@ -206,7 +206,7 @@ class ControllerManager:
         item.spec, item.state = spec, self._stages.configured
 
     def cleanup(self, name: str) -> None:
-        """Return a controller that is not running to the unconfigured stage."""
+        """Unconfigure a controller that is not running."""
         item = self._find(name)
         if item.controller is not None:
             raise ControlError(

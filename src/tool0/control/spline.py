@@ -1,7 +1,7 @@
 """The motion of one joint: polynomial segments through the knots of its trajectories.
 
 Segments are created on demand, so accepting a trajectory with many points takes no
-longer than accepting a trajectory with a few points.
+longer than accepting one with a few points.
 """
 
 from __future__ import annotations

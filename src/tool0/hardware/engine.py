@@ -323,7 +323,8 @@ class NativeStepper(NamedTuple):
     ``BRAKE_STANDSTILL`` after a step is at rest: it keeps its position from before the
     step, and its velocity is 0."""
     steps: Callable[[], int]
-    """Function that returns the number of steps of the engine since its time was 0."""
+    """Function that returns the number of engine steps since the engine's time was
+    0."""
     note_steps: Callable[[int, list[float]], None]
     """Function that sets the number of steps since the engine's time was 0, and the
     last efforts."""

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import final
 
 CATCH_UP = 0.1
-"""Wall time up to which the simulation catches up if it lags behind [s].
+"""Longest lag behind wall time that the simulation tries to make up [s].
 
 A larger lag is dropped, since the simulation would otherwise run at full speed through
 the time that it missed while the computer was suspended.

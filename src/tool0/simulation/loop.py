@@ -362,7 +362,8 @@ class Loop:
 
         At the default period, limits and contacts are also checked.
 
-        These checks therefore do not depend on the rates of subscribers.
+        Checks of limits and contacts therefore do not depend on the rates of
+        subscribers.
         """
         core = self._core
         if core.ticks % self._default_snapshot_ticks:

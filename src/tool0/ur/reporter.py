@@ -1,4 +1,4 @@
-"""Reports of a control box's activity to the panel, and safety limits for its arm."""
+"""Reports of a control box's activity for the panel, and safety limits for its arm."""
 
 from __future__ import annotations
 

@@ -281,7 +281,8 @@ def _pose_error(here: Placement, goal: Placement) -> Array:
     """Return the pose error from ``here`` to ``goal`` [m, rad], shape (6,).
 
     The error is expressed in base axes.  The rotational part is the rotation axis times
-    the sine of the rotation angle.  For small angles, it is close to the angle itself.
+    the sine of the rotation angle.  For small angles, this sine is close to the angle
+    itself.
     """
     R = goal.rotation @ here.rotation.T
     turn = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])

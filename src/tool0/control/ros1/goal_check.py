@@ -4,8 +4,8 @@ If joint_trajectory_controller in ROS defines a message and a code for an error,
 checks use the same message and code.  Unlike ROS, the checks also reject numbers that
 are not finite, duplicate joints, wrong numbers of positions, positions beyond a joint's
 limits, and tolerances for joints that the controller does not have.  As in ROS, the
-checks accept velocities and accelerations beyond a joint's limits: planners round
-velocities and accelerations, and the tolerances detect whether the joint can follow.
+checks accept velocities and accelerations beyond a joint's limits: planners round these
+values, and the tolerances detect whether the joint can follow.
 """
 
 from __future__ import annotations

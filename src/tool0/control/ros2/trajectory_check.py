@@ -144,7 +144,7 @@ def _invalid_joints(text: str) -> GoalRejectedError:
 def override_tolerances(
     goal: TrajectoryGoal, defaults: TrajectoryTolerances, controller: str
 ) -> TrajectoryTolerances:
-    """Return the tolerances of a controller, overridden by the tolerances of a goal.
+    """Return a controller's tolerances, overridden by the tolerances of a goal.
 
     A positive tolerance in the goal replaces the default, -1 disables the tolerance,
     and 0 keeps the default.  If the goal contains any other value, an error is logged,

@@ -143,7 +143,7 @@ class Arm(abc.ABC):
     def stop_protectively(self, reason: str, now: JointState) -> None:
         """Start a protective stop of the arm; ``reason`` is shown to users.
 
-        An arm that is already in a protective stop keeps the reason of that stop.
+        An arm that is already in a protective stop keeps the reason for that stop.
         """
         if self._modes.safety is not SafetyMode.PROTECTIVE_STOP:
             self._stopped_at = now.time

@@ -27,8 +27,8 @@ JUMP: Final = 0.05
 """Largest distance of a joint from its position at the start of a motion [rad]."""
 _ROUNDING: Final = 1e-6
 _SPEED_ROUNDING: Final = 0.02
-"""Relative tolerance for speeds.  The tolerance is needed because of the speed slider
-and of splines that are slightly faster between their knots."""
+"""Relative tolerance for speeds.  The tolerance is needed because of the speed slider,
+and because splines are slightly faster between their knots."""
 
 
 @final

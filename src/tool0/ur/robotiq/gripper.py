@@ -195,7 +195,8 @@ class RobotiqGripper:
 
     @property
     def has_goal(self) -> bool:
-        """Whether the last goal is valid because no other client moved the fingers."""
+        """Whether the last goal is still valid, since no other client has moved the
+        fingers."""
         return self._goal is not None
 
     @property
