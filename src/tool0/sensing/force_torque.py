@@ -1,4 +1,4 @@
-"""A force-torque sensor that the tick samples, and the sensors of a robot."""
+"""A force-torque sensor that the tick samples, and all such sensors of a robot."""
 
 from __future__ import annotations
 

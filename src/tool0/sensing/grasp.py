@@ -3,8 +3,8 @@
 Grasp assist fixes gripped objects to the gripper. Grasp assist is off by default,
 because no real gripper fixes objects. Grasp assist is intended for users who study the
 task after a grasp, regardless of friction and force. An object that both pads touch is
-fixed to the gripper's base as soon as the gripper holds the object. The object is
-released when the gripper is commanded to open or the pads move.
+fixed to the gripper's base as soon as the gripper holds it. The object is released when
+the gripper is commanded to open or the pads move.
 """
 
 from __future__ import annotations

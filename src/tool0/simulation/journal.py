@@ -19,7 +19,8 @@ from tool0.simulation.core import Core
 from tool0.simulation.loop import Loop
 
 MOST_REQUESTS: Final = 200_000
-"""Largest number of requests that are stored, which is 400 s of a stream at 500 Hz."""
+"""Largest number of requests that are stored; this corresponds to 400 s of a stream at
+500 Hz."""
 AT_ONCE: Final = 500
 """Largest number of requests that are returned by one read, so that the tick is not
 blocked for long."""

@@ -2,7 +2,7 @@
 
 The steps are a generator that yields until the next snapshot whenever simulated time
 must pass.  Each change uses the request that a client would send, so that the journal
-contains the change.
+contains it.
 """
 
 from __future__ import annotations

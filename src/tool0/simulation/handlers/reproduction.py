@@ -1,4 +1,4 @@
-"""Description of a bring-up as plain data, and bring-up from such data."""
+"""Description of a bring-up as plain data, and a bring-up from this data."""
 
 from __future__ import annotations
 

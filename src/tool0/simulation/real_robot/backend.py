@@ -172,7 +172,7 @@ class RealRobotBackend:
         self._enabling.enable(request)
 
     def _power(self, command: str, mode: RobotMode) -> None:
-        """Change the mode of the arm, and wait until the arm has this mode."""
+        """Change the mode of the arm, and wait until it has this mode."""
         words = {
             "power on": "Powering on",
             "power off": "Powering off",

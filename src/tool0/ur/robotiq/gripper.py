@@ -195,8 +195,7 @@ class RobotiqGripper:
 
     @property
     def has_goal(self) -> bool:
-        """Whether the last goal is still valid, since no other client has moved the
-        fingers."""
+        """Whether the last goal is valid: no other client has moved the fingers."""
         return self._goal is not None
 
     @property

@@ -29,8 +29,8 @@ BASE, TOOL, CUSTOM = 0, 1, 2
 ASYNCHRONOUS: Final = 1
 """Value of integer register 1 if the client does not wait for the end of a motion."""
 CANCEL_DECELERATION: Final = 2.0
-"""Deceleration before a motion that replaces an asynchronous motion [rad/s²], which is
-stopj's default."""
+"""Deceleration before a motion that replaces an asynchronous motion [rad/s²]; the value
+is stopj's default."""
 
 
 @final
