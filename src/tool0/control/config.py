@@ -79,7 +79,7 @@ class ControllerConfig:
         return ControllerConfig(tree)
 
     def with_type(self, name: str, type_name: str) -> ControllerConfig:
-        """Return a copy in which a controller, which may be new, has another type."""
+        """Return a copy in which a new or existing controller has the given type."""
         config = ControllerConfig(self.tree, self.dialect)
         here = SourceLocation(None)
         empty = YamlEntry(name, here, {})
@@ -201,7 +201,7 @@ class ControllerConfig:
     def with_parameters(
         self, name: str, changes: Mapping[str, Value]
     ) -> ControllerConfig:
-        """Return a copy with changed parameters of a controller, by dotted name."""
+        """Return a copy with changed parameters of one controller, by dotted name."""
         found = self._find(name)
         overlay = YamlEntry(name, found.parameters.location, {})
         for path, value in changes.items():

@@ -1,4 +1,4 @@
-"""Protocols of ROS 1 and ROS 2 controllers, for the tick and for requests."""
+"""Protocols of ROS 1 and ROS 2 controllers, as used by the tick and by requests."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ class TrajectoryFollower(Controller, Protocol):
         """
 
     def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
-        """Follow a goal from a topic, which has no result, or reject the goal."""
+        """Follow or reject a goal from a topic, for which no result is reported."""
 
     def cancel(self, goal: Goal, now: float) -> None:
         """Stop if ``goal`` is the active goal, and end it with the status PREEMPTED."""
@@ -154,7 +154,7 @@ class TrajectoryFollower(Controller, Protocol):
 
         ``is_first`` specifies whether the next tick is the first tick of the motions.
         ``has_points`` specifies whether the motions have several points, for
-        controllers that treat motions with several points differently.
+        controllers that treat such motions differently.
         """
 
 
@@ -223,7 +223,7 @@ class GripperDriver(Controller, Protocol):
 
 @runtime_checkable
 class CommandTaker(Controller, Protocol):
-    """A running controller with a command of one number per joint."""
+    """A running controller that is commanded with one number per joint."""
 
     def command_joints(self, values: Sequence[float] | float) -> None:
         """Set one command per joint, in the spec's order, or raise ControlError."""

@@ -25,8 +25,8 @@ def or_remove(near: str | None) -> str:
 def severity_of(written: str, near: str | None) -> Severity:
     """Return the severity of an unknown name.
 
-    The severity is a warning if the name is not a typo, since other programs may read
-    the name.
+    If the name does not look like a typo, the severity is only a warning, since other
+    programs may read the name.
     """
     return "error" if is_typo(written, near) else "warning"
 
@@ -111,7 +111,7 @@ class ControllerLint:
         )
 
     def pattern_of(self, entry: YamlEntry) -> str:
-        """Return the path of ``entry``, in which ``*`` replaces controller joints."""
+        """Return the path of ``entry``, with ``*`` in place of controller joints."""
         return self._pattern(self._path(entry))
 
     def _path(self, entry: YamlEntry) -> str:

@@ -1,4 +1,4 @@
-"""Parts of the built-in controllers: files of the catalogue, and names in the files."""
+"""Parts of the built-in controllers: catalogue files, and the names in these files."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def controller_prefix(robot: CatalogueRobot) -> str:
 def renamed(
     description: RobotDescription, robot: CatalogueRobot | None, text: str
 ) -> str:
-    """Return YAML ``text`` with the robot's prefixes before joints and controllers."""
+    """Return YAML ``text`` with prefixes for the robot's joints and controllers."""
     if robot is None or not (robot.prefix or robot.name):
         return text
     import yaml
@@ -104,7 +104,7 @@ class OwnArm:
     def written(self, text: str) -> str:
         """Return YAML ``text`` with the joints of this arm, not of the catalogue arm.
 
-        A line that contains the first joint of the catalogue is repeated for each
+        A line that contains the first joint of the catalogue arm is repeated for each
         joint.  ``$prefix`` is replaced with the prefix of the arm's links.
         """
         first, *others = CATALOGUE_JOINTS
@@ -191,7 +191,7 @@ def rating(part: CataloguePart, name: str) -> float | None:
 def number_text(value: float) -> str:
     """Return a number without an exponent.
 
-    YAML 1.1 could read a number with an exponent as a string.
+    A YAML 1.1 parser could read a number with an exponent as a string.
     """
     if not math.isfinite(value):
         return f"{'-' if value < 0 else ''}.inf" if math.isinf(value) else ".nan"

@@ -120,7 +120,7 @@ def default_controllers(
 ) -> ControllerConfig:
     """Return the built-in controllers, with their locations in the files.
 
-    The result is empty if no built-in controllers fit a robot file of the user.
+    The result is empty if no built-in controllers fit the user's robot file.
 
     Raises:
         ConfigError: If the file of a part is invalid, or ``gripper_action`` is given
@@ -164,7 +164,7 @@ def controller_prefixes(description: RobotDescription) -> tuple[str, ...]:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Piece:
-    """The text of a part for one robot, and the rows to insert into the text."""
+    """The text of a part for one robot, and the rows to insert into it."""
 
     text: str
     location: SourceLocation
@@ -193,7 +193,7 @@ class _Piece:
 
 
 def _load_rows(tree: Tree, start: str, rows: Sequence[Row], end: str) -> None:
-    """Add the rows as one text per file, in which the rows keep their line numbers."""
+    """Add the rows as one text per file, and keep their line numbers."""
     for file in dict.fromkeys(row.location.file for row in rows):
         text, line = start, 1
         for row in rows:
@@ -207,7 +207,7 @@ def _load_rows(tree: Tree, start: str, rows: Sequence[Row], end: str) -> None:
 def _pieces(
     description: RobotDescription, gripper_action: bool, period: float
 ) -> list[_Piece]:
-    """Return the parts of all robots; empty if no parts fit a file of the user."""
+    """Return the parts of all robots; empty if no parts fit the user's robot file."""
     parts = [
         piece
         for robot in description.robots
@@ -267,7 +267,7 @@ class _Composer:
             yield self._gripper(hand, kind)
 
     def own_pieces(self, arm: OwnArm) -> Iterator[_Piece]:
-        """Yield the parts of an arm in a file of the user, and of the arm's gripper.
+        """Yield the parts of an arm and its gripper in a robot file of the user.
 
         The result is empty if velocity is the only interface that the joints have in
         common.
@@ -292,7 +292,7 @@ class _Composer:
         yield from self._own_gripper([g.joint for g in self.description.model.grippers])
 
     def _own_gripper(self, joints: Sequence[str]) -> Iterator[_Piece]:
-        """Yield the part of a gripper in a file of the user, if one joint drives it."""
+        """Yield the part of a gripper that one joint drives, in a user's robot file."""
         kind = common_interface(self.description.model, joints, _BY_PREFERENCE)
         if len(joints) == 1 and kind is not None:
             yield self._gripper(joints, kind)

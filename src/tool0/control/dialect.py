@@ -59,8 +59,8 @@ class Dialect:
     """Function that returns the controllers in a YAML tree, by name.  The types of the
     controllers need not exist."""
     parameters: Callable[[YamlEntry, str], YamlEntry | None]
-    """Function that returns the parameters of a controller from a YAML tree, given the
-    controller's name, even if the type is missing."""
+    """Function that returns a controller's parameters from a YAML tree, given its name,
+    even if its type is missing."""
     joint_limits: Callable[[YamlEntry], Namespace | None]
     """Function that returns the limits that override the limits of the URDF, by
     joint."""

@@ -38,8 +38,8 @@ class ForwardCommandSpec:
     joint_models: tuple[Joint, ...]
     interface: Interface
     quantity: Interface
-    """The quantity that is commanded.  A PID follows the command unless the quantity is
-    the same as ``interface``."""
+    """The quantity that is commanded.  A PID follows the command unless ``interface``
+    accepts the commanded quantity itself."""
     gains: tuple[Gains, ...] = ()
     """Gains of each joint if ``quantity`` differs from ``interface``."""
     wording: CommandWording

@@ -60,7 +60,7 @@ def check_limits(
     first: int,
     starts: Callable[[], Sequence[float]],
 ) -> None:
-    """Reject positions that ``joints`` cannot reach, starting at point ``first``.
+    """Reject positions, starting at point ``first``, that ``joints`` cannot reach.
 
     ``starts`` returns the joints' positions at the start [rad | m], since a goal may
     move back from a position beyond a limit.

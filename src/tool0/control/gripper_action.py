@@ -107,7 +107,7 @@ class GripperActionSpec:
     """Rate of the feedback of the ROS action [Hz]."""
     state_interfaces: tuple[str, ...] = ()
     settings: DriveSettings | None = None
-    """Drive settings that goals can set; None if there are no such settings."""
+    """Drive settings that goals can set; None if goals cannot set any."""
 
     waits_for_command: ClassVar[bool] = False
 
@@ -131,10 +131,10 @@ class GripperActionController:
     """Moves one joint to a position with limited effort.
 
     A goal succeeds when the error is below ``goal_tolerance``.  If the joint stalls
-    with a larger error, the goal is aborted or, if ``allow_stalling`` is set, succeeds.
-    After a success or an abort, the command remains in effect: a gripper continues to
-    squeeze with the goal's effort.  The controller behaves like the ROS controllers of
-    the same name, with these improvements:
+    with a larger error, the goal is aborted, or it succeeds if ``allow_stalling`` is
+    set.  After a success or an abort, the command remains in effect: a gripper
+    continues to squeeze with the goal's effort.  The controller behaves like the ROS
+    controllers of the same name, with these improvements:
 
     * a stall is a *change of position* of less than ``stall_velocity_threshold *
       stall_timeout`` during ``stall_timeout``: in ROS, the velocity of a simulated grip

@@ -20,8 +20,8 @@ from tool0.protocol.controllers import Gains
 class JointTracking:
     """Splines that joints follow, with a PID and feed-forward if gains are given.
 
-    The controller determines which splines are followed, when the splines start, and
-    when the splines end.
+    The controller determines which splines are followed, when they start, and when they
+    end.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Control laws: computations of a controller in each tick until an event.
+"""Control laws: a controller's computations in each tick, until an event occurs.
 
 A running controller provides a law, so that a kernel can execute the controller's ticks
 without Python.  ``Controller.update`` remains the reference implementation, and the
@@ -48,11 +48,11 @@ class TrajectoryStart(NamedTuple):
     """The ROS 2 rules for starting, in the next tick, a trajectory that has no goal."""
 
     is_spliced: bool
-    """Whether the trajectory continues the desired motion if the desired motion has
-    several points."""
+    """Whether the trajectory continues the desired motion if that motion has several
+    points."""
     from_desired: bool
-    """Whether a trajectory that does not continue the desired motion starts from the
-    desired motion instead of the measured motion."""
+    """Whether a trajectory that does not continue the desired motion still starts from
+    it, rather than from the measured motion."""
     reads_velocity: bool
     """Whether the measured velocity is used; otherwise, a velocity of 0 is assumed."""
     may_end_moving: bool
@@ -64,7 +64,7 @@ class TrajectoryStart(NamedTuple):
     goal_time: float
     """Time that the joints may take to arrive after the end of the trajectory [s]."""
     timeout: float
-    """Time after the end of the trajectory at which the trajectory is aborted [s]."""
+    """Time after the end of the trajectory at which it is aborted [s]."""
 
 
 class TrajectoryLaw(NamedTuple):
@@ -81,8 +81,8 @@ class TrajectoryLaw(NamedTuple):
     wrapping: Sequence[int]
     """Indices of the joints with errors that are wrapped to the shortest rotation."""
     lead: float = 0.0
-    """Time by which the commanded motion leads the motion from which the errors are
-    computed [s]."""
+    """Time by which the commanded motion leads the motion that determines the errors
+    [s]."""
     clock: TrajectoryClock = REAL_CLOCK
     start: TrajectoryStart | None = None
     """Rules for the start of another trajectory.  If the rules are None although

@@ -16,7 +16,7 @@ from tool0.hardware.robot_hardware import EffortLaw
 
 @final
 class LoadedController:
-    """A loaded controller, with its parameters after it has been configured."""
+    """A loaded controller, and its parameters once it has been configured."""
 
     def __init__(
         self, name: str, type_name: str, stages: Stages, config: ControllerConfig | None

@@ -98,8 +98,7 @@ class ControllerManager:
         self._blocked: dict[str, str] = {}
         """Joint → reason why controllers that claim it cannot be started."""
         self._running: list[tuple[str, Controller, slice | None, tuple[int, ...]]] = []
-        """Name and instance of each running controller, and the controller's positions
-        in the list of commands."""
+        """Name and instance of each running controller, and its command indices."""
         self.running_controllers: tuple[tuple[Controller, tuple[int, ...]], ...] = ()
         """The running controllers in load order, with their joints.  The tuple is
         replaced whenever a controller starts or stops."""
@@ -207,7 +206,7 @@ class ControllerManager:
         item.spec, item.state = spec, self._stages.configured
 
     def cleanup(self, name: str) -> None:
-        """Return a controller that is not running to the unconfigured stage."""
+        """Unconfigure a controller that is not running."""
         item = self._find(name)
         if item.controller is not None:
             raise ControlError(
@@ -272,7 +271,7 @@ class ControllerManager:
         *,
         with_rotors: bool = False,
     ) -> None:
-        """Drive a running controller's joints with a law, not with its commands.
+        """Drive a running controller's joints with a law instead of its commands.
 
         If ``law`` is None, the joints follow the commands again.
         ``RobotHardware.claim_efforts`` documents ``with_rotors``.
@@ -398,7 +397,7 @@ class ControllerManager:
     def block(self, joints: Collection[str], reason: str) -> None:
         """Prevent the start of controllers that claim ``joints``.
 
-        An empty ``reason`` permits the start again.
+        An empty ``reason`` allows such controllers to start again.
 
         Controllers that are already running continue.
         """

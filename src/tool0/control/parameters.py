@@ -148,7 +148,7 @@ class RobotJoints:
     """Prefix of each arm → its joints, from the base to the flange; None if any prefix
     is accepted."""
     gripper_delay: float = 0.0
-    """Longest time until a command to a gripper affects the gripper's state [s]."""
+    """Longest time until a command to a gripper affects its state [s]."""
 
     @property
     def joint_states(self) -> tuple[str, ...]:
@@ -191,7 +191,7 @@ def joint_entries(controller: YamlEntry) -> list[YamlEntry]:
 def controlled_joint(
     robot: RobotJoints, name: str, interface: Interface | None, entry: YamlEntry
 ) -> Joint:
-    """Return the joint ``name``, which must have ``interface`` if it is given.
+    """Return the joint ``name``; it must have ``interface`` if one is given.
 
     ``entry`` is the YAML entry that contains the name; messages report its location.
     """

@@ -1,4 +1,4 @@
-"""Sampling of the motion of several joints in the tick, and monitoring of a goal."""
+"""Samples the motion of several joints in the tick, and monitors a goal."""
 
 from __future__ import annotations
 
@@ -163,9 +163,9 @@ class Check(enum.IntEnum):
 class GoalMonitor:
     """Checks one active goal in every tick.
 
-    Segments of a previous trajectory that are still being executed when a goal starts
-    are not checked.  As in ROS, a joint is considered to have arrived after it has been
-    within its goal tolerances once.
+    If segments of a previous trajectory are still being executed when a goal starts,
+    they are not checked.  As in ROS, a joint is considered to have arrived after it has
+    been within its goal tolerances once.
     """
 
     def __init__(
@@ -180,7 +180,7 @@ class GoalMonitor:
         self._arrived: set[int] = set()
 
     def check_of(self, piece: Piece) -> tuple[Check, Tolerance]:
-        """Return the kind of check during a piece, and the tolerance of the check."""
+        """Return the kind of check during a piece, and its tolerance."""
         section = piece.section
         if section.goal is self.goal:
             if piece.is_at_end:
@@ -213,7 +213,7 @@ class GoalMonitor:
         return self._arrived
 
     def note_arrived(self, joints: Iterable[int]) -> None:
-        """Mark additional joints, which are given by their indices, as arrived."""
+        """Mark additional joints, given by index, as arrived."""
         self._arrived.update(joints)
         self._at_goal = [item for item in self._at_goal if item[0] not in self._arrived]
 

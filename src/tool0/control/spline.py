@@ -1,7 +1,7 @@
 """The motion of one joint: polynomial segments through the knots of its trajectories.
 
 Segments are created on demand, so accepting a trajectory with many points takes no
-longer than accepting a trajectory with a few points.
+longer than accepting one with a few points.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Motion(NamedTuple):
     position: float
     velocity: float | None = None
     acceleration: float | None = None
-    """Acceleration; it is used only if there is a velocity."""
+    """Acceleration, which is used only if a velocity is given."""
 
 
 MotionPlan = Sequence[Sequence[tuple[float, Motion]]]
@@ -169,9 +169,9 @@ def _fit(
 def wrap_offset(previous: float, following: float) -> float:
     """Return the whole turns that move ``following`` closest to ``previous`` [rad].
 
-    If the two angles are half a turn apart, within 1e-9 rad, the direction of the turn
-    depends on which angle is larger.  The direction of the turn therefore does not
-    depend on rounding.
+    If the two angles are half a turn apart (within 1e-9 rad), the larger angle
+    determines the direction of the turn.  Rounding errors therefore do not affect the
+    direction.
     """
     turn = shortest_turn(previous, following)
     if abs(turn) > _ALMOST_PI:
@@ -276,9 +276,8 @@ class SplineSection(NamedTuple):
 class JointSpline(NamedTuple):
     """The motion of one joint.
 
-    Each section is active until the next section begins, and each segment is active
-    until the next segment begins.  Before the first segment and after the last segment,
-    the joint is at rest.
+    Each section is active until the next one begins, and so is each segment.  Before
+    the first segment and after the last segment, the joint is at rest.
     """
 
     sections: tuple[SplineSection, ...]

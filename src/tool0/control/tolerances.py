@@ -11,7 +11,7 @@ from tool0.protocol.goals import Tolerance, ToleranceOverride
 DEFAULT_GOAL_TIME = 1.0
 """Time to arrive after the last point if ``constraints/goal_time`` is missing [s].
 
-Without ``constraints/goal_time``, ROS uses a time of 0.  Many goals are then aborted
+Without ``constraints/goal_time``, ROS uses a time of 0.  Many goals are aborted in ROS
 although the joints have arrived, because the velocity is not yet below
 ``stopped_velocity_tolerance`` in the cycle in which the motion ends.
 """

@@ -226,7 +226,7 @@ class Setpoint(Struct, frozen=True):
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of the joints, in the order of the other sequences of a setpoint."""
+        """Names of the joints, in the order of a setpoint's other sequences."""
         return tuple(joint.name for joint in self.joint_models)
 
     def joint_setpoints(self) -> Mapping[str, JointSetpoint]:

@@ -51,7 +51,7 @@ class TrajectoryMonitor:
                 simultaneously.
             goal_time: Time to arrive after the end [s]; inf if the time is unlimited.
             timeout: Time after the end at which the trajectory is aborted [s]; inf if
-                the trajectory is never aborted.
+                it is never aborted.
         """
         self.goal = goal
         self.end = end

@@ -26,7 +26,7 @@ URCAP_PORT: Final = 63352
 _COMMAND_REGISTER: Final = 1000
 _STATUS_REGISTER: Final = 2000
 _REGISTERS: Final = 3
-"""Number of registers of a command and of a status; each is six bytes long."""
+"""Number of registers in a command and in a status; each is six bytes long."""
 _UNIT: Final = 9
 """The gripper's factory-set Modbus address."""
 _ANSWER: Final = re.compile(rb"([A-Z]{3}) (\d{1,3})\n")
@@ -78,7 +78,7 @@ class UrcapLink:
             raise TransportError(f"{self._peer}: {error}") from None
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._slow: tuple[int, int] = (Activation.RESET, 0)
-        """Activation and fault, which are read only at every eighth reading."""
+        """Activation and fault; only every eighth reading updates them."""
         self._reads = 0
 
     def read(self) -> GripperReading | None:

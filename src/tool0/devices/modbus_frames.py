@@ -13,8 +13,8 @@ from functools import cache
 from typing import Final
 
 HEADER: Final = struct.Struct(">HHHB")
-"""Header of a frame: transaction, protocol (0), number of remaining bytes (including
-the unit), and unit."""
+"""Header of a frame: transaction, protocol (0), number of remaining bytes including the
+unit, and unit."""
 MAX_LENGTH: Final = 254
 """Maximum size of the unit and a request or response together [bytes]."""
 ERROR: Final = 0x80

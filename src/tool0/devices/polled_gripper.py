@@ -42,11 +42,11 @@ class PolledGripper:
         self.read_at = 0.0
         """Time at which the newest reading was received, on the monotonic clock [s]."""
         self.problem = "it was not read yet"
-        """Reason why the gripper is not ready; empty if the gripper is ready."""
+        """Reason why the gripper is not ready; empty if it is ready."""
         self._last = _ACTIVE
         """Last command that was sent to the gripper."""
         self.is_sent = True
-        """Whether the newest command has been sent and followed by a reading."""
+        """Whether a reading has been received since the newest command was sent."""
         self._thread = threading.Thread(
             target=self._run, name=f"tool0 {name}", daemon=True
         )

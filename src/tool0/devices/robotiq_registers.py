@@ -20,7 +20,7 @@ class Activation(IntEnum):
     """Progress of the activation (gSTA)."""
 
     RESET = 0
-    """The gripper is not activated or performs an automatic release."""
+    """The gripper is not activated, or is performing an automatic release."""
     IN_PROGRESS = 1
     COMPLETE = 3
 

@@ -42,7 +42,7 @@ class ControllerVersion(NamedTuple):
 
     @property
     def is_e_series(self) -> bool:
-        """Whether the controller is an e-Series (500 Hz) and not a CB3 (125 Hz)."""
+        """Whether the controller is an e-Series (500 Hz) rather than a CB3 (125 Hz)."""
         return self.major >= 5
 
 

@@ -1,6 +1,6 @@
 """Packets of UR's real-time data exchange (RTDE).
 
-A packet consists of its size (uint16, including the header), its type (uint8) and a
+A packet consists of its size (uint16) including the header, its type (uint8) and a
 payload. Numbers are big-endian. Source, which contains the names and types of all
 fields:
 https://docs.universal-robots.com/tutorials/communication-protocol-tutorials/rtde-guide.html

@@ -16,9 +16,10 @@ from tool0.errors import ConfigError, DivergenceError, EngineError, did_you_mean
 class JointState(NamedTuple):
     """Measured state of all movable joints at one instant.
 
-    The lists have shape (n_joints,) and are ordered like the engine's ``joint_names``.
-    This class is a named tuple of plain lists, because the tick creates an instance a
-    thousand times a second, and plain floats are fastest in Python.
+    The lists have shape (n_joints,) and are in the order of the engine's
+    ``joint_names``.  This class is a named tuple of plain lists, because the tick
+    creates an instance a thousand times a second, and plain floats are fastest in
+    Python.
     """
 
     time: float
@@ -32,8 +33,7 @@ class JointState(NamedTuple):
 
 
 JointSelector = Callable[[list[float]], Sequence[float]]
-"""Function that selects the values of some joints from a list of the values of all
-joints."""
+"""Function that selects the values of some joints from a list for all joints."""
 
 
 def joint_selector(indices: Sequence[int]) -> JointSelector:
@@ -60,7 +60,7 @@ def as_slice(indices: Sequence[int]) -> slice | None:
 class RecordedObjects(Sequence[ObjectState]):
     """The states of objects at one instant, which are computed on the first read.
 
-    The states never change, and any thread may read the states.
+    The states never change, and any thread may read them.
     """
 
     __slots__ = ("_compute", "_states")
@@ -167,7 +167,7 @@ class World(Protocol):
         """Return whether one of ``links`` touches anything or is attached to an object.
 
         This method is faster than ``contacts``.  The result may also be True for links
-        that only almost touch another body.
+        that nearly touch another body.
         """
 
     def center_of_mass(self, name: str) -> Vector3:
@@ -208,11 +208,11 @@ class World(Protocol):
 
 
 class Engine(Protocol):
-    """Physics engine as the control loop uses it.
+    """Interface through which the control loop uses a physics engine.
 
     The loop reads, writes and steps, in this order.
 
-    Every sequence has shape (n_joints,) and is ordered like ``joint_names``, which
+    Every sequence has shape (n_joints,) and is in the order of ``joint_names``, which
     contains all movable joints of the robot, including mimic joints.  ``world``
     contains the objects.
     """
@@ -233,7 +233,7 @@ class Engine(Protocol):
         """The objects around the robot."""
 
     def reset(self, position: Sequence[float], time: float = 0.0) -> None:
-        """Reset joints to rest at ``position`` [rad | m]; reset objects to start poses.
+        """Reset joints to rest at ``position`` [rad | m], and objects to start poses.
 
         Set simulated time to ``time`` [s].
         """
@@ -260,9 +260,8 @@ class Engine(Protocol):
 
         ``torques`` maps the index of a joint to the largest torque of its brake
         [N·m | N].  A brake acts as dry friction of at most its largest torque.  The
-        brake slows the joint, and holds the joint at rest against any smaller load.
-        This call does not change the state of a joint, and a reset does not affect the
-        brakes.
+        brake slows the joint, and holds it at rest against any smaller load.  This call
+        does not change the state of a joint, and a reset does not affect the brakes.
         """
 
     @property
@@ -324,7 +323,8 @@ class NativeStepper(NamedTuple):
     ``BRAKE_STANDSTILL`` after a step is at rest: it keeps its position from before the
     step, and its velocity is 0."""
     steps: Callable[[], int]
-    """Function that returns the number of steps of the engine since its time was 0."""
+    """Function that returns the number of engine steps since the engine's time was
+    0."""
     note_steps: Callable[[int, list[float]], None]
     """Function that sets the number of steps since the engine's time was 0, and the
     last efforts."""

@@ -54,10 +54,9 @@ class EffortLimits:
     """Rotor inertia reflected to the joint, or the inertia of a light joint
     [kg·m² | kg]; 0 for any other joint."""
     is_light: bool = False
-    """Whether the drive could exceed the speed limit within one step.  The joint of a
-    drive that could exceed the limit gets no outward effort if the joint is closer to
-    its stop than the distance that it travels in one step.  The reason is that the stop
-    acts only after the joint has passed the stop."""
+    """Whether the drive could exceed the speed limit within one step.  If a drive could
+    exceed the limit, its joint gets no outward effort within one step's travel of its
+    stop.  The reason is that a stop acts only after the joint has passed it."""
 
 
 class DriveBounds(NamedTuple):

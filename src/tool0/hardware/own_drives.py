@@ -1,8 +1,8 @@
 """Drives of a real robot, which execute motions without tool0's servos.
 
 An engine that uses the drives of a real robot does not accept efforts.  In each tick,
-the engine receives the desired motion starting at that tick, and the engine reports the
-state of the robot's own controller.
+the engine receives the desired motion starting at that tick, and reports the state of
+the robot's own controller.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from tool0.protocol.state import ArmSetpoint
 
 @final
 class WantedMotion(NamedTuple):
-    """Motion that an arm follows until the motion is replaced."""
+    """Motion that an arm follows until it is replaced."""
 
     at: Callable[[float], ArmSetpoint]
     """Function that returns the positions, velocities and accelerations of the arm's

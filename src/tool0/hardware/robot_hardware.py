@@ -136,7 +136,7 @@ class SavedDrives(NamedTuple):
 class RobotHardware:
     """The interface through which controllers use the robot's drives.
 
-    Every sequence has shape (n_joints,) and is ordered like ``joint_names``.
+    Every sequence has shape (n_joints,) and is in the order of ``joint_names``.
     """
 
     def __init__(
@@ -177,7 +177,8 @@ class RobotHardware:
         prefix.  A controller reads the factor once per tick."""
         self.gripper_delay = 0.0
         """Longest delay until a gripper's state reflects a command [s]."""
-        # Joints that others mimic follow ROS's speed rule, to match the recordings.
+        # Joints that other joints mimic follow ROS's speed rule, to match the
+        # recordings.
         masters = {joint.mimic.joint for joint in model.movable_joints if joint.mimic}
         self._drives = {
             name: _effort_limits(
@@ -215,7 +216,8 @@ class RobotHardware:
             for name, drive in self._drives.items()
             if not self._armatures[name] and name not in masters
         ]
-        """Drives that can hold their speed limits only if the moved mass is known."""
+        """Drives that can stay within their speed limits only if the moved mass is
+        known."""
         self._governor = SpeedGovernor()
         self._compensated = [
             self.index[name]
@@ -404,7 +406,7 @@ class RobotHardware:
 
     @property
     def drive_limits(self) -> Mapping[str, DriveLimits]:
-        """Current limits of the drives that goals limit more tightly than their joints.
+        """Limits in effect for drives that goals limit more tightly than their joints.
 
         The limits are given by joint name.
         """

@@ -1,15 +1,15 @@
-"""The masses that scale servos, bounded so that servos are stable with wrong payloads.
+"""The masses that scale servos, bounded for stability with wrong payloads.
 
 A servo of natural frequency ω and damping ratio ζ is scaled by a mass matrix Mₛ, where
 the mass matrix of the joints is M.  With Mₛ = r M, the servo's gains are r times too
 large.  In continuous time, proportional and derivative gains are stable for every
 r > 0.  Two bounds remain:
 
-* In steps of dt, the derivative gain must remain below 2 ζ ω r dt = 2.  Whatever
+* With steps of dt, the derivative gain is stable only for 2 ζ ω r dt < 2.  Whatever
   payload is declared, the joints have at least the masses of the description.  Mₛ may
   therefore exceed the description's masses only by a limited factor.  A light joint
-  with a strong drive (wrist_3 of a bare arm has 1e-4 kg·m²) uses this margin, so that
-  the joint is stiff under an undeclared load.
+  with a strong drive (wrist_3 of a bare arm has 1e-4 kg·m²) uses this margin, which
+  makes it stiff under an undeclared load.
 * An integral of rate k requires r > k / (2 ζ ω) (Routh's criterion).  The joints may
   carry more than the declared payload, so that k is limited by the largest load of the
   drive.

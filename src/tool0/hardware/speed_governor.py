@@ -1,14 +1,14 @@
 """Keeps joints within their speed limits, as the drives of a real arm do.
 
-The effort of one drive changes the speeds of all joints of an arm.  The governor
+The effort of one drive affects the speeds of all joints in an arm.  The governor
 predicts the velocities after the coming step from the accelerations in the last step
 and the changes of all efforts.  If a predicted velocity exceeds its limit, each drive
 applies the effort that keeps its joint within the limit and is closest to the requested
 effort (projected Gauss-Seidel).  If a drive is too weak to keep its joint within the
 limit, all drives contribute.  The governor uses only the masses of the description.
-Under a load, both the joints and the governor therefore react more slowly.  With the
-masses of a declared payload, the governor would accelerate joints beyond their limits
-if they did not actually carry the payload.
+Under a load, both the joints and the governor therefore react more slowly.  Masses that
+include a declared payload would let the governor accelerate joints beyond their limits
+if the payload were not actually carried.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ only the drive of a light joint could reach the limit within a step of 1 ms."""
 SWEEPS: Final = 20
 """Largest number of sweeps over all joints."""
 TOLERANCE: Final = 1e-6
-"""Excess speed below which the governor makes no more sweeps [rad/s | m/s]."""
+"""Excess speed below which the governor performs no more sweeps [rad/s | m/s]."""
 LARGEST_TURN: Final = 0.25
 """Motion of a joint after which the mobility is recomputed [rad | m]."""
 

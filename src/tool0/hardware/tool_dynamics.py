@@ -280,7 +280,7 @@ def _acceleration_at(body: _BodyMotion, r: Vector3) -> Vector3:
 
 
 def _inertial_torque(tensor: tuple[float, ...], w: Vector3, dw: Vector3) -> Vector3:
-    """Return the torque that accelerates a rotating body (Euler), in body axes."""
+    """Return the torque that accelerates a body's rotation (Euler), in body axes."""
     a, b, c, d, e, f, g, h, i = tensor
     wx, wy, wz = w
     ex, ey, ez = dw

@@ -84,8 +84,8 @@ def find_chains(
 ) -> dict[str, ArmChain]:
     """Return the arms of a robot by name.
 
-    ``limits``, by joint name, override the URDF's limits, because the controllers' YAML
-    file may contain other limits.
+    ``limits``, given by joint name, override the URDF's limits, because the
+    controllers' YAML file may contain other limits.
     """
     own = limits or {}
 

@@ -113,8 +113,8 @@ class ArmGeometry:
         Args:
             T_base_tip: Target pose of the flange, shape (n, 4, 4).
             sixth: Position of the sixth joint [rad], shape (n,), for singular poses,
-                which do not determine the position of the sixth joint. If ``sixth`` is
-                specified, all solutions have this position of the sixth joint.
+                which do not determine it. If ``sixth`` is specified, the sixth joint
+                has this position in all solutions.
 
         Returns:
             Joint positions modulo whole turns [rad], shape (n, 8, 6).

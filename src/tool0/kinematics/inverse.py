@@ -17,8 +17,8 @@ from tool0.kinematics.chain import ArmChain, Array
 from tool0.kinematics.geometry import SINGULAR, ArmGeometry, wrapped
 
 _NEAREST = 0.05
-"""Minimum distance, as a fraction of the reach, at which an error message suggests that
-the user meant millimeters."""
+"""Fraction of the reach that a distance must exceed after its conversion from
+millimeters, so that an error message suggests millimeters."""
 PRECISION = 1e-9
 """Maximum error of a solution's pose [m, rad]."""
 EXACT = 1e-6
@@ -136,7 +136,7 @@ class InverseKinematics:
         return np.asarray(found)
 
     def _newton(self, q: Array, T_base_tip: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return postures closer to their poses, and whether they reach the poses."""
+        """Return postures closer to their poses, and whether they reach them."""
         q = q.copy()
         for step in range(_STEPS + 1):
             posture = self.chain.forward(q)
@@ -228,7 +228,10 @@ class InverseKinematics:
 
 
 def _twist(T: Array, T_wanted: Array) -> Array:
-    """Return the twist from ``T`` to ``T_wanted``, shape (n, 6); exact if small."""
+    """Return the twist from ``T`` to ``T_wanted``, shape (n, 6).
+
+    The result is exact if the twist is small.
+    """
     R = T_wanted[..., :3, :3] @ T[:, :3, :3].swapaxes(1, 2)
     turn = sine_vectors(R)
     # Above 90 degrees, the sine decreases again, so a large value is used instead.

@@ -96,7 +96,7 @@ class BlendPath:
         return T
 
     def twist(self, s: Array, T_base_tip: Array) -> Array:
-        """Return the twist of a frame fixed to the tool per unit of s, shape (n, 6)."""
+        """Return the twist per unit of s of a frame fixed to the tool, shape (n, 6)."""
         place, slope = self._place(s), self._slope(s)
         angular = (left_jacobians(place[:, 3:]) @ slope[:, 3:, None])[..., 0]
         lever = T_base_tip[:, :3, 3] - self._p - place[:, :3]

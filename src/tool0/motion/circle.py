@@ -87,7 +87,7 @@ class CirclePath:
         return T
 
     def twist(self, s: Array, T_base_tip: Array) -> Array:
-        """Return the twist of a frame fixed to the tool per unit of s, shape (n, 6)."""
+        """Return the twist per unit of s of a frame fixed to the tool, shape (n, 6)."""
         cos, sin = np.cos(self._sweep * s), np.sin(self._sweep * s)
         along = cos[:, None] * self._v - sin[:, None] * self._u
         lever = T_base_tip[:, :3, 3] - self.tool(s)[:, :3, 3]

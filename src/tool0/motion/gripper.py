@@ -50,7 +50,7 @@ def opening_path(
 def direct_path(
     geometry: ParallelGripper, start: float, end: float, speed: float, shortest: float
 ) -> Path:
-    """Return a path that moves the driven joint to rest along a single cubic.
+    """Return a path that brings the driven joint to rest along a single cubic.
 
     The arguments are the same as those of ``direct_duration``.
     """

@@ -68,8 +68,8 @@ def plan_joints(
         joints: The joints to move, with their limits.
         start: Motion of the joints at time 0, such as the desired state of a trajectory
             controller.
-        targets: Target positions [rad | m] within the limits. A continuous joint takes
-            the shortest way.
+        targets: Target positions [rad | m] within the limits. A continuous joint turns
+            in the shorter direction.
         speed: Fraction of each joint's maximum velocity, SLOWEST … 1. The limits of
             acceleration and jerk do not change, so motions at different speeds can
             follow each other.
@@ -154,7 +154,7 @@ def _within_limits(
 def _joints_outside(
     joints: Sequence[Joint], start: MovingJoints, motion: ruckig.Trajectory
 ) -> list[int]:
-    """Return the joints that would exceed their limits or exceed them even further."""
+    """Return the joints that would exceed their limits, or exceed them by even more."""
     return [
         k
         for k, (joint, extremes) in enumerate(
@@ -225,7 +225,7 @@ def _jerk_to_stay_below(limit: float, qd: float, qdd: float) -> float:
 
     The acceleration of a user's goal may be much higher than that of a planned motion.
     If a very high acceleration ended with the usual jerk, the speed of the joint would
-    increase by qdd² / (2 jerk) before the acceleration is 0.
+    increase by qdd² / (2 jerk) before the acceleration reached 0.
     """
     most = max(limit, abs(qd))
     room = max(most - math.copysign(qd, qd * qdd), _LEAST_ROOM * most)

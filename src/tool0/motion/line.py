@@ -46,7 +46,7 @@ class LinePath:
         return T
 
     def twist(self, s: Array, T_base_tip: Array) -> Array:
-        """Return the twist of a frame fixed to the tool per unit of s, shape (n, 6)."""
+        """Return the twist per unit of s of a frame fixed to the tool, shape (n, 6)."""
         lever = T_base_tip[:, :3, 3] - self.tool(s)[:, :3, 3]
         linear = self._displacement + np.cross(self._turn, lever)
         angular = np.broadcast_to(self._turn, linear.shape)

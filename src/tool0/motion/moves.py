@@ -143,7 +143,7 @@ class MoveWarning(NamedTuple):
 
 
 class Tail(NamedTuple):
-    """The end of a plan within the blend radius of the plan's last target."""
+    """The end of a plan, inside the blend radius around its last target."""
 
     segment: PathSegment
     kind: MoveKind

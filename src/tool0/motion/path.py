@@ -35,8 +35,8 @@ class Cubics(NamedTuple):
     q: Array
     """Joint positions [rad], shape (n, n_joints)."""
     qd: Array
-    """Joint velocities [rad/s], or derivatives by the path parameter, shape (n,
-    n_joints)."""
+    """Joint velocities [rad/s], or derivatives with respect to the path parameter,
+    shape (n, n_joints)."""
 
     def at(self, times: Array) -> Cubics:
         """Return the motion sampled at other times within its duration."""
@@ -117,9 +117,9 @@ class Path:
         )
 
     def beside(self, standing: Mapping[str, float]) -> Path:
-        """Return the path for all joints of ``standing``, in the order of ``standing``.
+        """Return the path for all joints of ``standing``, in its order.
 
-        Joints that do not move remain at their positions in ``standing`` [rad | m].
+        Joints that do not move keep their positions in ``standing`` [rad | m].
         """
         if tuple(standing) == self.joint_names:
             return self
@@ -151,7 +151,7 @@ class Path:
 
 
 def _intervals(knots: Array, times: Array) -> tuple[NDArray[np.intp], Array, Array]:
-    """Return the interval of each time, its duration, and the elapsed fraction of it.
+    """Return each time's interval, the interval's duration, and its elapsed fraction.
 
     The duration and the fraction have shape (n, 1).
     """

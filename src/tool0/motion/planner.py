@@ -79,10 +79,9 @@ class MovePlanner:
     ) -> MovePlan | None:
         """Return the motion that leaves ``plan`` at a path time to blend into moves.
 
-        Time 0 of the new motion is the path time at which the motion leaves ``plan``.
-        The path time must be within the last blend radius of the plan. The result is
-        None if it is too late for a blend; the moves then start from rest at the end of
-        the plan.
+        Time 0 of the new motion is the path time at which it leaves ``plan``. The path
+        time must be within the last blend radius of the plan. The result is None if it
+        is too late for a blend; the moves then start from rest at the end of the plan.
 
         Raises:
             UnreachableError: If a move is impossible; the error contains the move's

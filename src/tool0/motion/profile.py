@@ -29,7 +29,7 @@ class Phase(NamedTuple):
 class SpeedProfile:
     """The distance x along a path as a non-decreasing function of time.
 
-    Distances are in meters or radians, like the distances of the path.
+    Distances are in meters or radians, as they are on the path.
     """
 
     def __init__(
@@ -144,7 +144,7 @@ def smoothed(profile: SpeedProfile, duration: float) -> SpeedProfile:
     """Return a profile from rest to rest without sudden changes of acceleration.
 
     The result is the mean of copies that are delayed by 0 … ``duration`` [s]. The
-    smoothed profile is longer by ``duration``. The speed is not higher than in the
+    smoothed profile takes ``duration`` longer. The speed is not higher than in the
     original profile, and the acceleration changes in small steps.
     """
     delays = np.linspace(0.0, duration, _COPIES)

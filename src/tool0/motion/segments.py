@@ -188,7 +188,7 @@ def passage(segment: PathSegment, profile: SpeedProfile, start: float = 0.0) -> 
 
 
 def distance_within(segment: PathSegment, radius: float, *, at_end: bool) -> float:
-    """Return the length of the part of a segment within ``radius`` [m] of one end.
+    """Return the length of a segment's part within ``radius`` [m] of one end.
 
     The part begins at the segment's start or, with ``at_end``, at its end. If the tool
     never leaves the radius, the result is the length of the whole segment.

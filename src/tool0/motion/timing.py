@@ -46,7 +46,7 @@ class ArmLimits:
         self.names = tuple(joint.name for joint in joints)
         velocities = [joint.max_velocity for joint in joints]
         self.fastest = _SPEED_SHARE * np.array(velocities)
-        """Maximum velocities of the joints that plans use [rad/s], shape (6,)."""
+        """Maximum joint velocities in plans [rad/s], shape (6,)."""
         self.strongest = np.array(rules.accelerations)
         """Maximum accelerations of the joints [rad/s²], shape (6,)."""
         self.braking = np.array([joint.max_acceleration for joint in joints])
@@ -219,7 +219,7 @@ def _zones(
         into = distance_within(segment, tail.radius, at_end=False)
     if move.r > 0.0:
         out = distance_within(segment, move.r, at_end=True)
-    # In a start from rest or a stop, half of the segment remains for the change of
+    # For a start from rest or a stop, half of the segment remains for the change of
     # speed.
     most = length if into > 0.0 and out > 0.0 else length / 2.0
     scale = min(1.0, most / max(into + out, 1e-300))

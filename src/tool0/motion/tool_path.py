@@ -42,7 +42,7 @@ class ToolPath(Protocol):
         """Return the tool's pose at each s, shape (n, 4, 4)."""
 
     def twist(self, s: Array, T_base_tip: Array) -> Array:
-        """Return the twist of a frame fixed to the tool per unit of s, shape (n, 6).
+        """Return the twist per unit of s of a frame fixed to the tool, shape (n, 6).
 
         Linear components come before angular components. The pose of the frame is
         ``T_base_tip``, shape (n, 4, 4).

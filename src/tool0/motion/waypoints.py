@@ -19,12 +19,12 @@ _SHARE: Final = 0.5
 """Fraction of the joints' acceleration limits that the curvature of a blend may use.
 The remaining fraction is available for speed changes along the blend."""
 _GRID: Final = 16
-"""Number of intervals per path piece for the computation of the speed."""
+"""Number of intervals per path piece that are used to compute the speed."""
 _KNOT: Final = 0.02
 """Time between two knots of the motion [s]."""
 _STILL: Final = 1e-9
 _LEAST: Final = 1e-8
-"""Displacement of each joint in a motion without distinct start and end [rad | m]."""
+"""Displacement of each joint if the start and end of a motion coincide [rad | m]."""
 
 
 @final

@@ -27,7 +27,7 @@ RESTARTS: Final = 3
 """Number of searches. The planner uses the fastest path of all searches."""
 MOST_GOALS: Final = 24
 BESIDE: Final = 2.0
-"""Distance from the region between the start and a goal within which most samples lie
+"""Most samples lie within this distance of the region between the start and a goal
 [rad]."""
 ENOUGH: Final = 4_000
 """Number of checked poses after which the search ends if a path has been found."""
@@ -45,7 +45,7 @@ _SAME: Final = 1e-9
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FreeMotion:
-    """A motion that maintains its clearance, with statistics of the search."""
+    """A motion that maintains its clearance, and statistics of the search for it."""
 
     path: Path
     waypoints: Array

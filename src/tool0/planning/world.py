@@ -51,8 +51,7 @@ class UprightTool(NamedTuple):
     axis: tuple[float, float, float]
     """Axis to keep upright, as a unit vector in the link's frame."""
     tilt: float
-    """Maximum angle between the axis and the direction of the axis at the start
-    [rad]."""
+    """Maximum angle between the axis and its direction at the start [rad]."""
 
 
 @final
@@ -229,7 +228,7 @@ class CollisionWorld:
                 yield _Pair(first, second, reach, bound)
 
     def _grips(self, around: Surroundings) -> frozenset[frozenset[str]]:
-        """Return all pairs of a held object and a link that holds the object."""
+        """Return all pairs of a held object and a link that holds it."""
         return frozenset(
             frozenset((load.item.name, link))
             for load in around.held
@@ -277,7 +276,7 @@ class PlanningGroup:
     """Collision checks for motions of some joints, with the pairs of their shapes."""
 
     names: tuple[tuple[str, str], ...]
-    """Names of the two bodies of each pair of shapes."""
+    """Names of the two bodies to which each pair of shapes belongs."""
     least: Array
     """Minimum distance of each pair, including SLACK [m]."""
     clearances: Clearances
@@ -290,7 +289,7 @@ class PlanningGroup:
     def begin(self, start: Array, *, is_check: bool = False) -> None:
         """Allow bodies that are close at the start to remain equally close.
 
-        A search also keeps a distance of SLACK. A check does not, so that it is as
+        A search also keeps a distance of SLACK. A check does not, and is therefore as
         exact as the steps along the motion.
 
         Raises:

@@ -1,4 +1,4 @@
-"""Collisions of the robot in a pose and on the straight path to the pose.
+"""Collisions of the robot in a pose and on the straight path to it.
 
 For every engine, MuJoCo's shapes are used to detect collisions. Collisions are computed
 from snapshots in the caller's thread, so they do not slow down the tick.

@@ -1,4 +1,4 @@
-"""A force-torque sensor that the tick samples, and the sensors of a robot."""
+"""A force-torque sensor that the tick samples, and all such sensors of a robot."""
 
 from __future__ import annotations
 
@@ -90,7 +90,10 @@ class ForceTorqueSensor:
         self._left -= ticks
 
     def subtract(self, payloads: Mapping[str, Payload]) -> None:
-        """Subtract payloads by flange, as a UR does; call this in the tick's thread."""
+        """Subtract each flange's payload from the readings, as a UR does.
+
+        Call ``subtract`` in the thread of the tick.
+        """
         self._meter.subtract(payloads)
 
     def restart(
@@ -234,7 +237,7 @@ class ForceTorqueSensors:
 
 
 def measured_link(description: RobotDescription, name: str | None) -> str:
-    """Return the link at which to measure for the name of a link or sensor.
+    """Return the link at which to measure, given the name of a link or sensor.
 
     By default, the result is the robot's only link ``tool0``.
 

@@ -3,8 +3,8 @@
 Grasp assist fixes gripped objects to the gripper. Grasp assist is off by default,
 because no real gripper fixes objects. Grasp assist is intended for users who study the
 task after a grasp, regardless of friction and force. An object that both pads touch is
-fixed to the gripper's base as soon as the gripper holds the object. The object is
-released when the gripper is commanded to open or the pads move.
+fixed to the gripper's base as soon as the gripper holds it. The object is released when
+the gripper is commanded to open or the pads move.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ WINDOW = 0.1
 hold an object [s]. The pads of a simulated grip chatter, so their velocity at one time
 is not a suitable criterion."""
 SHORT_OF_IT = 0.3
-"""Time after which the motion of pads at rest is considered complete if the pads are
-neither at their target nor pushing [s]. A real gripper reports an object up to 0.15 s
-after its pads have started to push the object."""
+"""Time for which pads must be at rest before their motion is considered complete, if
+they are neither at their target nor pushing [s]. A real gripper reports an object up to
+0.15 s after its pads have started to push the object."""
 STILL = 0.1
-"""Fraction of the travel at the slowest speed within the window below which pads are
-considered to be at rest. With weak gains, pads creep to their target at twice this
-fraction of the travel."""
+"""Pads are considered to be at rest if their travel within the window is less than this
+fraction of the travel at the slowest speed. With weak gains, pads creep to their target
+at twice this fraction of the travel."""
 CREEP = 2.5 * STILL
 """Fraction that replaces ``STILL`` for pads that push firmly. The fraction is larger
 because the object yields."""
@@ -178,8 +178,8 @@ WARNING = (
     "which no real gripper does"
 )
 PADS_MOVED = 0.002
-"""Change of the opening that releases the object [m], which is larger than the change
-that a stronger grip causes."""
+"""Change of the opening that releases the object [m]; it is larger than any change that
+a stronger grip causes."""
 
 
 @final
@@ -216,7 +216,7 @@ class GraspAssist:
                     assisted.held, assisted.opening = name, state.opening
 
     def forget(self) -> None:
-        """Discard held objects, which a reset has detached."""
+        """Discard held objects after a reset, which has detached them."""
         for assisted in self._grippers:
             assisted.forget()
 

@@ -21,9 +21,9 @@ STALL_TIME = 0.5
 """Time for which a joint must push at its limit without moving before it is considered
 stalled [s]."""
 LARGEST_LAG = 0.05
-"""Maximum distance between the measured position and its setpoint [s at full speed].
-The value is an estimate, because UR does not publish the limit. For a UR5, the distance
-is 0.16 rad."""
+"""Maximum distance between a joint's measured position and its setpoint, as a travel
+time at full speed [s]. The value is an estimate, because UR does not publish the limit.
+For a UR5, the distance is 0.16 rad."""
 LAG_PERIOD = 0.1
 """Simulated time between two comparisons of the joints with their setpoints [s]. A
 comparison takes about 20 µs."""
@@ -90,9 +90,9 @@ class StallMonitor:
     ) -> None:
         """Update the stalls from ``state``.
 
-        ``contacts`` is called starting with the first push, because an engine may
-        record contacts only after the first call. ``wanted`` returns the setpoint of
-        each joint that is controlled by position [rad | m].
+        ``contacts`` is called from the first push onward, because an engine may record
+        contacts only after the first call. ``wanted`` returns the setpoint of each
+        joint that is controlled by position [rad | m].
         """
         if not 0.0 <= state.time - self._compared < LAG_PERIOD:
             self._compared = state.time
@@ -151,7 +151,7 @@ class _Drive:
         self.lag = 0.0
         """Distance of the joint from its setpoint [rad | m]."""
         self.lagging_since = math.inf
-        """Time since when the joint has been far from its setpoint and has not moved
+        """Time since which the joint has been far from its setpoint without moving
         [s]."""
         self._most = LARGEST_LAG * limits.velocity
         self._lags_at = 0.0

@@ -27,9 +27,9 @@ class AppliedWrench:
     torque: Vector3
     """Torque [N·m], in the axes of the robot's root frame."""
     point: Vector3 | None = None
-    """Point of application of the force when the wrench starts, in the robot's root
-    frame [m]; None for the center of mass of the body.  The lever arm moves with the
-    body but does not rotate."""
+    """Point where the force is applied when the wrench starts, in the robot's root
+    frame [m]; None for the body's center of mass.  The lever arm moves with the body
+    but does not rotate."""
     start: float = 0.0
     """Simulated time at which the wrench begins [s].  If the start time has passed, the
     wrench begins immediately."""

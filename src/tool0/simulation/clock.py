@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import final
 
 CATCH_UP = 0.1
-"""Wall time up to which the simulation catches up if it lags behind [s].
+"""Longest lag behind wall time that the simulation tries to make up [s].
 
 A larger lag is dropped, since the simulation would otherwise run at full speed through
 the time that it missed while the computer was suspended.
@@ -86,7 +86,7 @@ class FollowedClock:
 class SpeedMeter:
     """Measures the ratio of simulated time to wall time, and counts late ticks.
 
-    The measurement covers about the last second.
+    The measurement covers roughly the last second.
     """
 
     def __init__(self, now: Callable[[], float] = time.perf_counter) -> None:
@@ -126,8 +126,8 @@ class SpeedMeter:
 BEHIND = 0.95
 """Fraction of the requested speed below which a second is counted as slow."""
 SLOW_WINDOWS = 3
-"""Number by which slow seconds must exceed other seconds for the simulation to be
-considered to be behind."""
+"""Excess of slow seconds over other seconds at which the simulation is considered to be
+falling behind."""
 
 
 @final

@@ -61,7 +61,7 @@ def choose_controllers(
 ) -> ControllerChoice:
     """Return the controllers that the options specify, or the default controllers.
 
-    If the user provides a YAML file, all controllers in the file that drive joints
+    If the user provides a YAML file, all of its controllers that drive joints
     unambiguously are also started.  On a real robot (``is_real``), the default is the
     controller that follows the robot's speed slider.
 

@@ -47,7 +47,7 @@ class SavedCore:
 
 @final
 class Core:
-    """The core of a simulation, whose ticks the loop executes.
+    """The core of a simulation; the loop executes its ticks.
 
     An Executor moves the robot of the core.
 
@@ -385,8 +385,8 @@ class Core:
     def drift(self, at_least: float = 0.0) -> float:
         """Return the largest drift of an uncommanded joint from its start position.
 
-        The result [rad | m] is ``at_least`` if ``at_least`` is larger than the drift,
-        for example because all joints were commanded.
+        The result [rad | m] is ``at_least`` if it is larger than the drift, for example
+        because all joints were commanded.
         """
         position, start = self._uncommanded(self.state.position), self._their_start
         if math.dist(position, start) <= at_least:  # bounds each joint

@@ -1,8 +1,8 @@
 """The executor, which starts and ends every motion of the robot.
 
-A running controller moves joints.  If a program has taken control of an arm, the arm's
-motion controller moves the joints.  Clients, handlers and programs move the robot only
-through the executor.
+Running controllers move the joints.  If a program has taken control of an arm, the
+arm's motion controller moves the joints.  Clients, handlers and programs move the robot
+only through the executor.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 STREAM_BRAKE = 4.0
 """Smallest deceleration of the leading joint at the end of a stream [rad/s²].  A stream
-of velocities uses its own acceleration if this acceleration is larger."""
+of velocities uses its own acceleration if it is larger."""
 
 
 @final
@@ -212,7 +212,7 @@ class Executor:
         """Return the start delay [s] of a motion that begins with ``velocities``.
 
         A real robot at rest should receive its motion before the motion starts, so that
-        network delays do not affect the motion.
+        network delays do not affect it.
         """
         own_drives = self.core.own_drives
         if own_drives is None or any(velocities):
@@ -447,7 +447,7 @@ class Executor:
         """Return the positions, grouped by controller.
 
         If ``controller`` is None, each joint is assigned to the controller that claims
-        the joint.
+        it.
         """
         if controller is not None:
             return {controller: positions}

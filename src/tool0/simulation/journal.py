@@ -19,7 +19,8 @@ from tool0.simulation.core import Core
 from tool0.simulation.loop import Loop
 
 MOST_REQUESTS: Final = 200_000
-"""Largest number of requests that are stored, which is 400 s of a stream at 500 Hz."""
+"""Largest number of requests that are stored; this corresponds to 400 s of a stream at
+500 Hz."""
 AT_ONCE: Final = 500
 """Largest number of requests that are returned by one read, so that the tick is not
 blocked for long."""
@@ -68,7 +69,7 @@ class Journal:
         self._count = 0
 
     def begin(self, request: Struct) -> Callable[[Exception | None], None]:
-        """Record the time of a request, and return a function.
+        """Record the time of a request, and return a function that reports its end.
 
         Call the returned function with the error of the request, or with None if the
         request succeeded.

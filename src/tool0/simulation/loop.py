@@ -362,7 +362,7 @@ class Loop:
 
         At the default period, limits and contacts are also checked.
 
-        The checks of limits and contacts therefore do not depend on the rates of
+        Checks of limits and contacts therefore do not depend on the rates of
         subscribers.
         """
         core = self._core

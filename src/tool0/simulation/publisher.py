@@ -98,7 +98,7 @@ class Publisher:
         )
 
     def _announce_lag(self, pace: Pace) -> None:
-        """Announce that the simulation falls behind real time or has caught up."""
+        """Announce that the simulation is falling behind real time or has caught up."""
         if not pace.is_realtime or pace.is_paused:
             return
         factor, late_ticks = self._meter.factor, self._meter.late_ticks

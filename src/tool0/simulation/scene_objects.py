@@ -27,7 +27,7 @@ class SceneObjects:
         self._world = engine.world
         self.wrenches = AppliedWrenches(engine.world)
         self.objects: tuple[SceneObject, ...] = scene.objects
-        """Objects of the scene, in the order of the states of the engine."""
+        """Objects of the scene, in the same order as the engine's states."""
 
     def check_names(self, item: SceneObject) -> None:
         """Raise ConfigError if an object has the same name as a link."""

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 class Service(Protocol):
-    """An object that a simulation owns, and that is closed with the simulation."""
+    """An object that is owned by a simulation and closed with it."""
 
     def close(self) -> None: ...
 
@@ -220,7 +220,7 @@ class Simulation:
         return True
 
     def wait_for_goal(self, goal: Goal, timeout: float | None) -> bool:
-        """Advance time until ``goal`` ends, in the same way as ``wait_until``."""
+        """Advance time until ``goal`` ends, as ``wait_until`` does."""
         return self.loop.wait_for_goal(goal, timeout)
 
     @property

@@ -31,7 +31,7 @@ quarter of RTDE's period."""
 
 
 def main() -> int:
-    """Present a bring-up as a UR until the bring-up ends or Ctrl-C is pressed."""
+    """Present a bring-up as a UR until it ends or Ctrl-C is pressed."""
     arguments = _arguments()
     logging.addLevelName(logging.WARNING, "WARN")
     logging.basicConfig(level=logging.INFO, format=_FORMAT, stream=sys.stderr)

@@ -106,7 +106,8 @@ class UrControlBox:
             if has_base
             else np.eye(4)
         )
-        """Pose of UR's base frame in the chain's base link, shape (4, 4)."""
+        """Pose of UR's base frame in the frame of the chain's base link, shape (4,
+        4)."""
         self.model_name = next(
             (r.arm.name for r in channel.description.robots if r.prefix == prefix), ""
         )

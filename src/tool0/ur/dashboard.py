@@ -75,7 +75,7 @@ class Dashboard:
     """The dashboard server of one control box."""
 
     def __init__(self, box: UrControlBox, programs: Path | None = None) -> None:
-        """Prepare a server for ``box``, which loads programs from ``programs``."""
+        """Prepare a server for ``box`` that loads programs from ``programs``."""
         self._box, self._files = box, ProgramFiles(programs)
         self._port = Port("dashboard server", self._serve)
         self._loaded: ProgramFile | None = None

@@ -1,8 +1,8 @@
 """Dynamics of an arm, which the arm's control box computes for programs.
 
-The model is the same as the model of the drives: the robot's description with the
-declared payload instead of the tool. Joints are ordered from base to flange. Matrices
-are tuples of rows.
+The model is that of the drives: the robot's description with the declared payload
+instead of the tool. Joints are ordered from base to flange. Matrices are tuples of
+rows.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class BoxDynamics:
     def __init__(
         self, box: MeasuredArm, model: RobotModel, joint_names: Sequence[str]
     ) -> None:
-        """Use the arm of ``box``; ``joint_names`` is the joint order of states."""
+        """Use the arm of ``box``; ``joint_names`` is the order of joints in states."""
         self._box, self._model = box, model
         self._own = modelled_payload(model, box.chain.tip)
         in_states = {name: k for k, name in enumerate(joint_names)}

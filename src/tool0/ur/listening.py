@@ -71,8 +71,8 @@ _budgets: WeakKeyDictionary[asyncio.AbstractEventLoop, Budget] = WeakKeyDictiona
 def _budget() -> Budget:
     """Return the budget that the clients of all ports share.
 
-    The budget is strict, because data from clients causes requests to the bring-up, and
-    the bring-up limits the rate at which it reads requests from this process.
+    The budget is strict, because data from clients causes requests to the bring-up,
+    which limits the rate at which it reads requests from this process.
     """
     loop = asyncio.get_running_loop()
     if loop not in _budgets:

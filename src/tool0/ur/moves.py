@@ -1,9 +1,9 @@
 """Moves of an arm for URScript's functions and ur_rtde's commands.
 
-Moves are planned in this process and sent as paths. A move with a blend radius returns
-shortly before the tool enters this radius around the target. The next move then
-replaces the remaining path. If no move is received in time, the arm stops at the
-target.
+Moves are planned in this process and sent as paths. The call for a move with a blend
+radius returns shortly before the tool enters this radius around the target. The next
+move then replaces the remaining path. If no move is received in time, the arm stops at
+the target.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ logger = logging.getLogger(__name__)
 T = TypeVar("T")
 
 LEAD: Final = (0.012, 0.03, 0.1)
-"""Time from the return of a move to its blend, during which the next move is planned
-and sent: minimum, initial and maximum value [s]. The time adapts to the measured
-duration of planning and sending."""
+"""Time between the return of a move's call and its blend, in which the next move is
+planned and sent: minimum, initial and maximum value [s]. The time adapts to the
+measured duration of planning and sending."""
 _MARGIN: Final = 0.01
 """Time between the last update and the time at which a path is replaced [s]. The time
 increases after failures."""
@@ -121,7 +121,7 @@ class Moves:
 
     @property
     def progress(self) -> int:
-        """Index of the move that is executed; -1 if no move is executed."""
+        """Index of the move in progress; -1 if there is none."""
         running = self._running
         if running is None or self._has_ended(running):
             return -1
@@ -272,7 +272,7 @@ class Moves:
         await self._rest()
 
     async def stopl(self, a: float = 20.0, a_rot: float | None = None) -> None:
-        """Decelerate to rest in the stopping time of the TCP at ``a`` [m/s²]."""
+        """Decelerate to rest in the time in which the TCP stops at ``a`` [m/s²]."""
         fastest = float(np.abs(self._box.target_qd).max())
         duration = _duration(
             np.array(self._box.tcp_speed(target=True)), _above_0(a), a_rot

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from tool0.ur.control_box import UrControlBox
 
 CATCH_UP: Final = 0.1
-"""Maximum delay of a step for which the step's interval starts at the end of the
+"""If a step is late by at most this time, its interval starts at the end of the
 previous interval [s]."""
 AT_ONCE: Final = 0.02
 """Maximum time between two steps of a program that waits only for its intervals [s]."""

@@ -33,7 +33,7 @@ class ProgramWatch:
         """Reason that was reported last."""
 
     async def start(self, host: str, port_base: int) -> None:
-        """Start to monitor the arm; there is no port."""
+        """Start to monitor the arm; no port is opened."""
         del host, port_base
         self._box.when_updated.add(self._look)
 

@@ -56,7 +56,7 @@ class RunnableProgram(Protocol[Box_contra]):
     def name(self) -> str: ...
 
     async def run(self, box: Box_contra) -> None:
-        """Run the program to its end; to stop the program, cancel the call.
+        """Run the program to its end; to stop it, cancel the call.
 
         Raises:
             Tool0Error: If the program fails; the message contains the reason.
@@ -93,7 +93,7 @@ class ProgramSlot(Generic[BoxT]):
 
     @property
     def is_running(self) -> bool:
-        """Whether a program is active, even if it is paused."""
+        """Whether there is an active program, which may be paused."""
         return self._task is not None
 
     @property

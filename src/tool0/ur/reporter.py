@@ -1,4 +1,4 @@
-"""Reports of a control box's activity to the panel, and safety limits for its arm."""
+"""Reports of a control box's activity for the panel, and safety limits for its arm."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Reporter:
         self._task: asyncio.Task[None] | None = None
 
     async def start(self, host: str, port_base: int) -> None:
-        """Enable the limits and start to report; there is no port."""
+        """Enable the limits and start the reports; no port is opened."""
         del port_base
         self._host = host
         await self._box.call(SetSafetyLimits(arm=self._box.arm, enabled=True))

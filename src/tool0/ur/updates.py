@@ -23,8 +23,7 @@ MOST_TIME: Final = 0.05
 """Maximum time that is spent consecutively on the states before the newest state [wall
 s]. The time is sufficient for the states of a quarter of a second at 500 Hz if the
 clients read everything. A longer time would be a disadvantage for clients that compute
-targets from the robot's time, because these clients receive the robot's time with the
-same delay."""
+targets from the robot's time, because they receive this time with the same delay."""
 SHARE: Final = 0.1
 """Maximum fraction of time that is permanently spent on the states before the newest
 state."""

@@ -1,4 +1,4 @@
-"""Waits of programs for other programs, with a limit in wall time."""
+"""Waits of programs for other programs, limited in wall time."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ T = TypeVar("T")
 async def within(action: Coroutine[Any, Any, T], timeout: float | None) -> T | None:
     """Return the result of an action; None if the action exceeds a limit [wall s].
 
-    The wait can be canceled at any time. In contrast, asyncio.wait_for loses a
-    cancellation that coincides with the result before Python 3.12.
+    The wait can be canceled at any time. Before Python 3.12, asyncio.wait_for loses a
+    cancellation that coincides with the result.
     """
     task = asyncio.ensure_future(action)
     task.add_done_callback(seen)

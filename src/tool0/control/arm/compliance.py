@@ -6,9 +6,9 @@ dampers, scaled by the inertia, make the tool follow its nominal motion.
 
 The springs, the commanded force and the damping are combined into one wrench on the
 tool.  At rest, therefore, only the commanded force acts along the compliant axes.  The
-force on the environment equals the commanded force, regardless of the friction along
-the stiff axes and of the stiffness of the environment.  No force measurement is needed.
-If the full mass matrix were used to convert accelerations to efforts, its off-diagonal
+force on the environment equals the commanded force, regardless of the environment's
+stiffness and of the friction along the stiff axes.  No force measurement is needed.  If
+the full mass matrix were used to convert accelerations to efforts, its off-diagonal
 terms would also cause forces along the compliant axes.  Therefore, a wrench that
 accelerates the tool along only some axes is computed from the block of J M⁻¹ Jᵀ for
 these axes.  The matrix J M⁻¹ Jᵀ is the inverse of the task-space inertia (Khatib 1987,
@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     Mask = NDArray[np.bool_]
 
 BANDWIDTH: Final = 60.0
-"""Natural frequency of the virtual springs [rad/s].  The frequency is reduced if the
-physics step is too long."""
+"""Natural frequency of the virtual springs [rad/s].  If the physics step is too long, a
+lower frequency is used."""
 LARGEST_STEP: Final = 0.2
 """Largest product of the physics step [s] and a natural frequency or decay rate [1/s]
 at which the springs remain stable."""
@@ -52,8 +52,7 @@ RIDGE: Final = SINGULAR**2
 """Fraction by which the mobility along each axis is increased in a singular posture, so
 that the spring forces remain finite."""
 EASE: Final = 0.3
-"""Width of the range below a speed limit in which the force is faded out, as a fraction
-of the limit."""
+"""The force is faded out over this fraction of a speed limit, just below the limit."""
 SLOWEST: Final = 1e-9
 """Lower bound of the speed limits in the computation of the fade-out [m/s, rad/s]."""
 UNLIMITED: Final = 100.0
@@ -82,8 +81,8 @@ class ComplianceTask:
     2: the frame is fixed.  3: the x axis points in the direction of the TCP's velocity,
     projected onto the frame's xy plane."""
     limits: Array
-    """Limits of shape (6,): the largest speeds along the compliant axes [m/s, rad/s],
-    and the deviations along the stiff axes beyond which the spring force no longer
+    """Limit for each axis, shape (6,): the largest speed along a compliant axis [m/s,
+    rad/s], or the deviation along a stiff axis beyond which the spring force no longer
     increases [m, rad]."""
     lever: Array
     """Position of the TCP in the flange frame [m], shape (3,)."""
@@ -137,9 +136,8 @@ class _Inertias(NamedTuple):
     stiff axes are treated as free, since only springs hold them."""
     drag: Array
     """Wrench per velocity along the compliant axes, computed from the inertia along
-    these axes while the stiff axes are held.  The inertia with held stiff axes can be
-    much larger than the inertia with free stiff axes.  This difference limits the decay
-    rate."""
+    these axes while the stiff axes are held.  This inertia can be much larger than the
+    inertia while the stiff axes are free.  This difference limits the decay rate."""
 
 
 @final
@@ -218,7 +216,7 @@ class Compliance:
 
         ``along`` is the tool's Jacobian, expressed in the axes ``R``.  The inertias are
         reused as long as the mass matrix and the axes are unchanged.  Near singular
-        postures, where the inertias change quickly, the inertias are always recomputed.
+        postures, where the inertias change quickly, they are always recomputed.
         """
         known = self._weighed
         if known is not None and known[0] is masses and np.array_equal(known[1], R):
@@ -283,8 +281,8 @@ def _pose_error(here: Placement, goal: Placement) -> Array:
     """Return the pose error from ``here`` to ``goal`` [m, rad], shape (6,).
 
     The error is expressed in base axes.  The rotational part is the rotation axis times
-    the sine of the rotation angle.  For small angles, the sine of the angle is close to
-    the angle.
+    the sine of the rotation angle.  For small angles, this sine is close to the angle
+    itself.
     """
     R = goal.rotation @ here.rotation.T
     turn = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])

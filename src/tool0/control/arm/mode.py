@@ -25,11 +25,11 @@ class ArmModeSpec:
     name: str
     type: str
     joints: tuple[str, ...]
-    """The joints of the arm, which other controllers cannot claim while the controller
-    for the mode is running."""
+    """Joints of the arm; other controllers cannot claim them while the controller for
+    the mode is running."""
     companions: frozenset[str]
-    """Types of the controllers that may share the joints.  The companions command the
-    nominal motion from which the compliant arm deviates."""
+    """Types of the controllers that may share the joints.  These controllers command
+    the nominal motion from which the compliant arm deviates."""
     is_freedrive: bool
     further_interfaces: tuple[str, ...]
     state_interfaces: tuple[str, ...] = ()

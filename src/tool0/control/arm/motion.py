@@ -75,7 +75,7 @@ class ArmMotionSpec:
 
 @final
 class ArmMotionController:
-    """Commands, in each tick, the positions of an arm's joints at the end of the tick.
+    """Commands, in each tick, an arm's joint positions for the end of the tick.
 
     Requests are handled between ticks; the argument ``now`` of a request is the
     simulated time of the next tick [s].  Holding, paths and ramps to rest have a law,
@@ -108,7 +108,7 @@ class ArmMotionController:
         """Number of the last path, and the time along this path when the arm left it
         [s]."""
         self._has_arrived = False
-        """Whether the joints were observed to have arrived at the end of the path."""
+        """Whether a check has found the joints at the end of the path."""
         self._ended: float | None = None
         """Time of the first check after the end of the path was commanded [s]."""
 
@@ -463,7 +463,7 @@ class ArmMotionController:
 
 
 def _tangents(setpoint: ArmSetpoint, time: float) -> tuple[JointSpline, ...]:
-    """Return splines whose motion at ``time`` [s] is equal to ``setpoint``."""
+    """Return splines that match the motion of ``setpoint`` at ``time`` [s]."""
     return tuple(
         along(
             Segment.of(time, math.nextafter(time, math.inf), (q, v, 0.5 * a, 0, 0, 0))

@@ -383,8 +383,8 @@ class SplineMotion:
 def _section(path: ArmPath, joint: int, origin: Motion, start: float) -> SplineSection:
     """Return a joint's motion along a path that starts at ``start`` [s].
 
-    ``origin`` is the motion at the start.  A knot at time 0 replaces ``origin``; both
-    must agree within ``CONTINUITY``.
+    ``origin`` is the motion at the start.  A knot at time 0 replaces ``origin``; the
+    two must agree within ``CONTINUITY``.
     """
     first = 0
     if path.times[0] == 0.0:

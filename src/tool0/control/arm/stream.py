@@ -28,8 +28,8 @@ MAX_ACCELERATION: Final = 40.0
 ur_rtde (JOINT_ACCELERATION_MAX, https://sdurobotics.gitlab.io/ur_rtde/)."""
 SINGULAR: Final = 0.02
 """Threshold of the Jacobian's smallest singular value below which joint velocities are
-damped.  A UR5e falls below the threshold 2 cm before its full reach, or when its fifth
-joint is within 2 degrees of 0."""
+damped.  The value of a UR5e falls below the threshold 2 cm before its full reach, or
+when its fifth joint is within 2 degrees of 0."""
 _ROUNDING = 1e-9
 """Tolerance for rounding errors of times [s]."""
 
@@ -69,8 +69,8 @@ class JointBounds:
         """Return the smallest and largest velocity of each joint after a tick.
 
         At a velocity in the returned range, a joint can still stop before its position
-        limit without exceeding the acceleration limit of planned motions.  ``scale``
-        scales the largest velocity.
+        limit without exceeding the acceleration limit of planned motions.  ``scale`` is
+        a factor for the largest velocity.
         """
         found = []
         for (lower, upper, fastest, a), x, v in zip(self._joints, q, qd, strict=True):
@@ -203,8 +203,8 @@ class SpeedStream:
     def deceleration(self) -> float:
         """Return the equivalent deceleration of the leading joint [rad/s²].
 
-        With the equivalent deceleration, the fastest joint stops within the duration of
-        the ramp.  The deceleration is limited to ``MAX_ACCELERATION``.
+        This deceleration stops the fastest joint within the duration of the ramp.  The
+        deceleration is limited to ``MAX_ACCELERATION``.
         """
         leading = max(map(abs, self.setpoint.velocities))
         if not leading < MAX_ACCELERATION * self._ramp:
@@ -240,7 +240,7 @@ class SpeedStream:
     def _of_tool(
         self, target: Sequence[float], lever: Array, period: float, most: float
     ) -> list[float]:
-        """Return the joint velocities that ramp the tool's twist in a tick."""
+        """Return the joint velocities for one tick of a ramp of the tool's twist."""
         import numpy as np
 
         q, qd = (

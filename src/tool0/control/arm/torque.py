@@ -2,8 +2,8 @@
 
 The drives add the torques that balance gravity, and compensate part of the friction.
 The program is responsible for all other torques.  A violation occurs if a joint becomes
-too fast, or if the joint would soon be unable to stop before the end of its range.
-After a violation, the brakes engage.
+too fast, or if it would soon be unable to stop before the end of its range.  After a
+violation, the brakes engage.
 
 Position servos hide a drive's inner dynamics.  In torque mode, the rotor's inertia
 (``RobotHardware.rotors``) and the friction of the gear are relevant.  Without simulated
@@ -35,7 +35,7 @@ load; the motion of other joints may reduce the deceleration."""
 RESTING: Final = 0.02
 """Speed below which a joint is assumed to stay within its range [rad/s]."""
 SLOW: Final = 0.02
-"""Speed below which the dry friction is reduced proportionally [rad/s]."""
+"""Speed below which the dry friction is proportional to the speed [rad/s]."""
 DRY_FRICTION: Final = 0.05
 """Dry friction of a gear, as a fraction of its joint's largest torque: 7.5 N·m in the
 shoulder and 1.4 N·m in the wrists of a UR5e.  The value is an estimate, since

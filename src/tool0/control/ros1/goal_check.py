@@ -4,8 +4,8 @@ If joint_trajectory_controller in ROS defines a message and a code for an error,
 checks use the same message and code.  Unlike ROS, the checks also reject numbers that
 are not finite, duplicate joints, wrong numbers of positions, positions beyond a joint's
 limits, and tolerances for joints that the controller does not have.  As in ROS, the
-checks accept velocities and accelerations beyond a joint's limits: planners round
-velocities and accelerations, and the tolerances detect whether the joint can follow.
+checks accept velocities and accelerations beyond a joint's limits: planners round these
+values, and the tolerances detect whether the joint can follow.
 """
 
 from __future__ import annotations
@@ -138,9 +138,9 @@ def first_point_ahead(goal: TrajectoryGoal, start: float, now: float) -> int:
 def goal_time_with(default: float, override: float | None) -> float:
     """Return the time to arrive for a goal with a ``goal_time_tolerance`` [s].
 
-    A value > 0 replaces the default, and 0 keeps the default, as for tolerances.  A
-    value < 0 means no limit: the goal stays active until the joints arrive.  In ROS, a
-    value < 0 gives the joints no extra time.
+    As for tolerances, a value > 0 replaces the default, and 0 keeps it.  A value < 0
+    means no limit: the goal stays active until the joints arrive.  In ROS, a value < 0
+    gives the joints no extra time.
     """
     if override is None or override == 0.0:
         return default

@@ -35,9 +35,9 @@ from tool0.protocol.goals import Goal, GoalResult, GoalStatus
 from tool0.protocol.trajectories import JointsMotion
 
 RELIEF = 0.005
-"""Distance by which a stop backs off a joint that pushes at its effort limit [rad | m].
-The joint backs off because the contact is compressed; in Gazebo, the compression is 2
-mrad."""
+"""Distance by which a joint that pushes at its effort limit backs off in a stop [rad |
+m].  The joint backs off because the contact is compressed; in Gazebo, the compression
+is 2 mrad."""
 
 PREEMPTED = GoalResult(status=GoalStatus.PREEMPTED)
 
@@ -127,7 +127,7 @@ class JointTrajectoryController:
     # ---- the tick -----------------------------------------------------------------
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return the commands: desired positions, or efforts or speeds toward them."""
+        """Return the desired positions, or efforts or speeds that lead toward them."""
         tracking, monitor, time = self._tracking, self._monitor, state.time
         tracking.state = state
         sampler = tracking.sampler

@@ -17,7 +17,8 @@ from tool0.description.yaml_tree import Tree, YamlEntry
 from tool0.errors import nearest_name
 
 OF_TOOL0 = ("gazebo-only", "not-enforced")
-"""Rules for differences between tool0 and Gazebo, which are not errors in the file."""
+"""Rules for differences between tool0 and Gazebo; such differences are not errors in
+the file."""
 _GAZEBO_GAINS = "gazebo_ros_control/pid_gains"
 
 

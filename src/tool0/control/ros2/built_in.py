@@ -1,9 +1,9 @@
 """The built-in controllers of a robot with drives from ``<ros2_control>`` tags.
 
-As it does for ROS 1, ``tool0_description/config`` contains a file that all arms share
-and a file that all grippers share.  The folder of an arm or a gripper may contain a
-separate file for this arm or gripper.  Each controller specifies its type; the section
-of the manager is assembled from these types.
+As for ROS 1, ``tool0_description/config`` contains a file that all arms share and a
+file that all grippers share.  The folder of an arm or a gripper may contain a separate
+file for this arm or gripper.  Each controller specifies its type; the section of the
+manager is assembled from these types.
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ def _manager(description: RobotDescription, pieces: Sequence[_Piece]) -> str:
 
 
 def _pieces(description: RobotDescription, period: float) -> list[_Piece]:
-    """Return the parts of all robots; empty if no parts fit a file of the user."""
+    """Return the parts of all robots; empty if no parts fit the user's robot file."""
     parts = [
         piece
         for robot in description.robots
@@ -204,7 +204,7 @@ class _Composer:
             yield self._gripper(hand[0])
 
     def own_pieces(self, arm: OwnArm) -> Iterator[_Piece]:
-        """Yield the parts of an arm in a file of the user, and of the arm's gripper.
+        """Yield the parts of an arm and its gripper in a robot file of the user.
 
         The result is empty unless the arm's joints have position interfaces.
         """
@@ -222,7 +222,7 @@ class _Composer:
             yield replace(piece, text=arm.written(text))
 
     def own_gripper(self, joints: Sequence[str]) -> Iterator[_Piece]:
-        """Yield the part of a gripper in a file of the user, if one joint drives it."""
+        """Yield the part of a gripper that one joint drives, in a user's robot file."""
         wanted = (Interface.POSITION,)
         if len(joints) == 1 and common_interface(
             self.description.model, joints, wanted

@@ -119,7 +119,7 @@ class JointTrajectoryController:
 
     The command is the desired motion one period ahead, whereas errors refer to the
     current desired motion.  A trajectory that is received between ticks starts in the
-    next tick, from the motion that is measured in that tick.
+    next tick, from the motion measured in that tick.
 
     The controller behaves like the ROS 2 controller of the same name, with these
     improvements:
@@ -133,7 +133,7 @@ class JointTrajectoryController:
       jumping to the angle that the point specifies;
     * goals are also rejected for the reasons that ``trajectory_check`` describes.
 
-    Motions that the simulator plans start from the desired motion.
+    A motion planned by the simulator starts from the desired motion.
     """
 
     def __init__(
@@ -165,7 +165,7 @@ class JointTrajectoryController:
     # ---- the tick -----------------------------------------------------------------
 
     def update(self, state: JointState, period: float) -> Sequence[float]:
-        """Return the commands: desired positions, or efforts or speeds toward them."""
+        """Return the desired positions, or efforts or speeds that lead toward them."""
         tracking, self._period = self._tracking, period
         tracking.state = state
         factor = self.speed_scaling
@@ -349,7 +349,7 @@ class JointTrajectoryController:
     def command(self, goal: TrajectoryGoal | MotionPlan, now: float) -> None:
         """Follow a goal from the topic ``~/joint_trajectory``, or reject the goal.
 
-        An active goal stays active, and its result depends on the new motion.
+        An active goal stays active, but its result depends on the new motion.
         """
         replacement = self.spec.replacement
         if replacement.upsamples and isinstance(goal, TrajectoryGoal):

@@ -1,4 +1,4 @@
-"""Checks of a trajectory for a ROS 2 controller, and tolerances of the trajectory.
+"""Checks of a trajectory for a ROS 2 controller, and its tolerances.
 
 The checks use the messages of joint_trajectory_controller in ROS 2, in the same order.
 Unlike joint_trajectory_controller, the checks also reject numbers that are not finite,
@@ -144,7 +144,7 @@ def _invalid_joints(text: str) -> GoalRejectedError:
 def override_tolerances(
     goal: TrajectoryGoal, defaults: TrajectoryTolerances, controller: str
 ) -> TrajectoryTolerances:
-    """Return the tolerances of a controller, overridden by the tolerances of a goal.
+    """Return a controller's tolerances, overridden by the tolerances of a goal.
 
     A positive tolerance in the goal replaces the default, -1 disables the tolerance,
     and 0 keeps the default.  If the goal contains any other value, an error is logged,
@@ -208,7 +208,7 @@ def _resolved(default: float, wanted: float) -> float | None:
 def active_tolerances(
     tolerances: TrajectoryTolerances, joints: Sequence[str], *, by_velocity: bool
 ) -> tuple[tuple[Tolerance, ...], tuple[Tolerance, ...]]:
-    """Return the tolerances of each joint to check on the path and at the goal.
+    """Return the tolerances to check for each joint, on the path and at the goal.
 
     Velocities are checked only if ``by_velocity`` is set, which is the case for
     controllers that command velocities or efforts.

@@ -55,9 +55,9 @@ class Course(NamedTuple):
     def section(self, joint: Joint, leave: float, origin: Motion) -> SplineSection:
         """Return a joint's motion from its ``origin`` at ``leave`` [s] to the end.
 
-        If the next point is the first point of the trajectory, the joint moves to this
-        point from its ``origin``.  If the next point is a later point, the joint is
-        already moving between two points.
+        If the next point is the first point of the trajectory, the joint moves there
+        from its ``origin``.  If the next point is a later point, the joint is already
+        moving between two points.
 
         Raises:
             GoalRejectedError: If a segment is implausible.
@@ -178,7 +178,7 @@ def _integrated(
     """Return the goal, with integrated positions for points without positions.
 
     The positions are computed from the velocities or accelerations.  As in ROS, the
-    mean of the values at two points is used between the points.
+    mean of the values at two points is used between them.
     """
     if all(point.positions for point in goal.points):
         return goal
@@ -212,8 +212,7 @@ def upsampled(goal: TrajectoryGoal, frequency: float) -> TrajectoryGoal:
     """Return a goal with positions, and with velocities from a smooth cubic spline.
 
     The spline starts and ends at rest, and its accelerations are continuous.  If the
-    points have no times, and ``frequency`` [Hz] is not 0, the frequency determines the
-    times of the points.
+    points have no times, and ``frequency`` [Hz] is not 0, it determines their times.
     """
     points = list(goal.points)
     is_plain = map(attrgetter("velocities", "accelerations"), points)

@@ -16,10 +16,9 @@ class Replacement:
     """Rules for the replacement of a trajectory that is being executed."""
 
     is_spliced: bool = True
-    """``allow_trajectory_replacement``: whether a new trajectory continues the desired
-    motion at the start of the trajectory, while joints that the trajectory does not
-    contain continue their motion.  If the parameter is false, all previous motion ends
-    immediately."""
+    """``allow_trajectory_replacement``: whether a new trajectory, when it starts,
+    continues the desired motion, while joints that it does not contain continue their
+    own motion.  If the parameter is false, all previous motion ends immediately."""
     from_desired: bool = False
     """``interpolate_from_desired_state``: whether trajectories start from the desired
     motion instead of the measured motion."""

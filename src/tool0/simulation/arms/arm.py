@@ -2,8 +2,8 @@
 
 An arm can move if it is powered, its brakes are released, and no stop is active.  A
 stop affects only the controllers of one arm: the brakes hold the joints of the arm, and
-controllers that claim these joints cannot be started.  Controllers that a stop
-interrupts continue when the program is played again.  Transitions are immediate: the
+controllers that claim these joints cannot be started.  Controllers that are interrupted
+by a stop continue when the program is played again.  Transitions are immediate: the
 intermediate modes of a UR robot (booting, powering on) do not occur.
 """
 
@@ -82,8 +82,7 @@ class Arm(abc.ABC):
         self._stopped_at = 0.0
         """Simulated time of the protective stop [s]."""
         self._resumes = False
-        """Whether the controllers of the arm start when the program releases the
-        arm."""
+        """Whether the controllers of the arm start when the program releases it."""
 
     def require_ready(self) -> None:
         """Raise ControlError, with reason and remedy, if the arm may not move."""
@@ -110,8 +109,8 @@ class Arm(abc.ABC):
     def tick(self, state: JointState, period: float) -> None:
         """Advance the speed scaling by one tick of ``period`` [s].
 
-        An arm that has come to rest after its program released it is returned to its
-        controllers.
+        Once an arm that has been released by its program is at rest, it is returned to
+        its controllers.
         """
         self.box.tick(period)
         self.mode.tick(state)
@@ -144,7 +143,7 @@ class Arm(abc.ABC):
     def stop_protectively(self, reason: str, now: JointState) -> None:
         """Start a protective stop of the arm; ``reason`` is shown to users.
 
-        An arm that is already in a protective stop keeps the reason of that stop.
+        An arm that is already in a protective stop keeps the reason for that stop.
         """
         if self._modes.safety is not SafetyMode.PROTECTIVE_STOP:
             self._stopped_at = now.time
@@ -297,9 +296,9 @@ class Arm(abc.ABC):
     ) -> None:
         """Start force mode or freedrive of an arm.
 
-        If ``controller_name`` is given, the mode is the mode of the named controller,
-        which must be active.  Without ``controller_name``, a program must have taken
-        control of the arm.
+        If ``controller_name`` is given, the mode is that of the named controller, which
+        must be active.  Without ``controller_name``, a program must have taken control
+        of the arm.
 
         Raises:
             ControlError: If the controller is not active, no program controls the arm,
@@ -352,8 +351,8 @@ class Arm(abc.ABC):
 
         ``stopped`` is the reason why programs must not continue automatically; it is
         empty if they may continue.  If the emergency stop is engaged, the displayed
-        modes are the modes of the emergency stop; otherwise, the displayed modes are
-        the modes before the restart.
+        modes are those of the emergency stop; otherwise, they are the modes before the
+        restart.
         """
         self.motion.note_restart(now.time)
         self.mode.forget()
@@ -471,7 +470,7 @@ class Arm(abc.ABC):
             self._block()
 
     def _show(self) -> None:
-        """Publish the modes of the arm, or the modes of an emergency stop."""
+        """Publish the modes of the arm, or those of an emergency stop."""
         reason = self.box.state.protective_stop
         if self._modes.safety is not SafetyMode.PROTECTIVE_STOP:
             reason = ""

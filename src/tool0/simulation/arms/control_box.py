@@ -30,7 +30,7 @@ RAMP: Final = 5.0
 """Largest rate of change of the speed scaling factor [1/s].  After a pause, UR's driver
 adds 0.01 in each cycle of 2 ms (ur_robot_driver, hardware_interface.cpp)."""
 REAL_RAMP: Final = (10.0, 1.0)
-"""Largest rates of decrease and increase of the speed scaling factor of a real robot
+"""Limits on how fast the speed scaling factor of a real robot may decrease and increase
 [1/s].  A real robot limits its speed immediately.  The robot receives an increase
 slightly late, and the motion during the delay must remain small."""
 MOST_VOLTAGE: Final = 10.0
@@ -119,7 +119,7 @@ class ControlBox:
         self.change(analog_outputs=tuple(pins))
 
     def set_analog_input(self, pin: int, value: AnalogPin, *, is_of_tool: bool) -> None:
-        """Set the measured value of an analog input of the box or of the tool."""
+        """Set the measured value of an analog input of the control box or tool."""
         if self._own_drives is not None:
             raise ControlError(_WIRED)
         name = "tool_analog_inputs" if is_of_tool else "analog_inputs"

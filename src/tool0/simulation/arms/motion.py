@@ -27,10 +27,10 @@ RETURN_BRAKE: Final = 4.0
 A path at full speed stops within 0.25 s."""
 RETURN_DECELERATION: Final = 4.0
 """Smallest deceleration of motions other than paths when the arm is released [rad/s²].
-A stream of velocities uses its own acceleration if this acceleration is larger."""
+A stream of velocities uses its own acceleration if it is larger."""
 SETTLING: Final = 0.1
-"""Time from when an arm's setpoint comes to rest until the arm comes to rest [s].  The
-servos of the arm lag by about 20 ms."""
+"""Time by which an arm comes to rest later than its setpoint [s].  The servos of the
+arm lag by about 20 ms."""
 STIFFENING: Final = 10.0
 """Deceleration of a moving arm when force mode or freedrive ends, or when the arm's
 motion fails [rad/s²]."""
@@ -155,7 +155,7 @@ class ArmMotion:
         """Start a path, and return the number of the path.
 
         The path starts at ``now`` [s], or replaces path number ``after``, starting at
-        the time ``at`` along path ``after`` [s].
+        the time ``at`` along it [s].
 
         Raises:
             ControlError: If the path cannot be followed; in this case, the arm's motion

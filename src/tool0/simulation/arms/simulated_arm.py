@@ -139,7 +139,7 @@ class SimulatedArm(Arm):
     # ---- modes ----------------------------------------------------------------------
 
     def _shown_modes(self) -> Modes:
-        """Return the modes of the arm, which an emergency stop hides."""
+        """Return the modes to show; an emergency stop hides the modes of the arm."""
         if self._hardware.is_stopped:
             return Modes(RobotMode.POWER_OFF, SafetyMode.ROBOT_EMERGENCY_STOP)
         return self._modes

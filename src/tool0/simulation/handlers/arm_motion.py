@@ -82,7 +82,7 @@ def _stop(simulation: Simulation, request: StopArm) -> None:
 def _admit(
     simulation: Simulation, request: ServoJoints | SpeedJoints | SpeedTool
 ) -> None:
-    """Reject setpoints that continue a stream that has already ended."""
+    """Reject setpoints of a stream that has already ended."""
     if not simulation.loop.is_realtime:
         return
     timeout, is_rest = request.timeout, False

@@ -1,4 +1,4 @@
-"""The execution of a program, from taking control of an arm to releasing the arm.
+"""The execution of a program, from taking control of an arm to releasing it.
 
 The program advances after each snapshot.
 """

@@ -2,7 +2,7 @@
 
 The steps are a generator that yields until the next snapshot whenever simulated time
 must pass.  Each change uses the request that a client would send, so that the journal
-contains the change.
+contains it.
 """
 
 from __future__ import annotations
@@ -219,7 +219,7 @@ class ProgramSteps:
     def _follow(
         self, path: ProgramPath, watch: ContactWatch | None = None
     ) -> StepCoroutine[int]:
-        """Follow a path, and return the number of completed moves of the path."""
+        """Follow a path, and return the number of its completed moves."""
         yield from self._start_path(path)
         plan, n_moves = path.plan, len(path.steps)
         while not self.is_done:
@@ -330,7 +330,7 @@ class ProgramSteps:
     # ---- the robot ------------------------------------------------------------------
 
     def call(self, request: Request[Response]) -> Response:
-        """Execute a request as if a client had sent the request."""
+        """Execute a request as if a client had sent it."""
         return answer(self._simulation, request)
 
     def _planned(self, plan: Callable[[], T]) -> StepCoroutine[T]:

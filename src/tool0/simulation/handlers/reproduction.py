@@ -1,4 +1,4 @@
-"""Description of a bring-up as plain data, and bring-up from such data."""
+"""Description of a bring-up as plain data, and a bring-up from this data."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from tool0.simulation.simulation import Simulation
 
 
 def reproduction(simulation: Simulation) -> Reproduction:
-    """Return the data that, with the journal, allow repeating this simulation."""
+    """Return the data that, with the journal, make this simulation repeatable."""
     setup = simulation.setup
     description, options = setup.description, setup.options
     model, choice = description.model, setup.choice

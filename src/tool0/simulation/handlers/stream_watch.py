@@ -26,7 +26,7 @@ handles(EndStream, in_tick=True)(
 
 @dataclass(slots=True)
 class _Stream:
-    """Commands to one arm since the last stop of the arm."""
+    """Commands to one arm since its last stop."""
 
     last: float
     """Time at which the last command was received, in wall time [s]."""
@@ -57,8 +57,8 @@ class StreamWatch:
             arm: Name of the arm.
             timeout: Silence after which the stream ends, in wall time [s]; None if the
                 stream never ends.
-            is_rest: Whether the command is a command to come to rest, which ends a
-                stream in the normal way and is always accepted.
+            is_rest: Whether the command brings the arm to rest, which ends a stream in
+                the normal way and is always accepted.
 
         Raises:
             ControlError: If the command continues a stream that has ended.

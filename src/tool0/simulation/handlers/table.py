@@ -37,9 +37,9 @@ class Entry:
     Any other handler runs in the caller's thread and may take longer."""
     changes: bool
     """Whether the handler changes the simulation.  Only ``in_tick`` handlers may change
-    the simulation: each call is recorded in the journal, with which a session can be
-    repeated.  Other handlers prepare a change, and then send a request that has an
-    ``in_tick`` handler."""
+    the simulation: each call is recorded in the journal, which makes it possible to
+    repeat a session.  Other handlers prepare a change, and then send a request that has
+    an ``in_tick`` handler."""
     prepare: Prepare | None
     """Function that is called in the caller's thread before an ``in_tick`` handler, for
     slow computations that do not depend on moving bodies.  The handler receives the

@@ -89,9 +89,9 @@ _DID_NOT: Final = "the robot did not {}"
 class RealRobotBackend:
     """A real robot, moved by the same controllers and executor as a simulated robot.
 
-    Requests for the robot's controller (power, payload, tare) are forwarded to this
-    controller, and are answered after the robot has executed the requests.  The safety
-    system of the UR robot is the only safety function.
+    Requests for the robot's controller (power, payload, tare) are forwarded to it, and
+    are answered after the robot has executed them.  The safety system of the UR robot
+    is the only safety function.
     """
 
     mode: Final = "hardware"
@@ -172,7 +172,7 @@ class RealRobotBackend:
         self._enabling.enable(request)
 
     def _power(self, command: str, mode: RobotMode) -> None:
-        """Change the mode of the arm, and wait until the arm has this mode."""
+        """Change the mode of the arm, and wait until it has this mode."""
         words = {
             "power on": "Powering on",
             "power off": "Powering off",
@@ -189,7 +189,7 @@ class RealRobotBackend:
         box.look()
 
     def _clear_stop(self, command: str, accepted: str) -> None:
-        """Clear a stop of the safety system, and wait until the stop is over."""
+        """Clear a stop of the safety system, and wait until it is over."""
         self._engine.connection.dashboard.order(command, accepted)
         box = self._enabling
         box.wait(lambda: box.box.safety_mode in UNSTOPPED, _DID_NOT.format(command))

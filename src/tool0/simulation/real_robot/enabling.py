@@ -1,4 +1,4 @@
-"""Enabling of a real arm's motion, after checks of the conditions."""
+"""Enables a real arm's motion after checking the conditions."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _POLL: Final = 0.02
 
 @final
 class Enabling:
-    """Finds obstacles to motion of the arm, and starts tool0's program on the robot.
+    """Finds reasons why the arm may not move, and starts tool0's program on the robot.
 
     ``Enabling`` queries the robot, which takes time.  ``Enabling`` must never be used
     in the thread of the tick.
@@ -67,7 +67,7 @@ class Enabling:
         return self._simulation.snapshot.control_boxes[0]
 
     def look(self) -> RobotLink:
-        """Read the robot's identity, and publish it with the obstacles to motion.
+        """Read the robot's identity, and publish it with reasons not to move.
 
         Raises:
             TransportError: If the dashboard server does not answer.
@@ -90,7 +90,7 @@ class Enabling:
         return self._engine.report.link
 
     def _obstacles(self, model: str, *, is_remote: bool | None) -> list[str]:
-        """Return the obstacles to motion, with one sentence per obstacle."""
+        """Return the reasons why the arm may not move, with one sentence per reason."""
         found, box = [], self.box
         if is_remote is False:
             found.append(
@@ -167,8 +167,8 @@ class Enabling:
         """Start tool0's program on the robot, and the controllers that hold the arm.
 
         Raises:
-            ControlError: If there are obstacles to motion of the arm; the message
-                contains all reasons.
+            ControlError: If there are reasons why the arm may not move; the message
+                contains all of them.
             TransportError: If the robot cannot be reached.
         """
         link = self.look()

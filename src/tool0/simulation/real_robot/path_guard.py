@@ -1,4 +1,4 @@
-"""Checks of every motion with the model before the motion is sent to a real robot."""
+"""Checks of every motion against the model before it is sent to a real robot."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ JUMP: Final = 0.05
 """Largest distance of a joint from its position at the start of a motion [rad]."""
 _ROUNDING: Final = 1e-6
 _SPEED_ROUNDING: Final = 0.02
-"""Relative tolerance for speeds.  The tolerance is needed because of the speed slider
-and of splines that are slightly faster between their knots."""
+"""Relative tolerance for speeds.  The tolerance is needed because of the speed slider,
+and because splines are slightly faster between their knots."""
 
 
 @final
 class PathGuard:
     """Checks limits, speed, jumps and collisions of the motions of one arm.
 
-    The guard is called in the thread of the tick.  A check takes a few milliseconds,
-    and the robot always has buffered motion for a longer time.
+    The guard is called in the thread of the tick.  A check takes a few milliseconds;
+    the robot always has motion buffered for longer than that.
     """
 
     def __init__(self, simulation: Simulation, arm: str) -> None:

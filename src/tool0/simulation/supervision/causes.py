@@ -63,8 +63,7 @@ class Causes:
         )
         """Driven joints, from the base to the flange."""
         self._touching: tuple[Contact, ...] = ()
-        """Last detected contacts of the arm; ``_touched_at`` is the time of these
-        contacts [s]."""
+        """Last detected contacts of the arm; ``_touched_at`` is their time [s]."""
         self._touched_at = -math.inf
 
     def watch(self, time: float) -> None:

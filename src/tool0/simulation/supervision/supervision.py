@@ -3,8 +3,8 @@
 An arm is checked every 8 ms of simulated time if its safety limits are enabled or if a
 program moves it.  In the compliant modes (force mode, freedrive), the motion of a
 program is not checked.  The checks are not part of the tick, and do not depend on
-subscribers.  ROS controllers have tolerances of their own; violations of these
-tolerances are explained in the same way.
+subscribers.  Violations of a ROS controller's own tolerances are explained in the same
+way.
 """
 
 from __future__ import annotations

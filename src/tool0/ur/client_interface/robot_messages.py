@@ -70,7 +70,7 @@ def text_message(time: float, text: str) -> bytes:
 def popup_message(
     time: float, title: str, text: str, *, is_warning: bool, is_error: bool
 ) -> bytes:
-    """Return the message that shows a popup, which requires no answer."""
+    """Return the message that shows a popup; the popup requires no answer."""
     heading = _cut(title, MAX_TITLE)
     head = Struct(">IB???B").pack(0, 0, is_warning, is_error, False, len(heading))
     return _message(time, Kind.POPUP, head + heading + _cut(text))

@@ -12,7 +12,7 @@ from tool0.ur.waiting import within
 TIMEOUT: Final = 2.0
 """Maximum time to wait for a connection or a response [wall s]."""
 DISCONNECTED: Final = -2
-"""Error code that reports that there is no connection."""
+"""Error code for a missing connection."""
 
 
 @final

@@ -66,7 +66,7 @@ _READ: Final = {
 
 
 class WhenStopped(IntEnum):
-    """Level of a digital output while no program runs."""
+    """Level of a digital output while no program is running."""
 
     KEPT = 0
     LOW = 1

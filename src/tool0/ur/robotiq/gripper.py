@@ -37,8 +37,8 @@ STILL: Final = 0.0001
 """Change of the opening between two polls below which fingers near their goal are at
 rest [m]. The change is a third of a position count."""
 ELSEWHERE: Final = 0.002
-"""Distance from the requested opening above which another client must have moved the
-fingers [m]."""
+"""Distance from the requested opening above which another client is assumed to have
+moved the fingers [m]."""
 POWER_ON: Final = CommandRegisters(speed=FULL, force=FULL)
 """Command registers after power-on. Speed and force are the URCap's defaults."""
 
@@ -195,7 +195,7 @@ class RobotiqGripper:
 
     @property
     def has_goal(self) -> bool:
-        """Whether the last goal is valid because no other client moved the fingers."""
+        """Whether the last goal is valid: no other client has moved the fingers."""
         return self._goal is not None
 
     @property
@@ -249,7 +249,7 @@ class RobotiqGripper:
         )
 
     async def wait_until(self, condition: Callable[[], bool]) -> None:
-        """Wait until the registers fulfill a condition."""
+        """Wait until the registers meet a condition."""
         while not condition():
             await self._changed.wait()
 

@@ -77,7 +77,7 @@ class RtuReceiver:
         return answers
 
     def pause(self) -> bytes:
-        """Return the answers to the data before a period of silence; usually empty."""
+        """Return the answers to data before a period of silence, which may be empty."""
         answers = b""
         while frame := self._received:
             if len(frame) >= MIN_FRAME and checksum(frame[:-2]) == frame[-2:]:

@@ -119,7 +119,7 @@ class InputClaims:
 
 @final
 class InputRecipe:
-    """Executes the data packets of an input setup."""
+    """Applies the data packets of an input setup."""
 
     def __init__(self, names: Sequence[str]) -> None:
         self._names = tuple(names)

@@ -212,7 +212,7 @@ def output_types(names: Sequence[str]) -> tuple[str, ...]:
 
 @final
 class OutputRecipe:
-    """Packs the same fields at every update; equal recipes pack equal bytes."""
+    """Packs the same fields at every update; equal recipes yield equal bytes."""
 
     def __init__(self, names: Sequence[str], *, recipe_id: int | None) -> None:
         """Prepare to pack known fields; ``recipe_id`` comes first if it is not None."""

@@ -1,7 +1,7 @@
 """Quantities that a control box reports but that tool0 does not measure.
 
 The simulation has no motors, voltages or temperatures. Quantities that depend on
-motors, voltages or temperatures are nominal constants or are computed from the drive
+motors, voltages or temperatures are either nominal constants or computed from the drive
 efforts with the rules below. Each docstring states whether the quantity is a constant
 or computed.
 """
@@ -25,8 +25,8 @@ TORQUE_PER_AMPERE: Final = 10.0
 
 The value is a convention. The torque constants of UR's motors are not published and
 differ between joints. With a gear ratio of 101, the torque constants have the same
-order of magnitude as the value. The product of a reported current and the value is the
-torque of the drive.
+order of magnitude as this value. The product of a reported current and this value is
+the torque of the drive.
 """
 SUPPLY_VOLTAGE: Final = 48.0
 """Nominal supply voltage of the control box, the arm and its motors [V]."""

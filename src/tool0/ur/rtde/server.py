@@ -140,7 +140,7 @@ class _Client:
         return is_due
 
     def is_slow(self, now: float) -> bool:
-        """Return whether the client reads slowly; disconnect it after a timeout."""
+        """Return whether the client reads too slowly; disconnect it after a timeout."""
         if self.peer.owed <= MAX_UNREAD:
             self._slow_since = math.inf
             return False

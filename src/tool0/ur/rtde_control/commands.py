@@ -142,7 +142,7 @@ class Commands:
         return command in POLLED
 
     async def execute(self, command: int) -> None:
-        """Execute a command and return when the command is complete.
+        """Execute a command and return when it is complete.
 
         Raises:
             Tool0Error: If the command fails.

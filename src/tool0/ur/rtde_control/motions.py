@@ -29,8 +29,8 @@ BASE, TOOL, CUSTOM = 0, 1, 2
 ASYNCHRONOUS: Final = 1
 """Value of integer register 1 if the client does not wait for the end of a motion."""
 CANCEL_DECELERATION: Final = 2.0
-"""Deceleration before a motion that replaces an asynchronous motion [rad/s²], which is
-stopj's default."""
+"""Deceleration before a motion that replaces an asynchronous motion [rad/s²]; the value
+is stopj's default."""
 
 
 @final
@@ -190,7 +190,7 @@ class Motions:
         )
 
     async def speed_tool(self) -> None:
-        """Move the tool at a velocity until the client stops the tool: speedl."""
+        """Move the tool at a velocity until the client stops it: speedl."""
         await self._cancel()
         self._is_tool_speed = True
         self._speed_tool(self._exchange.six(0), self._exchange.number(6))
@@ -215,7 +215,7 @@ class Motions:
         await self._moves.stopl(self._exchange.number(0))
 
     async def start_jog(self) -> None:
-        """Move the tool at a velocity in a frame until the client stops the tool.
+        """Move the tool at a velocity in a frame until the client stops it.
 
         A second call changes the velocity but not the frame.
         """

@@ -78,7 +78,7 @@ class _CommandServer:
 
     @contextlib.contextmanager
     def listening(self) -> Iterator[None]:
-        """Return a context in which written registers wake the server."""
+        """Return a context in which writing registers wakes the server."""
         self._box.registers.when_written.add(self._take)
         self._box.when_updated.add(self._look)
         try:
@@ -143,7 +143,7 @@ class _CommandServer:
 
 @final
 class _Watchdog:
-    """Raises an error if the client has not written a command within a timeout."""
+    """Raises an error if the client does not write a command within a timeout."""
 
     def __init__(self) -> None:
         self._is_set = asyncio.Event()

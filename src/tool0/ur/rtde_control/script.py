@@ -50,7 +50,7 @@ _MOVE: Final = re.compile(
 @final
 @dataclass(frozen=True, slots=True)
 class ControlScript:
-    """The parts of an uploaded script that differ between scripts."""
+    """The parts that differ between uploaded scripts."""
 
     name: str
     revision: str

@@ -14,7 +14,7 @@ from tool0.ur.urscript.values import Value, weight
 from tool0.ur.urscript_errors import Place, ValueProblem
 
 _LONG: Final = 5
-"""Length of a list above which the work for the list is charged as statements."""
+"""Length of a list above which the work on it is charged as statements."""
 _PER_STATEMENT: Final = 10
 """Number of list elements that are charged as one statement."""
 

@@ -66,7 +66,7 @@ class Compiler:
         return code
 
     def extended(self) -> Compiler:
-        """Return a copy of the compiler, which keeps new definitions separate."""
+        """Return a copy of the compiler that keeps new definitions separate."""
         return Compiler(INTERPRETER, dict(self._codes))
 
     def interpreted(self, text: str, scope: Scope) -> Interpreted:

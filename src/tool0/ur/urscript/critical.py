@@ -13,9 +13,9 @@ class CriticalSection:
     A thread leaves the section while it waits for an action that takes time. UR does
     not document when a thread leaves the section or in which order threads enter it.
     The program of UR's driver executes trajectories and reads sockets inside the
-    section, so the driver depends on threads that leave the section while they wait. In
+    section, so the driver depends on threads leaving the section while they wait. In
     tool0, ready threads run before another thread enters the section, even if that
-    thread has just left the section.
+    thread has just left it.
     """
 
     def __init__(self) -> None:
@@ -37,13 +37,13 @@ class CriticalSection:
         await self.resume(thread)
 
     async def resume(self, thread: object) -> None:
-        """Enter the section again, immediately if no other thread is in the section."""
+        """Enter the section again; this is immediate if no other thread is in it."""
         await self.wait(thread)
         self._owner = thread
         self._free.clear()
 
     def leave(self, thread: object) -> None:
-        """Leave the section if the thread is in the section."""
+        """Leave the section if the thread is in it."""
         if self._owner is thread:
             self._owner = None
             self._free.set()

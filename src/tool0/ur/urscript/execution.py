@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 MAX_THREADS: Final = 50
 MAX_VARIABLES: Final = 2_000
-"""Maximum number of variables of the program and of all unfinished calls."""
+"""Maximum number of variables in the program and in all unfinished calls."""
 MAX_DEPTH: Final = 100
 """Maximum depth of nested calls."""
 SLICE: Final = 100
@@ -125,7 +125,7 @@ class Thread:
         await self.hold()
 
     async def timed(self, action: Awaitable[T]) -> T:
-        """Wait for an action, and then wait until the thread may continue."""
+        """Wait for an action, and then until the thread may continue."""
         self._spun = 0
         critical = self.execution.critical
         was_inside = critical.is_inside(self)
@@ -211,7 +211,7 @@ class Execution:
         self.mover: Thread | None = None
         """Thread that currently moves the robot."""
         self.interpreter: Interpreting
-        """Interpreter of statements that clients send, which is set before the program
+        """Interpreter of statements from clients, which is set before the program
         runs."""
         self._motion: asyncio.Task[None] | None = None
         """Current motion, which can be aborted."""
@@ -274,7 +274,7 @@ class Execution:
             await asyncio.wait(tasks)
 
     async def abortable(self, motion: Awaitable[None]) -> None:
-        """Execute a motion until the motion ends or ``abort`` is called."""
+        """Execute a motion until it ends or ``abort`` is called."""
         self._motion = task = asyncio.ensure_future(motion)
         task.add_done_callback(seen)
         try:

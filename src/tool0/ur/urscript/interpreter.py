@@ -174,7 +174,7 @@ class Interpreter:
         self._cleared = self._executed
 
     async def _forget(self, session: _Session) -> None:
-        """Remove a session's functions and variables, and end the session's threads."""
+        """Remove a session's functions and variables, and end its threads."""
         await self._execution.end_threads(session.own)
         site, scope = session.site, session.scope
         for names, variables in (

@@ -40,7 +40,7 @@ class ListMethod(NamedTuple):
     call: Callable[..., Outcome]
     n_arguments: int
     changes: bool
-    """Whether the method changes the list, which must be a variable in this case."""
+    """Whether the method changes the list, which must then be a variable."""
 
     def apply(self, items: Items, arguments: Sequence[Value]) -> tuple[Items, Value]:
         """Return the list after the call and the return value of the method.

@@ -105,7 +105,7 @@ class _Transport(xmlrpc.client.Transport):
 
 @final
 class RemoteServer:
-    """A handle that ``rpc_factory`` returns; the methods are functions of a server."""
+    """A handle that ``rpc_factory`` returns; its methods are functions of a server."""
 
     def __init__(self, url: str, when_closed: Callable[[RemoteServer], object]) -> None:
         """Create a handle without connecting to the server.

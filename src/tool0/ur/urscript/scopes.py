@@ -61,7 +61,7 @@ class Scope:
         return own + (self.parent.visible_functions() if self.parent else [])
 
     def extended(self, block: s.Block) -> Scope:
-        """Return the scope with the names of additional statements of the body.
+        """Return the scope, extended with names in additional statements of the body.
 
         New variables are global at the program's first level and local in a function.
         """

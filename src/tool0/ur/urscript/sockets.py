@@ -49,7 +49,7 @@ class Connection(asyncio.Protocol):
         self._transport = transport
 
     def data_received(self, data: bytes) -> None:
-        """Store received data; stop reading if the program does not use the data."""
+        """Store received data; stop reading if the program does not use it."""
         self._buffer += data
         if len(self._buffer) > MAX_BUFFER and self._transport is not None:
             self._transport.pause_reading()
@@ -81,7 +81,7 @@ class Connection(asyncio.Protocol):
         return self._transport is not None and self._is_writable.is_set()
 
     def take(self, find: Callable[[bytearray], T | None]) -> T | None:
-        """Find a value in the received bytes, remove its bytes and return the value.
+        """Find a value in the received bytes, remove its bytes and return it.
 
         ``find`` must remove the bytes of the value from the buffer. ``find`` returns
         None if the buffer contains no complete value.
@@ -96,7 +96,7 @@ class Connection(asyncio.Protocol):
     async def receive(
         self, find: Callable[[bytearray], T | None], timeout: float
     ) -> T | None:
-        """Return the value that ``take`` finds as soon as the value has been received.
+        """Return the value that ``take`` finds as soon as it has been received.
 
         Args:
             find: Function for ``take``.

@@ -107,7 +107,7 @@ class Unary:
 @final
 @dataclass(frozen=True, slots=True)
 class Operand:
-    """An additional operand of a chain, with the operator before the operand."""
+    """An additional operand of a chain, with the operator before it."""
 
     at: Place
     """Location of the operator."""

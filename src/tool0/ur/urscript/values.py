@@ -58,7 +58,7 @@ class Handle:
         self._task = task
 
     async def kill(self) -> None:
-        """End the thread and return when the thread no longer moves the robot."""
+        """End the thread and return when it no longer moves the robot."""
         self._task.cancel()
         if self._task is asyncio.current_task():
             await asyncio.sleep(0)  # the thread ends itself
@@ -300,7 +300,7 @@ def _arithmetic(symbol: str, compute: Numbers) -> Operator:
 
 
 def checked_integer(value: float) -> float:
-    """Return a number after checking that an integer has at most 32 bits."""
+    """Return a number; if it is an integer, check that it has at most 32 bits."""
     if type(value) is int and value not in INT_RANGE:
         raise ValueProblem(f"the integer {value} has more than 32 bits; use floats")
     return value

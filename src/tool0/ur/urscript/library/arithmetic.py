@@ -137,7 +137,7 @@ def normalize(v: Numbers) -> Value:
 
 
 def length(v: AnyValue) -> int:
-    """Return the number of elements of a list, or the number of bytes of a string."""
+    """Return the number of elements in a list, or the number of bytes in a string."""
     if not isinstance(v, str | tuple):
         raise ValueProblem(f"{described(v)} has no length")
     return len(v)
@@ -149,7 +149,7 @@ def get_list_length(v: ListLike) -> int:
 
 
 def size(v: AnyValue) -> Value:
-    """Return the length of a list, or the number of rows and columns of a matrix."""
+    """Return the length of a list, or the numbers of rows and columns of a matrix."""
     if isinstance(v, tuple) and v and isinstance(v[0], tuple):
         return (len(v), len(v[0]))
     return length(v)

@@ -112,7 +112,7 @@ async def powerdown(thread: Thread) -> None:
 def encoder_enable_set_tick_count(
     thread: Thread, encoder_index: Encoder, range_id: RangeNumber
 ) -> None:
-    """Enable an encoder with a range; programs set the encoder's ticks."""
+    """Enable an encoder with a range; programs set its ticks."""
     thread.box.encoders[encoder_index] = ENCODER_RANGES[range_id], 0.0
 
 

@@ -85,7 +85,7 @@ async def set_tool_voltage(thread: Thread, voltage: Integer) -> None:
 
 
 def get_analog_in(thread: Thread, n: AnyAnalog) -> float:
-    """Return an analog input [V or A]; 0 and 1 are the box's, 2 and 3 the tool's."""
+    """Return an analog input [V or A]: 0 or 1 of the box, or 2 or 3 of the tool."""
     state = thread.box.state
     return (state.analog_inputs + state.tool_analog_inputs)[n].value
 

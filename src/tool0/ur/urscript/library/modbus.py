@@ -77,7 +77,7 @@ async def _add(thread: Thread, name: str, spec: SignalSpec) -> None:
 
     If programs must not connect to the signal's unit, no error is raised, but the
     signal is invalid from the start. Programs from PolyScope add the signals of their
-    installation but may never use them.
+    installation even if they never use them.
     """
     is_allowed = True
     try:
@@ -243,7 +243,7 @@ def modbus_set_signal_watchdog(
 def modbus_set_runstate_dependent_choice(
     thread: Thread, signal_name: SignalName, runstate_choice: Choice
 ) -> None:
-    """Set the level of a digital output for the time when no program runs."""
+    """Set the level of a digital output for times when no program runs."""
     signal = _signal(thread, signal_name)
     is_digital_output = signal.spec.kind.is_digital and signal.spec.kind.is_output
     if runstate_choice != WhenStopped.KEPT and not is_digital_output:

@@ -163,7 +163,7 @@ def is_steady(thread: Thread) -> bool:
 def tool_contact(thread: Thread, direction: Spatial | None = None) -> Value:
     """Return the number of control periods since a tool contact started, or 0.
 
-    The direction is the direction of the motion in the base frame; zeros stand for any
+    The direction is that of the motion, in the base frame; zeros stand for any
     direction. If the direction is omitted, the velocity of the TCP is used.
     """
     motion = thread.box.tcp_speed() if direction is None else direction
