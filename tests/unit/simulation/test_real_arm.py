@@ -8,6 +8,7 @@ from still_robot import StillRobotRig, still_robot
 
 from tool0.control.manager import Strictness
 from tool0.errors import ControlError
+from tool0.protocol.control_box_state import ProgramState
 from tool0.simulation.executor import Executor
 
 FOLLOWER = "eff_joint_traj_controller"
@@ -46,3 +47,41 @@ def test_the_remedy_of_an_arm_that_must_be_enabled_is_to_enable_it(
     assert rig.state.motion_failure == "tool0's program on the robot has ended"
     with raises_naming(ControlError, "tool0 hardware enable"):
         move(rig)
+
+
+def test_a_stop_keeps_its_reason_until_the_program_is_played(
+    rig: StillRobotRig,
+) -> None:
+    reason = "something is in the way"
+    rig.engine.guard = lambda motion, now: reason
+    move(rig)
+    rig.ticks(1)
+    assert rig.state.motion_failure == reason
+    rig.robot.write("actual_digital_input_bits", 1)
+    rig.ticks(1)
+    assert rig.state.digital_inputs[0]
+    assert (rig.state.motion_failure, rig.state.program) == (
+        *(reason, ProgramState.STOPPED),
+    )
+    with raises_naming(ControlError, reason, PLAY):
+        move(rig)
+    rig.engine.guard = lambda motion, now: ""
+    rig.arm.play(rig.core.state)
+    rig.ticks(2)
+    assert not rig.state.motion_failure
+    assert rig.state.program is ProgramState.PLAYING
+
+
+def test_a_reason_that_returns_in_the_tick_after_play_is_kept(
+    rig: StillRobotRig,
+) -> None:
+    reason = "something is where the arm is"
+    rig.engine.guard = lambda motion, now: reason
+    move(rig)
+    rig.ticks(3)
+    assert rig.state.motion_failure == reason
+    rig.arm.play(rig.core.state)
+    assert not rig.state.motion_failure
+    rig.ticks(1)
+    assert rig.state.motion_failure == reason
+    assert rig.state.program is ProgramState.STOPPED
