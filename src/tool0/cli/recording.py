@@ -224,9 +224,10 @@ def export(
 ) -> None:
     """Write a recording as a table, a video or a data set.
 
-    A table contains the joints, objects, wrenches and grippers, with one row for each
-    snapshot, in SI units.  A video shows the recorded motion from a camera.  A folder
-    of demonstrations is converted to a LeRobot data set.
+    A table contains the joints, objects, wrenches, grippers, flanges and TCPs, with one
+    row for each snapshot, in SI units (docs/how-to/recordings.md).  A video shows the
+    recorded motion from a camera.  A folder of demonstrations is converted to a LeRobot
+    data set.
 
     Args:
         file: A recording; for lerobot, a folder of demonstrations.
