@@ -13,6 +13,7 @@ from tool0.errors import ConfigError, ControlError
 if TYPE_CHECKING:
     from tool0.api.control_box import ControlBox
     from tool0.api.robot import Robot
+    from tool0.cli.outputs import HardwareOutput
     from tool0.protocol.control_box_state import ControlBoxState, RobotLink
 
 Percent = Annotated[float, Option(is_positional=True, metavar="PERCENT")]
@@ -57,16 +58,15 @@ def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
         state = _box(robot).state
     link = _link(state)
     if as_json:
-        print_json(
-            {
-                "link": link,
-                "robot_mode": state.robot_mode.name,
-                "safety_mode": state.safety_mode.name,
-                "program": state.program.value,
-                "stopped": why_stopped(state),
-                "speed_slider": state.speed_slider,
-            }
-        )
+        found: HardwareOutput = {
+            "link": link,
+            "robot_mode": state.robot_mode.name,
+            "safety_mode": state.safety_mode.name,
+            "program": state.program.value,
+            "stopped": why_stopped(state),
+            "speed_slider": state.speed_slider,
+        }
+        print_json(found)
         return
     remote = {True: "remote control", False: "local control", None: "CB3"}
     print(

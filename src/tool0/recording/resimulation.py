@@ -39,6 +39,7 @@ class Resimulation:
     requests: int
     """Number of requests that were executed again."""
     divergence: Divergence | None
+    """The first difference; None without a difference."""
     reasons: tuple[str, ...]
     """Possible reasons why the repetition differs from the recording."""
 
