@@ -10,7 +10,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
+from tools.cli_json import described
+
 from tool0.cli import COMMANDS, form_and_readers
+from tool0.cli.outputs import OUTPUTS
 from tool0.cli.parameters import (
     Parameter,
     description_of,
@@ -96,7 +99,18 @@ def _function(words: str, form: Form) -> str:
         parts.append(_table(items))
     if links:
         parts.append(f"Further options: {', '.join(links)}.\n")
+    if words in OUTPUTS:
+        parts.append(_output(words))
     return "\n".join(parts)
+
+
+def _output(words: str) -> str:
+    """Return the keys of a command's JSON, or the command that has the same keys."""
+    first = next(name for name in OUTPUTS if OUTPUTS[name] is OUTPUTS[words])
+    if first == words:
+        return described(OUTPUTS[words])
+    name = f"tool0 {first}"
+    return f"The output of `--json` has the keys of [{name}](#{_anchor(name)}).\n"
 
 
 def _parameters(words: str, form: Form) -> list[Parameter]:

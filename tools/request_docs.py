@@ -115,7 +115,7 @@ def _value(kind: type) -> str:
 
 def _fields(kind: Any) -> list[str]:
     hints = typing.get_type_hints(kind, include_extras=True)
-    docs = _field_docs(kind)
+    docs = field_docs(kind)
     names = (
         [item.name for item in msgspec.inspect.type_info(kind).fields]
         if isinstance(kind, type) and issubclass(kind, msgspec.Struct)
@@ -149,7 +149,7 @@ def _json(value: object) -> str:
     return "unset" if value is msgspec.UNSET else msgspec.json.encode(value).decode()
 
 
-def _field_docs(kind: type) -> dict[str, str]:
+def field_docs(kind: type) -> dict[str, str]:
     """Return the docstring of each field, from the source of its class or of a base."""
     found: dict[str, str] = {}
     for parent in reversed(kind.__mro__):

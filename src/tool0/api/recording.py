@@ -1,4 +1,4 @@
-"""``robot.record()``: desired and measured motion as arrays."""
+"""``robot.record()``: desired and measured motion, and tool poses, as arrays."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import contextlib
 import math
 import threading
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager
+from functools import cached_property
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
     import pandas as pd
+
+    from tool0.description.tool_poses import ToolPoses
 
     Array = npt.NDArray[np.float64]
 
@@ -63,6 +66,7 @@ class Recording(AbstractContextManager["Recording"]):
                 f"rate {rate!s:.40} Hz is outside [{lowest:g}, {highest:g}] Hz"
             )
         self._channel = channel
+        self._description = channel.description
         self._ticks = _ticks_between_samples(1.0 / rate, control_period)
         self._rate = 1.0 / (self._ticks * control_period)
         self._lock = threading.Lock()
@@ -131,6 +135,16 @@ class Recording(AbstractContextManager["Recording"]):
         """
         return self._of("desired_velocity")
 
+    @property
+    def tool_poses(self) -> Mapping[str, Array]:
+        """Poses x, y, z [m], qw, qx, qy, qz in the root frame, (n_samples, 7), by tool.
+
+        A tool is the flange of an arm, such as ``tool0``, or the point midway between
+        the pads of a gripper, such as ``gripper.tcp``.  The poses are computed from the
+        measured joint positions.
+        """
+        return self._tools.poses(self.position)
+
     def __len__(self) -> int:
         """Return the number of samples."""
         self._take()
@@ -140,9 +154,19 @@ class Recording(AbstractContextManager["Recording"]):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the columns of a table, such as ``elbow_joint.position``."""
+        """Names of the columns of a table.
+
+        After ``time``, there are columns such as ``elbow_joint.position``, and the pose
+        of each flange and of each gripper, such as ``tool0.x`` and ``gripper.tcp.qw``.
+        """
+        from tool0.description.tool_poses import POSE
+
         joints = self._joint_names
-        return ("time", *(f"{joint}.{what}" for what in QUANTITIES for joint in joints))
+        return (
+            "time",
+            *(f"{joint}.{what}" for what in QUANTITIES for joint in joints),
+            *(f"{tool}.{part}" for tool in self._tools.names for part in POSE),
+        )
 
     def to_csv(self, path: Path | str) -> None:
         """Write a CSV file with ``columns`` and a line of SI values for each sample.
@@ -168,7 +192,7 @@ class Recording(AbstractContextManager["Recording"]):
             raise ControlError(
                 "to_pandas needs pandas, which is not installed: pip install pandas"
             ) from None
-        table = self._table()
+        table = self._with_tools()
         index = pd.Index(table[:, 0], name="time")
         return pd.DataFrame(table[:, 1:], index=index, columns=list(self.columns[1:]))
 
@@ -232,7 +256,7 @@ class Recording(AbstractContextManager["Recording"]):
         return 1 + len(QUANTITIES) * len(self._joint_names)
 
     def _table(self) -> Array:
-        """Return a copy of the recorded samples, shape (n_samples, n_columns)."""
+        """Return a copy of the recorded samples: the time, then ``QUANTITIES``."""
         import numpy as np
 
         self._take()
@@ -240,13 +264,27 @@ class Recording(AbstractContextManager["Recording"]):
             values = np.array(self._rows, dtype=np.float64)
         return values.reshape(-1, self._width)
 
+    @cached_property
+    def _tools(self) -> ToolPoses:
+        from tool0.description.tool_poses import ToolPoses
+
+        return ToolPoses(self._description.model, self._joint_names)
+
+    def _with_tools(self) -> Array:
+        """Return the samples so far with ``columns``, shape (n_samples, n_columns)."""
+        import numpy as np
+
+        table = self._table()
+        positions = table[:, 1 : 1 + len(self._joint_names)]
+        return np.hstack([table, *self._tools.poses(positions).values()])
+
     def _of(self, quantity: str) -> Array:
         n_joints = len(self._joint_names)
         start = 1 + QUANTITIES.index(quantity) * n_joints
         return self._table()[:, start : start + n_joints]
 
     def _lines(self) -> Iterator[str]:
-        for row in self._table().tolist():
+        for row in self._with_tools().tolist():
             yield ",".join("" if math.isnan(x) else repr(x) for x in row) + "\n"
 
 

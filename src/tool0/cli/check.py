@@ -9,6 +9,7 @@ from tool0.cli.parameters import AsJson, Option
 from tool0.cli.text import counted, print_json
 
 if TYPE_CHECKING:
+    from tool0.cli.outputs import CheckOutput
     from tool0.lint.check import CheckReport
 
 CLEAN = 0
@@ -61,7 +62,7 @@ def _count(number: int, what: str) -> str:
     return counted(number, what) if number else f"no {what}s"
 
 
-def _plain(report: CheckReport) -> dict[str, object]:
+def _plain(report: CheckReport) -> CheckOutput:
     return {
         "findings": [finding.as_json() for finding in report.findings],
         "files": [str(path) for path in report.files],

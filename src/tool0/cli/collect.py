@@ -12,6 +12,7 @@ from tool0.cli.text import ProgressBar, counted, print_json
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
+    from tool0.cli.outputs import CollectOutput
     from tool0.collect import Progress
 
 LINE_PERIOD = 10.0
@@ -79,7 +80,7 @@ def collect(
             copies=copies,
             progress=display.show,
         )
-    found = {
+    found: CollectOutput = {
         "folder": str(manifest.folder),
         "episodes": manifest.n_episodes,
         "succeeded": manifest.n_succeeded,

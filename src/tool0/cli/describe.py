@@ -14,6 +14,7 @@ from tool0.description.config import DescriptionConfig
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
+    from tool0.cli.outputs import JointOutput, TreeOutput
     from tool0.description.catalogue import CataloguePart
     from tool0.description.model import Joint, RobotModel
     from tool0.description.robot import RobotDescription
@@ -136,7 +137,7 @@ def sources(description: RobotDescription) -> str:
     return "\n".join(map(_specifications, parts))
 
 
-def plain(description: RobotDescription) -> dict[str, object]:
+def plain(description: RobotDescription) -> TreeOutput:
     """Return the joints with their limits and drives, for JSON."""
     model = description.model
     return {
@@ -145,7 +146,7 @@ def plain(description: RobotDescription) -> dict[str, object]:
     }
 
 
-def _plain_joint(model: RobotModel, joint: Joint) -> dict[str, object]:
+def _plain_joint(model: RobotModel, joint: Joint) -> JointOutput:
     transmission = model.transmission_by_joint.get(joint.name)
     interfaces = transmission.interfaces if transmission is not None else ()
     limits = joint.limits

@@ -12,6 +12,7 @@ from tool0.cli.text import print_json
 from tool0.errors import ConfigError, DescriptionError
 
 if TYPE_CHECKING:
+    from tool0.cli.outputs import ExplainOutput, ItemOutput
     from tool0.description.finding import Finding
     from tool0.lint.launch.explanation import Item
     from tool0.lint.launch.model import LaunchFile
@@ -106,7 +107,7 @@ def _in_package(package: str, name: str) -> Path:
 
 def _json(
     contents: Item, arguments: tuple[Item, ...], launch: LaunchFile
-) -> dict[str, object]:
+) -> ExplainOutput:
     return {
         "contents": _as_json(contents),
         "arguments": [_as_json(item) for item in arguments],
@@ -115,7 +116,7 @@ def _json(
     }
 
 
-def _as_json(item: Item) -> dict[str, object]:
+def _as_json(item: Item) -> ItemOutput:
     return {
         "kind": item.kind,
         "name": item.name,

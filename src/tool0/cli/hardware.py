@@ -13,6 +13,7 @@ from tool0.errors import ConfigError, ControlError
 if TYPE_CHECKING:
     from tool0.api.control_box import ControlBox
     from tool0.api.robot import Robot
+    from tool0.cli.outputs import HardwareOutput
     from tool0.protocol.control_box_state import ControlBoxState, RobotLink
 
 Percent = Annotated[float, Option(is_positional=True, metavar="PERCENT")]
@@ -33,6 +34,20 @@ def _link(state: ControlBoxState) -> RobotLink:
     return state.link
 
 
+def why_stopped(state: ControlBoxState) -> str:
+    """Return the reason why the arm of an enabled robot stopped.
+
+    The text is empty if the arm did not stop, or was never enabled.
+    """
+    from tool0.protocol.control_box_state import ProgramState
+
+    if state.motion_failure:
+        return state.motion_failure
+    if state.program is ProgramState.STOPPED and _link(state).is_enabled:
+        return state.protective_stop or "a command stopped the arm"
+    return ""
+
+
 def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
     """Print a robot's model, serial number and modes, and why it cannot be moved.
 
@@ -43,15 +58,15 @@ def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
         state = _box(robot).state
     link = _link(state)
     if as_json:
-        print_json(
-            {
-                "link": link,
-                "robot_mode": state.robot_mode.name,
-                "safety_mode": state.safety_mode.name,
-                "program": state.program.value,
-                "speed_slider": state.speed_slider,
-            }
-        )
+        found: HardwareOutput = {
+            "link": link,
+            "robot_mode": state.robot_mode.name,
+            "safety_mode": state.safety_mode.name,
+            "program": state.program.value,
+            "stopped": why_stopped(state),
+            "speed_slider": state.speed_slider,
+        }
+        print_json(found)
         return
     remote = {True: "remote control", False: "local control", None: "CB3"}
     print(
@@ -64,8 +79,8 @@ def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
         f"program {state.program.value}, speed {state.speed_slider:.0%}"
     )
     print(f"motion: {'enabled' if link.is_enabled else 'not enabled'}")
-    if state.motion_failure:
-        print(f"stopped: {state.motion_failure}")
+    if reason := why_stopped(state):
+        print(f"stopped: {reason}")
     if link.gripper_problem:
         print(f"gripper: {link.gripper_problem}")
     for text in link.obstacles:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
 
@@ -155,7 +155,7 @@ class InstallationStatus(Protocol):
     @property
     def can_run(self) -> bool: ...
 
-    def as_json(self) -> dict[str, object]: ...
+    def as_json(self) -> Mapping[str, object]: ...
 
     def rows(self) -> Sequence[Sequence[str]]: ...
 

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from tool0.api.arm import Arm
     from tool0.api.controller import GoalHandle
     from tool0.api.robot import Robot
+    from tool0.cli.outputs import PathOutput, WayOutput
     from tool0.protocol.planning import Checked, Plan
 
 ToolPose = Annotated[
@@ -247,14 +248,16 @@ def _show_way(search: Callable[[], Plan], *, as_json: bool) -> int:
     except (CollisionError, PlanningError) as error:
         reason = str(error)
     if as_json:
-        way = {"reason": reason} if plan is None else {"plan": _way_json(plan)}
-        print_json({"is_free": plan is not None, **way})
+        path: PathOutput = {"is_free": False, "reason": reason}
+        if plan is not None:
+            path = {"is_free": True, "plan": _way_json(plan)}
+        print_json(path)
     else:
         print(f"not free: {reason}" if plan is None else _way_text(plan))
     return GOAL_FAILED if plan is None else OK
 
 
-def _way_json(plan: Plan) -> dict[str, object]:
+def _way_json(plan: Plan) -> WayOutput:
     return {
         "duration": plan.duration,
         "clearance": plan.clearance,

@@ -53,7 +53,7 @@ class Option:
 
 
 AsJson = Annotated[bool, Option(name="json")]
-"""The flag ``--json`` of a command that prints data."""
+"""The flag ``--json`` of a command that prints data, whose types are in ``outputs``."""
 
 
 @final

@@ -13,6 +13,7 @@ from tool0.cli.text import counted, print_json
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
+    from tool0.cli.outputs import PolicyRunOutput
     from tool0.policy import EpisodeRun, Report
 
 PolicyName = Annotated[str, Option(is_positional=True, metavar="POLICY")]
@@ -169,14 +170,13 @@ def _on_bringup(
         stop = stack.enter_context(StopSignal())
         found = execute(policy, robot, should_stop=lambda: stop.is_set, **options)
     if as_json:
-        print_json(
-            {
-                "result": found.result,
-                "reason": found.reason,
-                "steps": found.n_steps,
-                "held_steps": found.n_held,
-            }
-        )
+        result: PolicyRunOutput = {
+            "result": found.result,
+            "reason": found.reason,
+            "steps": found.n_steps,
+            "held_steps": found.n_held,
+        }
+        print_json(result)
     else:
         print(_episode_text(found))
     if found.result == "interrupted":

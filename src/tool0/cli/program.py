@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from tool0.api.dry_run import DryRun
     from tool0.api.programs import ProgramHandle
     from tool0.api.robot import Robot
+    from tool0.cli.outputs import ProgramCheckOutput, ProgramsOutput
     from tool0.protocol.programs import ProgramCheck, ProgramProblem, ProgramRun
 
 Source = Annotated[str, Option(is_positional=True, metavar="FILE | PROGRAM")]
@@ -101,7 +102,7 @@ def _print_dry_run(found: DryRun) -> None:
         )
 
 
-def _plain_check(found: ProgramCheck) -> dict[str, object]:
+def _plain_check(found: ProgramCheck) -> ProgramCheckOutput:
     return {
         "problems": found.problems,
         "warnings": found.warnings,
@@ -186,7 +187,8 @@ def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
     with bringup.connect() as robot:
         saved = robot.programs.list()
     if as_json:
-        print_json({"programs": saved})
+        listed: ProgramsOutput = {"programs": saved}
+        print_json(listed)
         return
     rows = [(item.name, item.error or counted(item.n_steps, "step")) for item in saved]
     print(columns([("name", "content"), *rows]), end="")

@@ -15,6 +15,7 @@ from tool0.cli.text import counted, print_json
 from tool0.errors import ConfigError, RecordingError
 
 if TYPE_CHECKING:
+    from tool0.cli.outputs import LogOutput
     from tool0.protocol.recordings import RecordingStatus
     from tool0.recording.reading import RecordingFile
 
@@ -128,13 +129,12 @@ def log(
     recording = open_recording(file)
     found = log_entries(recording, severity=severity, requests=requests)
     if as_json:
-        print_json(
-            {
-                "duration": recording.duration,
-                "is_complete": recording.is_complete,
-                "entries": found,
-            }
-        )
+        listed: LogOutput = {
+            "duration": recording.duration,
+            "is_complete": recording.is_complete,
+            "entries": found,
+        }
+        print_json(listed)
     else:
         text = "\n".join(map(log_line, found))
         print(text or f"nothing to report in {recording.duration:.2f} s")
@@ -224,9 +224,10 @@ def export(
 ) -> None:
     """Write a recording as a table, a video or a data set.
 
-    A table contains the joints, objects, wrenches and grippers, with one row for each
-    snapshot, in SI units.  A video shows the recorded motion from a camera.  A folder
-    of demonstrations is converted to a LeRobot data set.
+    A table contains the joints, objects, wrenches, grippers, flanges and TCPs, with one
+    row for each snapshot, in SI units (docs/how-to/recordings.md).  A video shows the
+    recorded motion from a camera.  A folder of demonstrations is converted to a LeRobot
+    data set.
 
     Args:
         file: A recording; for lerobot, a folder of demonstrations.

@@ -16,6 +16,7 @@ from tool0.cli.text import ProgressBar, columns, counted, panel_line, print_json
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
+    from tool0.cli.outputs import ComparisonOutput
     from tool0.recording.reading import RecordingFile
     from tool0.recording.resimulation import Resimulation
     from tool0.recording.simulated_run import SimulatedRun
@@ -103,7 +104,12 @@ def _simulated_beside(recording: RecordingFile, *, as_json: bool) -> SimulatedRu
             lambda done, total: bar("simulating", done / total, f"{done}/{total}"),
         )
     if as_json:
-        print_json({"lag": run.lag, "joints": run.joints, "notes": run.notes})
+        found: ComparisonOutput = {
+            "lag": run.lag,
+            "joints": run.joints,
+            "notes": run.notes,
+        }
+        print_json(found)
         return run
     print(
         f"recorded ({recording.info.engine}) and simulated, {recording.duration:.2f} s;"

@@ -32,6 +32,7 @@ from tool0.description.units import Metres, Radians
 from tool0.errors import ConfigError
 
 if TYPE_CHECKING:
+    from tool0.cli.outputs import SceneOutput
     from tool0.description.scene import SceneObject
     from tool0.description.scene_state import ObjectState
 
@@ -60,8 +61,8 @@ def show(
         snapshot = robot.snapshot
     found = list(zip(snapshot.scene, snapshot.objects, strict=True))
     if as_json:
-        rows = [_plain(item, state) for item, state in found]
-        print_json({"objects": rows})
+        listed: SceneOutput = {"objects": [_plain(*each) for each in found]}
+        print_json(listed)
     else:
         head = ("name", "shape", "mass", "x y z [m]", "roll pitch yaw [deg]")
         rows_of_text = [_row(item, state) for item, state in found]

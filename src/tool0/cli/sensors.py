@@ -18,6 +18,12 @@ from tool0.protocol.sensors import DEFAULT_CUTOFF
 
 if TYPE_CHECKING:
     from tool0.api.sensors import ForceTorque
+    from tool0.cli.outputs import (
+        CameraOutput,
+        CamerasOutput,
+        PictureOutput,
+        StateOutput,
+    )
     from tool0.description.camera import Camera
     from tool0.description.transform import Pose, Vector3
     from tool0.protocol.gripper import GraspState
@@ -47,7 +53,7 @@ def state(
 
 def _plain(
     snapshot: Snapshot, grippers: Mapping[str, GraspState], tools: Mapping[str, Pose]
-) -> dict[str, object]:
+) -> StateOutput:
     names = snapshot.joint_names
     return {
         "time": snapshot.time,
@@ -217,7 +223,8 @@ def camera(
         if name is None:
             cameras = [handle.camera for handle in connected.cameras.values()]
             if as_json:
-                print_json({"cameras": list(map(_plain_camera, cameras))})
+                listed: CamerasOutput = {"cameras": list(map(_plain_camera, cameras))}
+                print_json(listed)
             else:
                 print(_camera_table(cameras), end="")
             return
@@ -228,14 +235,19 @@ def camera(
     height, width = image.depth.shape
     files = [str(path) for path in (out, depth) if path is not None]
     if as_json:
-        found = {"files": files, "width": width, "height": height, "time": image.time}
+        found: PictureOutput = {
+            "files": files,
+            "width": width,
+            "height": height,
+            "time": image.time,
+        }
         print_json(found)
     else:
         at = f"at t = {image.time:.3f} s"
         print(f"{', '.join(files)}: {width} x {height}, {at}")
 
 
-def _plain_camera(item: Camera) -> dict[str, object]:
+def _plain_camera(item: Camera) -> CameraOutput:
     return {
         "name": item.name,
         "link": item.link,

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from tool0.cli.connection import DEFAULT, Bringup
 from tool0.cli.parameters import AsJson, Option
 from tool0.cli.text import columns, print_json
 from tool0.errors import ConfigError
+
+if TYPE_CHECKING:
+    from tool0.cli.outputs import ControllersOutput, GainsOutput, StepOutput
 
 Names = Annotated[tuple[str, ...], Option(is_positional=True, metavar="CONTROLLER ...")]
 
@@ -21,7 +24,8 @@ def show(*, as_json: AsJson = False, bringup: Bringup = DEFAULT) -> None:
     with bringup.connect() as robot:
         found = robot.controllers()
     if as_json:
-        print_json({"controllers": found})
+        listed: ControllersOutput = {"controllers": found}
+        print_json(listed)
         return
     rows = [
         (
@@ -141,7 +145,8 @@ def gains(
             controller.set_gains(joint, p=p, i=i, d=d, i_clamp=i_clamp)
         found = controller.gains
     if as_json:
-        print_json({"gains": found})
+        listed: GainsOutput = {"gains": found}
+        print_json(listed)
         return
     rows = [
         (joint, *(f"{value:g}" for value in (g.p, g.i, g.d, g.i_min, g.i_max)))
@@ -191,7 +196,8 @@ def step(
         robot.step(ticks)
         time = robot.time
     if as_json:
-        print_json({"time": time})
+        reached: StepOutput = {"time": time}
+        print_json(reached)
     else:
         print(f"t = {time:.3f} s")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal, final
+from typing import Literal, TypedDict, final
 
 from tool0.errors import SourceLocation
 
@@ -15,6 +15,27 @@ _MOST_QUOTED = 8
 Severity = Literal["error", "warning"]
 """Severity of a finding.  An error causes a failure or an unintended effect; a warning
 reports a suspicious entry."""
+
+
+class FindingJson(TypedDict):
+    """A finding as a dict of plain values."""
+
+    file: str | None
+    """File of the mistake."""
+    line: int | None
+    """Line number, counted from 1."""
+    severity: Severity
+    """``error`` for a failure or an unintended effect; ``warning`` for a suspicious
+    entry."""
+    rule: str
+    """Identifier of the kind of mistake, such as ``unread-key``."""
+    key: str
+    """Subject of the finding, such as a parameter's full name, an element or a
+    joint."""
+    message: str
+    """Description of the problem and of its effect."""
+    remedy: str
+    """Instruction for fixing the mistake; empty if the message is sufficient."""
 
 
 @final
@@ -42,7 +63,7 @@ class Finding:
         """The problem and the remedy as one text: ``message; remedy``."""
         return "; ".join(part for part in (self.message, self.remedy) if part)
 
-    def as_json(self) -> dict[str, str | int | None]:
+    def as_json(self) -> FindingJson:
         """Return the finding as a dict of plain values."""
         file = self.location.file
         return {

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from tool0.description.forward_kinematics import link_poses
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.transform import Transform, from_matrix
 from tool0.errors import ControlError
+
+if TYPE_CHECKING:
+    from tool0.description.transform_arrays import Array
 
 
 def pad_links(model: RobotModel, gripper: ParallelGripper) -> tuple[str, str]:
@@ -63,11 +68,28 @@ def grasp_frame(
         np.array((T_tool_root @ found[link]).position)
         for link in (base, *pad_links(model, gripper))
     )
-    middle = (p_first + p_second) / 2.0
-    y = (p_second - p_first) / np.linalg.norm(p_second - p_first)
-    away = middle - p_base
-    z = away - (away @ y) * y
-    z /= np.linalg.norm(z)
     frame = np.eye(4)
-    frame[:3] = np.column_stack([np.cross(y, z), y, z, middle])
+    frame[:3, 3], frame[:3, :3] = frame_between(p_base, p_first, p_second)
     return from_matrix(frame)
+
+
+def frame_between(
+    p_base: Array, p_first: Array, p_second: Array
+) -> tuple[Array, Array]:
+    """Return position [m], (…, 3), and rotation, (…, 3, 3), of the frame between pads.
+
+    The arguments are the positions of the gripper's base and of its pads [m], (…, 3).
+    """
+    import numpy as np  # slow to import
+
+    def dot(u: Array, v: Array) -> Array:
+        product: Array = u[..., None, :] @ v[..., :, None]
+        return product[..., 0]
+
+    middle = (p_first + p_second) / 2.0
+    y = p_second - p_first
+    y /= np.sqrt(dot(y, y))
+    away = middle - p_base
+    z = away - dot(away, y) * y
+    z /= np.sqrt(dot(z, z))
+    return middle, np.stack([np.cross(y, z), y, z], axis=-1)

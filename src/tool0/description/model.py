@@ -251,8 +251,11 @@ class Mimic:
     """Mimic relation: position = multiplier · position of ``joint`` + offset."""
 
     joint: str
+    """The joint that determines the position."""
     multiplier: float = 1.0
+    """Factor of the position of ``joint``."""
     offset: float = 0.0
+    """Position while the position of ``joint`` is 0 [rad | m]."""
 
 
 @final

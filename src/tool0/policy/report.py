@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final, final
+from typing import Final, TypedDict, final
 
 import numpy as np
 
@@ -14,6 +14,39 @@ from tool0.policy.running import EpisodeRun
 
 _Z: Final = 1.959963984540054
 """Quantile 0.975 of the normal distribution, for 95 % confidence intervals."""
+
+
+class PolicyTimeJson(TypedDict):
+    """Wall times of a policy's answers."""
+
+    median: float
+    """Median [wall s]."""
+    p95: float
+    """95 % quantile [wall s]."""
+    longest: float
+    """Maximum [wall s]."""
+
+
+class ReportJson(TypedDict):
+    """The report as values that JSON can represent."""
+
+    episodes: int
+    """Number of completed episodes."""
+    succeeded: int
+    """Number of episodes that succeeded."""
+    stopped: int
+    """Number of episodes that ended with an action beyond the limits, which are counted
+    as failures."""
+    success_rate: float | None
+    """Fraction of episodes that succeeded; null if there are no episodes."""
+    interval: list[float]
+    """Bounds of the 95 % confidence interval of the true success rate."""
+    mean_steps: float
+    """Mean number of actions per episode."""
+    policy_time: PolicyTimeJson
+    """Time that the policy's answers took."""
+    held_steps: int
+    """Number of steps in all episodes in which no action had been received yet."""
 
 
 @final
@@ -46,7 +79,7 @@ class Report:
         """The 95 % confidence interval of the true success rate; see ``wilson``."""
         return wilson(self.n_succeeded, self.n_episodes)
 
-    def as_json(self) -> dict[str, Any]:
+    def as_json(self) -> ReportJson:
         """Return the report as values that JSON can represent."""
         low, high = self.interval
         median, most, longest = self.policy_time

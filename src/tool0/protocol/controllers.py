@@ -68,8 +68,8 @@ class ControllerStatus:
     """Required state interfaces, with their ROS 2 names."""
     blocked: str = ""
     """Reason why the controller cannot be started: its arm is in a protective stop,
-    powered off, or taken by another program.  Empty if the controller can be
-    started."""
+    powered off, or taken by another program, or a real arm has stopped.  Empty if the
+    controller can be started."""
 
     @property
     def joints(self) -> frozenset[str]:

@@ -236,6 +236,7 @@ class Stall(NamedTuple):
     """A driven joint that pushes, but has not moved for ``STALL_TIME``."""
 
     joint: str
+    """Name of the joint."""
     effort: float
     """Effort with which the joint pushes [N·m | N]."""
     contacts: tuple[tuple[str, str], ...] = ()

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from tool0.description.tool_poses import POSE
 from tool0.recording.snapshots import Arrays
 
 Array = NDArray[np.float64]
@@ -18,7 +19,6 @@ _JOINT: Final = (
     "desired_position",
     "desired_velocity",
 )
-_POSE: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
 _WRENCH: Final = ("fx", "fy", "fz", "tx", "ty", "tz")
 _GRIPPER: Final = ("opening", "speed", "force")
 
@@ -31,9 +31,10 @@ def columns_of(recording: Arrays) -> dict[str, Array]:
         for i, joint in enumerate(recording.joint_names)
     }
     for parts, arrays in (
-        (_POSE, recording.objects),
+        (POSE, recording.objects),
         (_WRENCH, recording.wrenches),
         (_GRIPPER, recording.gripper_states),
+        (POSE, recording.tool_poses),
     ):
         for name, values in arrays.items():
             columns |= {f"{name}.{part}": values[:, i] for i, part in enumerate(parts)}

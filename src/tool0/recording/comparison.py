@@ -29,6 +29,7 @@ class Divergence:
     """Recorded value [rad | m], [rad/s | m/s], [N·m | N] or [m]; for the outcome of a
     request, the value is text."""
     found: float | str
+    """Value in the repetition."""
 
     def __str__(self) -> str:
         return (

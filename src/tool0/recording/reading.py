@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tool0.description.scene_state import Contact
+from tool0.description.tool_poses import ToolPoses
 from tool0.errors import RecordingError
 from tool0.protocol.objects import ObjectInfo
 from tool0.protocol.reproduction import Reproduction
@@ -189,6 +190,16 @@ class RecordingFile:
         return self._commands[1]
 
     @cached_property
+    def tool_poses(self) -> Mapping[str, Array]:
+        """Poses x, y, z [m], qw, qx, qy, qz in the root frame, shape (n, 7), by tool.
+
+        A tool is the flange of an arm, such as ``tool0``, or the point midway between
+        the pads of a gripper, such as ``gripper.tcp``.  The poses are computed from the
+        measured joint positions.
+        """
+        return ToolPoses(self.robot.description.model, self._names).poses(self.position)
+
+    @cached_property
     @reads(OBJECTS)
     def objects(self) -> Mapping[str, Array]:
         """Poses x, y, z [m], qw, qx, qy, qz in the root frame, shape (n, 7), by object.
@@ -331,7 +342,7 @@ class RecordingFile:
     # ---- tables ---------------------------------------------------------------------
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return a table of joints, objects and wrenches with the index ``time`` [s].
+        """Return the columns of ``table`` as a data frame with the index ``time`` [s].
 
         Raises:
             RecordingError: If pandas is not installed.
@@ -348,9 +359,11 @@ class RecordingFile:
     def table(self) -> dict[str, Array]:
         """Return all columns except time by name, such as ``elbow_joint.effort``.
 
-        The columns of objects are ``NAME.x`` to ``NAME.qz``.  The columns of wrenches
-        are ``ARM.fx`` to ``ARM.tz``.  The columns of grippers are ``NAME.opening``,
-        ``NAME.speed`` and ``NAME.force``.
+        The columns of ``tool_poses`` are ``tool0.x`` to ``tool0.qz`` for a flange, and
+        ``gripper.tcp.x`` to ``gripper.tcp.qz`` for the point midway between the pads of
+        a gripper.  The columns of objects are ``NAME.x`` to ``NAME.qz``.  The columns
+        of wrenches are ``ARM.fx`` to ``ARM.tz``.  The columns of grippers are
+        ``NAME.opening``, ``NAME.speed`` and ``NAME.force``.
         """
         return columns_of(self)
 

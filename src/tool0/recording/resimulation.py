@@ -38,6 +38,7 @@ class Resimulation:
     requests: int
     """Number of requests that were executed again."""
     divergence: Divergence | None
+    """The first difference; None without a difference."""
     reasons: tuple[str, ...]
     """Possible reasons why the repetition differs from the recording."""
 

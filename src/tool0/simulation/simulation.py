@@ -35,6 +35,7 @@ from tool0.simulation.journal import Journal
 from tool0.simulation.loop import POLL_PERIOD, Loop
 from tool0.simulation.program_runs import ProgramRuns
 from tool0.simulation.setup import Setup
+from tool0.simulation.summary import RunSummary
 
 if TYPE_CHECKING:
     from tool0.kinematics.chain import ArmChain
@@ -278,7 +279,7 @@ class Simulation:
             return arms[name]
         return only_part(arms, "arm", self.description.model)
 
-    def summary(self) -> dict[str, object]:
+    def summary(self) -> RunSummary:
         """Return a summary of the run, as plain values for JSON."""
         snapshot, loop = self.snapshot, self.loop
         wall_time = time.perf_counter() - self._wall_start

@@ -15,6 +15,7 @@ from served import serving, use_folder
 from ur5_rig import ARM
 
 import tool0
+from tool0.description.tool_poses import POSE
 from tool0.errors import ControlError
 
 pytestmark = pytest.mark.slow
@@ -98,6 +99,26 @@ def test_a_recording_becomes_a_file(robot: tool0.Robot, tmp_path: Path) -> None:
     missing = [name for name, value in rows[0].items() if value == ""]
     assert missing
     assert all("desired" in name for name in missing)
+
+
+def test_the_poses_of_flange_and_tcp_are_in_the_file(
+    robot: tool0.Robot, tmp_path: Path
+) -> None:
+    with robot.record() as recording:
+        robot.gripper.move(opening=0.03)
+        robot.move_joints({ELBOW: 1.2})[0].wait()
+        robot.run(robot.control_period * (-robot.snapshot.tick % 8))
+    flange = robot.arm.pose()
+    tcp = flange @ robot.gripper.tcp()
+    recording.to_csv(tmp_path / "motion.csv")
+    with (tmp_path / "motion.csv").open(encoding="utf-8") as file:
+        *_, last = csv.DictReader(file)
+    for name, pose in (("tool0", flange), ("gripper.tcp", tcp)):
+        written = [float(last[f"{name}.{part}"]) for part in POSE]
+        assert written == recording.tool_poses[name][-1].tolist()
+        assert written[:3] == pytest.approx(pose.position, abs=1e-9)
+        alike = abs(np.dot(written[3:], pose.quat_wxyz))
+        assert alike == pytest.approx(1.0, abs=1e-12)
 
 
 def test_a_recording_becomes_a_table_of_pandas(robot: tool0.Robot) -> None:

@@ -12,6 +12,7 @@ import pytest
 from recording_session import Session, recorded
 
 import tool0
+from tool0.description.forward_kinematics import link_pose
 from tool0.description.model import FLANGE
 from tool0.protocol.state import Snapshot
 
@@ -203,6 +204,14 @@ def test_a_table_has_every_column(session: Session) -> None:
     assert table["elbow_joint.position"].tolist() == recording.position[:, 2].tolist()
     assert table["box.x"].isna().sum() > 0
     assert table["arm.fz"].tolist() == recording.wrenches["arm"][:, 2].tolist()
+    for tool in ("tool0", "gripper.tcp"):
+        poses = recording.tool_poses[tool]
+        assert table[f"{tool}.z"].tolist() == poses[:, 2].tolist()
+        assert table[f"{tool}.qw"].tolist() == poses[:, 3].tolist()
+    snapshot = recording.snapshots()[-1]
+    T = link_pose(recording.description.model, snapshot.positions, "tool0")
+    last = recording.tool_poses["tool0"][-1, :3]
+    assert last.tolist() == pytest.approx(T.position, abs=1e-9)
 
 
 def test_events_say_what_happened(session: Session) -> None:

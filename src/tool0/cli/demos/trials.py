@@ -30,13 +30,18 @@ class DemoReport:
     """Report of all picks in a demo, with their conditions."""
 
     engine: str
+    """Physics engine."""
     gripper_model: str
+    """Model of the gripper's linkage."""
     grasp_assist: bool
     """Whether gripped objects were fixed to the gripper; this is physically
     unrealistic."""
     picks: tuple[PickReport, ...]
+    """The picks in the order of their execution."""
     sim_time: float
+    """Duration [simulated s]."""
     wall_time: float
+    """Duration [wall s]."""
     video: str | None = None
     """The video file that was written; None if there is no video."""
 

@@ -130,6 +130,8 @@ class RealRobotEngine(OwnDrives):
         self._curve = CurveSender(self.connection.link, self.arm.joints, self._period)
         self._arm_state = self.reader.state
         self._fields: tuple[Any, ...] = ()
+        """Values of which the report was made; empty if the next step must make a new
+        report."""
         self._wanted_grips: Mapping[str, WantedGrip] = {}
         self._is_enabled = False
         self._has_followed = False
@@ -422,6 +424,7 @@ class RealRobotEngine(OwnDrives):
     def set_enabled(self, enabled: bool) -> None:
         """Enable or disable motions; call this method in the tick's thread."""
         self._is_enabled, self._failure = enabled, ""
+        self._fields = ()
         self._has_followed = self._is_guided = False
         self._resumes_at = None
         self._wanted_grips = {}
@@ -431,6 +434,7 @@ class RealRobotEngine(OwnDrives):
     def forgive(self) -> None:
         """Clear the failure that stopped the arm, after the user has been informed."""
         self._failure = ""
+        self._fields = ()
         self._curve.restart()
 
     def show(self, **changes: Any) -> None:
@@ -455,7 +459,7 @@ class RealRobotEngine(OwnDrives):
         fields = (
             *reader.fields.status(reader.newest),
             *(mode, reader.is_connected, self.connection.link.is_connected),
-            *(self._failure, self.gripper_problem),
+            self.gripper_problem,
         )
         if fields == self._fields:
             return
@@ -496,6 +500,7 @@ class RealRobotEngine(OwnDrives):
         if not self._failure:
             logger.warning("the arm comes to rest: %s", reason)
         self._failure = self._failure or reason
+        self._fields = ()
         self._has_followed = False
         if reason in {LOST, ENDED}:
             self._is_enabled = False

@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
-from typing import Final, Literal, final
+from typing import Final, Literal, TypedDict, final
 
 from tool0.installation.child_process import ChildProcess
 from tool0.installation.machine import (
@@ -45,7 +45,9 @@ class ProbeResult:
     """The state of one component of the machine."""
 
     what: str
+    """Name of the component."""
     state: ProbeState
+    """State of the component."""
     found: str
     """Version and location of the component.  If the component is missing, the text
     states which part is missing and why it is needed."""
@@ -74,6 +76,15 @@ class Probe:
         return self.examine.__name__
 
 
+class DoctorJson(TypedDict):
+    """The report as data for JSON."""
+
+    can_run: bool
+    """Whether ``tool0 bringup`` works on this machine."""
+    lines: tuple[ProbeResult, ...]
+    """The examined components."""
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class DoctorReport:
@@ -89,9 +100,9 @@ class DoctorReport:
         needed = (line for line in self.lines if line.what in self.needed)
         return all(line.state == "ready" for line in needed)
 
-    def as_json(self) -> dict[str, object]:
+    def as_json(self) -> DoctorJson:
         """Return the report as data for JSON."""
-        return {"can_run": self.can_run, "lines": [asdict(one) for one in self.lines]}
+        return {"can_run": self.can_run, "lines": self.lines}
 
     def rows(self) -> list[tuple[str, str, str]]:
         """Return the names, states and findings of the components as text."""

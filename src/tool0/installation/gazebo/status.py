@@ -3,15 +3,34 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Final, final
+from typing import TypedDict, final
 
 from tool0.errors import EngineUnavailableError
 from tool0.installation.gazebo.installation import GazeboInstallation, find_installation
 from tool0.installation.gazebo.plugin import compiler, expected_libraries
 
-_REPORTED: Final = ("version", "prefix", "size", "server", "client")
-"""Fields of the installation that are reported."""
+
+class GazeboJson(TypedDict):
+    """The status as data for JSON."""
+
+    can_run: bool
+    """Whether a simulation can start."""
+    version: str | None
+    """Version of Gazebo, such as ``11.1.0``; null if there is no Gazebo."""
+    prefix: str | None
+    """The private prefix; null for the system's Gazebo."""
+    size: int | None
+    """Size of the private prefix on disk [bytes]; null for the system's Gazebo."""
+    server: str | None
+    """Path of the program gzserver."""
+    client: str | None
+    """Path of the program gzclient; null if it cannot run."""
+    compiler: str | None
+    """The command of the C++ compiler; null if there is no compiler."""
+    is_compiled: bool
+    """Whether the plugin for Gazebo is compiled."""
+    missing: tuple[str, ...]
+    """Reasons why Gazebo cannot run or open a window, each with a remedy."""
 
 
 @final
@@ -37,12 +56,16 @@ class GazeboStatus:
         has_bridge = self.is_compiled or self.compiler is not None
         return self.installation is not None and has_bridge
 
-    def as_json(self) -> dict[str, object]:
+    def as_json(self) -> GazeboJson:
         """Return the status as data for JSON."""
-        found = {name: getattr(self.installation, name, None) for name in _REPORTED}
+        found = self.installation
         return {
             "can_run": self.can_run,
-            **{k: str(v) if isinstance(v, Path) else v for k, v in found.items()},
+            "version": found and found.version,
+            "prefix": None if not (found and found.prefix) else str(found.prefix),
+            "size": found and found.size,
+            "server": found and str(found.server),
+            "client": None if not (found and found.client) else str(found.client),
             "compiler": self.compiler,
             "is_compiled": self.is_compiled,
             "missing": self.missing,

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, final
+from typing import Final, TypedDict, final
 
 from tool0.errors import RosUnavailableError
 from tool0.installation.ros1.library import (
@@ -168,6 +168,31 @@ def other_install_command(components: Iterable[RosComponent]) -> str:
 # --- what is installed ---
 
 
+class Ros1Json(TypedDict):
+    """The status as data for JSON."""
+
+    can_run: bool
+    """Whether ``tool0 bringup --ros1`` works if a master is running."""
+    rospy: str | None
+    """The folder from which rospy is imported; null if there is no rospy."""
+    version: str | None
+    """Version of rospy."""
+    source: str | None
+    """The origin of the ROS packages."""
+    master: str
+    """The expected address of the ROS master."""
+    is_master_up: bool
+    """Whether the ROS master answers."""
+    parts: dict[str, bool]
+    """Whether a component is complete, by component."""
+    missing: dict[str, tuple[str, ...]]
+    """Missing parts of each incomplete component, by component."""
+    messages: dict[str, str]
+    """Origin of each message package, by name: ``installed`` or ``ours``."""
+    remedies: tuple[str, ...]
+    """Commands that install the missing parts."""
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ros1Status:
@@ -202,7 +227,7 @@ class Ros1Status:
         gaps = [f"no {', '.join(self.missing[name])}" for name in absent]
         return "; ".join([*gaps, *self.remedies]) if gaps else None
 
-    def as_json(self) -> dict[str, object]:
+    def as_json(self) -> Ros1Json:
         """Return the status as data for JSON."""
         return {
             "can_run": self.can_run,

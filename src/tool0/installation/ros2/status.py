@@ -8,7 +8,7 @@ import shlex
 import subprocess
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Final, final
+from typing import Any, Final, TypedDict, final
 
 from tool0.errors import RosUnavailableError
 from tool0.installation.child_process import last_lines, run_program
@@ -52,6 +52,33 @@ print(json.dumps(answer))
 """
 
 
+class Ros2Json(TypedDict):
+    """The status as data for JSON; null if there is no ROS 2."""
+
+    can_run: bool
+    """Whether the node can start."""
+    kind: str | None
+    """Origin of ROS 2."""
+    distro: str | None
+    """Distribution of ROS 2, such as ``jazzy``."""
+    prefix: str | None
+    """Folder of ROS 2."""
+    python: str | None
+    """The Python that ROS 2 uses."""
+    python_version: str | None
+    """Version of this Python."""
+    rclpy: str | None
+    """Version of rclpy."""
+    rmw: str | None
+    """Name of the RMW middleware, such as ``rmw_fastrtps_cpp``."""
+    size: int | None
+    """Size of tool0's own ROS 2 on disk [bytes]."""
+    missing: dict[str, str]
+    """Reason why a package cannot be imported, by package."""
+    remedies: tuple[str, ...]
+    """Commands that install the missing parts."""
+
+
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ros2Status:
@@ -77,7 +104,7 @@ class Ros2Status:
         """Whether the node can start."""
         return self.ros2 is not None and self.missing.keys().isdisjoint(NEEDED)
 
-    def as_json(self) -> dict[str, object]:
+    def as_json(self) -> Ros2Json:
         """Return the status as data for JSON."""
         found = self.ros2
         return {

@@ -191,9 +191,10 @@ class Arm(abc.ABC):
             )
         self.require_ready()
         self._forgive()
-        if not self.box.state.taken_by:
+        if self.box.state.taken_by:
+            self.box.change(program=ProgramState.PLAYING)
+        else:
             self._start_again(now)
-        self.box.change(program=ProgramState.PLAYING)
 
     def pause(self) -> None:
         """Pause the program, so that scaled trajectories slow down to a stop.
@@ -444,6 +445,13 @@ class Arm(abc.ABC):
         The text is empty if the arm may move.
         """
 
+    @abc.abstractmethod
+    def _why_stopped(self) -> str:
+        """Return the reason why controllers must wait for ``play``, with a remedy.
+
+        The text is empty if the controllers of an arm that may move may be started.
+        """
+
     # ---- shared functions -----------------------------------------------------------
 
     def _require_released(self) -> None:
@@ -500,7 +508,8 @@ class Arm(abc.ABC):
 
     def _block(self) -> None:
         """Block the controllers if a program controls the arm or if it may not move."""
-        reason, taken_by = self._obstacle(), self.box.state.taken_by
+        reason = self._obstacle() or self._why_stopped()
+        taken_by = self.box.state.taken_by
         self._manager.block(self._stopped_with, reason)
         if taken_by and not reason:
             reason = f"'{taken_by}' moves the arm '{self.name}'; stop that first"
@@ -519,6 +528,9 @@ class Arm(abc.ABC):
         return names
 
     def _start_again(self, now: JointState) -> None:
+        """Resume the program, and start the controllers that stopped with it."""
+        self.box.change(program=ProgramState.PLAYING)
+        self._block()
         loaded = {status.name for status in self._manager.list()}
         names = [name for name in self._stopped if name in loaded]
         self._manager.switch(names, (), Strictness.BEST_EFFORT, now)
@@ -531,7 +543,6 @@ class Arm(abc.ABC):
         self._end_program()
         if self._resumes:
             self._start_again(wanted)
-            self.box.change(program=ProgramState.PLAYING)
         self.motion.preload_integrals(now)
 
     def _refuse(self, reason: str) -> None:

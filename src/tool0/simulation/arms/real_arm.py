@@ -105,6 +105,7 @@ class RealArm(Arm):
             if not is_stopped:
                 self._stop(now)
             self.box.change(motion_failure=report.motion_failure)
+            self._block()
         elif not is_stopped and last is not None and report.program is not last.program:
             self.box.change(program=report.program)
 
@@ -196,3 +197,16 @@ class RealArm(Arm):
                 "the panel or with `tool0 hardware enable`"
             )
         return ""
+
+    def _why_stopped(self) -> str:
+        state = self.box.state
+        if state.program is not ProgramState.STOPPED:
+            return ""
+        cause = ";"
+        if state.motion_failure:
+            cause = f": {state.motion_failure}; remove the cause, then"
+        return (
+            f"the arm '{self.name}' has stopped{cause} start its "
+            "controllers again with `tool0 hardware play` or "
+            f"robot.arms['{self.name}'].control_box.play()"
+        )

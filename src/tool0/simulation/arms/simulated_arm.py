@@ -146,3 +146,7 @@ class SimulatedArm(Arm):
 
     def _obstacle(self) -> str:
         return self._modes.obstacle(self.name, self.box.state.protective_stop)
+
+    def _why_stopped(self) -> str:
+        """Return an empty text: the controllers may be started without ``play``."""
+        return ""
