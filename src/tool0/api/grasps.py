@@ -36,7 +36,7 @@ class Grasp:
 def find_grasps(
     item: SceneObject, pose: Transform, largest: float
 ) -> tuple[Grasp, ...]:
-    """Return the grasps of an upright object from above, at its middle.
+    """Return the grasps from above that hold an upright object at its middle.
 
     Args:
         item: A box, a sphere, or an upright cylinder.

@@ -223,7 +223,7 @@ class BatchBackend(Protocol):
 
         Args:
             rows: The copies.
-            goals: Goals of the joints that move, by the number of the running
+            goals: Goals of the joints that move, by the index of the running
                 controller.
             positions: Positions [rad | m], shape (n, k).
             velocities: Velocities [rad/s | m/s], shape (n, k); None for linear

@@ -63,7 +63,7 @@ class Commands:
         self._period = first.control_period
         self._parts: dict[tuple[str, ...], list[ControllerJoints]] = {}
         self._position_ranges: dict[tuple[str, ...], Array] = {}
-        """Position ranges, cached by the joints of earlier commands."""
+        """Cache of the position ranges; the keys are the joints of commands."""
         self._drive_limits: dict[tuple[str, float, float], DriveLimits] = {}
         """Drive limits of grips, cached by gripper, speed and force."""
         self._gripper_controllers: dict[str, tuple[str, Role]] = {}

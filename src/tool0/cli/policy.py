@@ -56,9 +56,9 @@ def run(
         seed: Seed of the first episode; each further episode uses the next number.
         env: Keyword arguments of the environment, such as arm=ur5e observation=image.
         videos: Which episodes to record as videos in --folder.
-        rate: Rate of the actions [Hz], on the bringup; the default is 25.
-        duration: Simulated time after which the policy ends [s], on the bringup.
-        camera: Cameras whose images the policy receives, on the bringup.
+        rate: Rate of the actions [Hz], without --task; the default is 25.
+        duration: Simulated time after which the policy ends [s], without --task.
+        camera: Cameras whose images the policy receives, without --task.
         folder: A new folder for observations, actions, results and the recording.
         instruction: Description of the task; the default is the built-in description of
             the task.

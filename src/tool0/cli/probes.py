@@ -85,7 +85,7 @@ def panel(_: Machine) -> list[ProbeResult]:
     load()
     if is_page_built():
         return [ProbeResult("panel", "ready", "its page is built")]
-    found = "its page is not built: its address would show none"
+    found = "the panel's page is not built, so its address would show nothing"
     return [ProbeResult("panel", "missing", found, "make web")]
 
 

@@ -51,7 +51,7 @@ def file_of(content: Table, note: bytes | None = None) -> bytes:
 
 
 def note_in(file: Path | io.BytesIO) -> bytes:
-    """Return the note in a file from ``file_of`` without reading the table."""
+    """Return the note of a file that ``file_of`` created, without reading the table."""
     import pyarrow.parquet as pq
 
     return zlib.decompress(base64.b64decode(pq.read_metadata(file).metadata[_NOTE]))

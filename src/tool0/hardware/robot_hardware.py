@@ -293,8 +293,7 @@ class RobotHardware:
 
         Raises:
             ControlError: If a drive does not offer ``interface``.
-            ClaimError: If a joint is already claimed.  After this error, no claim has
-                changed.
+            ClaimError: If a joint is already claimed.  No claims are changed.
         """
         for name in joints:
             offered = self.interfaces.get(name, ())
@@ -306,8 +305,7 @@ class RobotHardware:
 
         Raises:
             ControlError: If a joint has no drive.
-            ClaimError: If a joint is already claimed.  After this error, no claim has
-                changed.
+            ClaimError: If a joint is already claimed.  No claims are changed.
         """
         for name in joints:
             offered = (Interface.POSITION,) if name in self.interfaces else ()
@@ -329,8 +327,7 @@ class RobotHardware:
 
         Raises:
             ControlError: If a joint has no drive.
-            ClaimError: If a joint is already claimed.  After this error, no claim has
-                changed.
+            ClaimError: If a joint is already claimed.  No claims are changed.
         """
         for name in joints:
             offered = (Interface.EFFORT,) if name in self.interfaces else ()

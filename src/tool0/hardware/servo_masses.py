@@ -66,7 +66,7 @@ def bounded_masses(own: Matrix, declared: Matrix, ratio: float) -> Matrix:
 
 
 def expected_load(effort: float) -> float:
-    """Return the load inertia that a joint's servo expects in any case [kg·m²].
+    """Return the load inertia that a joint's servo always assumes [kg·m²].
 
     ``effort`` is the largest effort of the joint's drive [N·m].
     """

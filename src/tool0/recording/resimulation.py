@@ -38,7 +38,7 @@ class Resimulation:
     requests: int
     """Number of requests that were executed again."""
     divergence: Divergence | None
-    """The first difference; None without a difference."""
+    """The first difference; None if there is no difference."""
     reasons: tuple[str, ...]
     """Possible reasons why the repetition differs from the recording."""
 

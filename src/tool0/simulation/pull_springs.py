@@ -93,7 +93,7 @@ class PullSprings:
             self._pulls[link] = known._replace(spring=spring, until=until)
 
     def release(self, link: str | None = None) -> None:
-        """End the spring on one link, or all springs."""
+        """Remove the spring from one link, or remove all springs."""
         self._pulls = {
             name: pull
             for name, pull in self._pulls.items()

@@ -18,7 +18,8 @@ from tool0.description.scene import GROUND
 
 RADII: Final = (0.2, 0.45, 0.75, 1.1, 1.5, 2.0, 2.6, 3.4, 4.5, 6.0, 9.0, 1000.0)
 """Radii of the rings of triangles [m].  Beyond the second-to-last radius, color images
-show only sky (``rendering.HAZE``).  Depth is exact in triangles of any size."""
+show only sky (``rendering.HAZE``).  Depth images are exact for triangles of any
+size."""
 SECTORS: Final = 20
 """Number of triangles around the center."""
 RGBA: Final = (0.85, 0.86, 0.88, 1.0)

@@ -136,7 +136,7 @@ class OpenDrawer(Task):
 
 
 def _plate(x: float, y: float, z: float, *size: float) -> tuple[Geometry, Pose]:
-    """Return a plate with a position and a size along x, y and z [m]."""
+    """Return a plate with the given position and size in x, y and z [m]."""
     width, depth, height = size
     return Box(size=(width, depth, height)), Pose(xyz=(x, y, z))
 

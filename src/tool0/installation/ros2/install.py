@@ -1,4 +1,4 @@
-"""Installs a ROS 2 from wheels on PyPI into the user's data folder, or removes it.
+"""Installs ROS 2 from PyPI wheels into the user's data folder, or removes it.
 
 The wheels do not include control_msgs and other packages.  The missing packages are
 generated from tool0's definitions and compiled.  An installation is a virtual

@@ -20,7 +20,7 @@ path that could be checked."""
 
 
 def mesh_findings(robot: Robot) -> Iterator[Finding]:
-    """Yield the meshes that cannot be loaded, with one finding for each folder."""
+    """Yield findings about meshes that cannot be loaded, one for each folder."""
     done: set[str] = set()
     for link in robot.root.children("link"):
         for mesh in link.descendants("mesh"):

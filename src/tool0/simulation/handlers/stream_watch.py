@@ -31,7 +31,7 @@ class _Stream:
     last: float
     """Time at which the last command was received, in wall time [s]."""
     timeout: float
-    """Silence after the last command that ends the stream, in wall time [s]."""
+    """Duration of silence after which the stream ends, in wall time [s]."""
     is_stream: bool = False
     """Whether at least two commands were received."""
     silence: float | None = None

@@ -118,7 +118,10 @@ def configurable_bits(levels: tuple[bool, ...]) -> int:
 
 
 def analog_io_types(box: UrControlBox) -> int:
-    """Return bits 0 … 3: whether inputs 0 and 1 and outputs 0 and 1 are voltages."""
+    """Return bits 0 … 3, which are 1 for pins that measure or output voltages.
+
+    The pins are analog inputs 0 and 1, and analog outputs 0 and 1.
+    """
     pins = (*box.state.analog_inputs, *box.state.analog_outputs)
     return sum((pin.domain is AnalogDomain.VOLTAGE) << k for k, pin in enumerate(pins))
 

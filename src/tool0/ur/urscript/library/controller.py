@@ -98,7 +98,7 @@ def set_pos(q: Joints) -> None:
 
 
 def pause_on_error_code(code: Integer, argument: Integer = -1) -> None:
-    """Accept the setting without effect; warnings never pause a program."""
+    """Ignore the setting, because warnings never pause a program."""
     del code, argument
 
 
@@ -150,20 +150,20 @@ def encoder_unwind_delta_tick_count(
 
 
 def set_baselight_off() -> None:
-    """Accept the setting without effect, because the base has no light."""
+    """Ignore the setting, because the base has no light."""
 
 
 def set_baselight_iec() -> None:
-    """Accept the setting without effect, because the base has no light."""
+    """Ignore the setting, because the base has no light."""
 
 
 def set_baselight_solid(R: Integer, G: Integer, B: Integer) -> None:
-    """Accept the setting without effect, because the base has no light."""
+    """Ignore the setting, because the base has no light."""
     del R, G, B
 
 
 def tool_wrench_limit_disable() -> None:
-    """Accept the setting without effect, because the tool's wrench is not limited."""
+    """Ignore the setting, because the tool's wrench is not limited."""
 
 
 FUNCTIONS: Final[tuple[Function, ...]] = (

@@ -226,7 +226,7 @@ def get_target_payload_inertia(thread: Thread) -> Value:
 
 
 def position_deviation_warning(enabled: Bool, threshold: Number = 0.8) -> None:
-    """Accept the setting without effect; a protective stop has no prior warning."""
+    """Ignore the setting, because a protective stop has no prior warning."""
     del enabled
     if not 0.0 <= threshold <= 1.0:
         raise ValueProblem(f"threshold is {threshold}; it is from 0 to 1")

@@ -12,15 +12,15 @@ _BAUD_RATES: Final = (*(9600, 19200, 38400, 57600, 115200, 1000000, 2000000, 500
 
 
 def set_input_actions_to_default() -> None:
-    """Accept the setting without effect, because inputs have no actions."""
+    """Ignore the setting, because inputs have no actions."""
 
 
 def set_safety_mode_transition_hardness(type_: Integer) -> None:
-    """Accept the setting without effect."""
+    """Ignore the setting."""
 
 
 def _input_domain(port: Integer, domain: Integer) -> None:
-    """Accept the setting without effect; the simulation sets the domain of inputs."""
+    """Ignore the setting, because the simulation sets the domain of inputs."""
 
 
 def _input_action(port: Integer, action: Text) -> None:
@@ -34,15 +34,15 @@ def _runstate_output(outputId: Integer, state: Integer) -> None:
 
 
 def _accept_one(value: AnyValue) -> None:
-    """Accept the setting without effect."""
+    """Ignore the setting."""
 
 
 def _accept_two(index: Integer, value: AnyValue) -> None:
-    """Accept the setting without effect."""
+    """Ignore the setting."""
 
 
 def _accept_none() -> None:
-    """Accept the setting without effect."""
+    """Ignore the setting."""
 
 
 def set_tool_communication(
@@ -53,7 +53,7 @@ def set_tool_communication(
     rx_idle_chars: Number = 1.5,
     tx_idle_chars: Number = 3.5,
 ) -> None:
-    """Accept the setting without effect; the gripper's port does not depend on it."""
+    """Ignore the setting, because the gripper's port does not depend on it."""
     del enabled
     if baud_rate not in _BAUD_RATES or parity not in {0, 1, 2}:
         raise ValueProblem(f"{baud_rate} baud with parity {parity} is not possible")
