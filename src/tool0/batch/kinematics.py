@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tool0.batch.arguments import Arguments, Which
-from tool0.batch.frames import GripperFrames
 from tool0.batch.state import State
+from tool0.description.gripper_frames import GripperFrames
 from tool0.description.joint_tree import LinkFrames
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.parts import find_arms, find_grippers

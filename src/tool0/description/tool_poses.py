@@ -1,17 +1,18 @@
-"""Poses of flanges and tool centre points (TCPs) for many joint positions at once."""
+"""Poses of flanges and tool center points (TCPs) for many joint positions at once."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import contextlib
+from collections.abc import Sequence
 from typing import Final, final
 
 import numpy as np
 
-from tool0.description.grasp_frames import flange_of, frame_between, pad_links
+from tool0.description.gripper_frames import GripperFrames
 from tool0.description.joint_tree import LinkFrames
-from tool0.description.model import ParallelGripper, RobotModel
+from tool0.description.model import RobotModel
 from tool0.description.parts import find_grippers, flange_names
-from tool0.description.transform_arrays import Array, Frames
+from tool0.description.transform_arrays import Array
 from tool0.errors import ControlError
 
 POSE: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
@@ -31,15 +32,11 @@ class ToolPoses:
         """Use joint positions in the order of ``joint_names``."""
         self._joint_names = tuple(joint_names)
         self._flanges = tuple(flange_names(model).values())
-        self._tcps = {
-            f"{name}.tcp": _Tcp(model, gripper)
-            for name, gripper in find_grippers(model).items()
-            if _has_pads(model, gripper)
-        }
-        mounts = [tcp.mount for tcp in self._tcps.values()]
-        self._frames = LinkFrames(
-            model, tuple(dict.fromkeys([*self._flanges, *mounts]))
-        )
+        self._links = LinkFrames(model, self._flanges)
+        self._tcps: dict[str, GripperFrames] = {}
+        for name, gripper in find_grippers(model).items():
+            with contextlib.suppress(ControlError):  # the gripper has no two pads
+                self._tcps[f"{name}.tcp"] = GripperFrames(model, gripper)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -56,46 +53,14 @@ class ToolPoses:
         """
         n = len(position)
         joints = dict(zip(self._joint_names, position.T, strict=True))
-        links = self._frames.poses(joints, n)
+        links = self._links.poses(joints, n)
         found = {flange: links[flange] for flange in self._flanges}
         for name, tcp in self._tcps.items():
-            found[name] = links[tcp.mount] @ tcp.in_mount(joints, n)
+            found[name] = tcp.poses(joints, n)
         return {
             name: np.hstack([frames.position, _continuous(frames.quat_wxyz)])
             for name, frames in found.items()
         }
-
-
-@final
-class _Tcp:
-    """The frame midway between the pads of a gripper, as ``grasp_frame`` defines it."""
-
-    def __init__(self, model: RobotModel, gripper: ParallelGripper) -> None:
-        self._joint = gripper.joint
-        ends = gripper.position(0.0), gripper.position(gripper.max_opening)
-        self._range = min(ends), max(ends)
-        self.mount = flange_of(model, gripper)
-        """Link that carries the gripper."""
-        base = model.joint(gripper.joint).parent
-        self._links = (base, *pad_links(model, gripper))
-        self._frames = LinkFrames(model, (self.mount, *self._links))
-
-    def in_mount(self, joints: Mapping[str, Array], n: int) -> Frames:
-        """Return the TCP in the frame of ``mount`` for positions of shape (n,)."""
-        position = np.clip(joints[self._joint], *self._range)
-        frames = self._frames.poses({self._joint: position}, n)
-        T_mount_root = frames[self.mount].inverse()
-        return Frames(
-            *frame_between(*((T_mount_root @ frames[k]).position for k in self._links))
-        )
-
-
-def _has_pads(model: RobotModel, gripper: ParallelGripper) -> bool:
-    try:
-        pad_links(model, gripper)
-    except ControlError:
-        return False
-    return True
 
 
 def _continuous(quat: Array) -> Array:

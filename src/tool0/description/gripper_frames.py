@@ -1,13 +1,11 @@
-"""The frame between the pads of a gripper in many copies of a robot."""
+"""The frame between the pads of a gripper for many joint positions at once."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import final
 
-import numpy as np
-
-from tool0.description.grasp_frames import flange_of, pad_links
+from tool0.description.grasp_frames import flange_of, frame_between, pad_links
 from tool0.description.joint_tree import LinkFrames
 from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.transform_arrays import Array, Frames
@@ -15,7 +13,7 @@ from tool0.description.transform_arrays import Array, Frames
 
 @final
 class GripperFrames:
-    """The frame midway between the pads of one gripper, for n copies.
+    """The frame midway between the pads of one gripper, for n sets of positions.
 
     As in ``Gripper.tcp``, the y axis points from one pad to the other, and the z axis
     points away from the gripper.
@@ -37,21 +35,15 @@ class GripperFrames:
         fingers = {self._gripper.joint: self._within_range(q)}
         poses = self._fingers.poses(fingers, n)
         to_carrier = poses[self._flange].inverse()
-        base, first, second = (to_carrier @ poses[link] for link in self._links)
-        middle = (first.position + second.position) / 2.0
-        y = _unit(second.position - first.position)
-        away = middle - base.position
-        z = _unit(away - (away * y).sum(axis=1, keepdims=True) * y)
-        rotation = np.stack([np.cross(y, z), y, z], axis=2)
+        base, first, second = (
+            (to_carrier @ poses[link]).position for link in self._links
+        )
+        in_flange = Frames(*frame_between(base, first, second))
         carrier = self._carrier.poses(position, n)[self._flange]
-        return carrier @ Frames(middle, rotation)
+        return carrier @ in_flange
 
     def _within_range(self, position: Array) -> Array:
         """Return joint positions [rad | m], clamped to the range of the openings."""
         gripper = self._gripper
         closed, opened = gripper.position(0.0), gripper.position(gripper.max_opening)
         return position.clip(min(closed, opened), max(closed, opened))
-
-
-def _unit(vectors: Array) -> Array:
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
