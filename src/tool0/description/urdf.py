@@ -265,8 +265,8 @@ def _with_surface(link: Link, element: Element) -> Link:
 def _is_self_colliding(robot: Element) -> bool:
     """Return whether all links collide with each other, as set by ``<self_collide>``.
 
-    The element is read below ``<robot>``, where only tool0 uses it, and in Gazebo's
-    extensions for the whole model.
+    The element is read directly under ``<robot>`` (only tool0 uses it there) and in
+    Gazebo's extensions that apply to the whole model.
     """
     of_model = (
         element

@@ -239,7 +239,7 @@ class Workspace:
         return place
 
     def is_in_reach(self, position: Array) -> bool:
-        """Return whether the arm reaches a point [m], (3,), in its start posture."""
+        """Return whether ``posture`` has a solution for a point [m], (3,)."""
         return bool(np.isfinite(self.posture(position)).all())
 
     def posture(self, position: Array) -> Array:

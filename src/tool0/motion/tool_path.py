@@ -137,7 +137,8 @@ class PathFollower:
             solved = np.linalg.solve(posture.jacobian, twist[..., None])
         except np.linalg.LinAlgError:
             raise UnreachableError(
-                f"the {self._path.noun} starts or passes where the arm is singular; "
+                f"the {self._path.noun} starts at or passes through a "
+                f"singularity of the arm; "
                 f"{self._remedy}"
             ) from None
         return np.asarray(solved[..., 0], dtype=np.float64)

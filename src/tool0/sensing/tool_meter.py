@@ -20,7 +20,7 @@ from tool0.kernel.tool_forces import ToolForcesKernel, ToolWrenches
 
 @final
 class ToolMeter:
-    """Measures the wrench on a link from the link and all bodies that it carries."""
+    """Measures the wrench that a link and all links beyond it exert on their parent."""
 
     def __init__(self, model: RobotModel, link: str, engine: Engine) -> None:
         self._dynamics = ToolDynamics(model, link, engine.world.gravity)

@@ -36,7 +36,7 @@ _LONGEST_WAIT: Final = 0.05
 """Longest time until a waiting account is checked again, because other clients may have
 become inactive [wall s]."""
 _SHORTEST_WAIT: Final = 1e-3
-"""Shortest wait of an account [wall s]."""
+"""Shortest time for which an account waits [wall s]."""
 
 
 @final

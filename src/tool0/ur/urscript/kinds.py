@@ -24,7 +24,7 @@ class Kind:
     """The values that a parameter accepts."""
 
     words: str
-    # Any: the type that the annotation with this kind specifies.
+    # Any, because the type depends on the annotation that uses this kind.
     convert: Callable[[Value], Any]
     """Function that converts a value; raises ValueProblem if this is impossible."""
     sizes: tuple[int, ...] = ()
