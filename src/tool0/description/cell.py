@@ -35,7 +35,7 @@ def merge_robots(cell: Cell, name: str, documents: Sequence[Document]) -> Docume
     root.setAttribute("name", name)
     owners: dict[tuple[str, str], CellRobot] = {}
     for robot, document in zip(cell.robots, documents, strict=True):
-        for element in list(children(_root(document))):
+        for element in children(_root(document)):
             key = (element.tagName, element.getAttribute("name"))
             if key == ("link", WORLD) and key in owners:
                 continue
@@ -47,7 +47,9 @@ def merge_robots(cell: Cell, name: str, documents: Sequence[Document]) -> Docume
                         f"{key[0]} '{key[1]}'; rename one of the two robots",
                         robot.location,
                     )
-            root.appendChild(element)
+            copy = element.cloneNode(True)
+            assert copy is not None
+            root.appendChild(copy)
     return merged
 
 

@@ -6,7 +6,9 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import Final, final
 
 from tool0.description.arm_files import ARM_FILES, check_arm_files
 from tool0.description.assumed_drives import assume_drives
@@ -21,11 +23,12 @@ from tool0.description.catalogue import (
 from tool0.description.cell import check_bases, merge_robots
 from tool0.description.cell_file import load_cell, parse_robots
 from tool0.description.config import SPAWN_Z, Argument, Cell, DescriptionConfig
-from tool0.description.expansion import Expanded, expand
+from tool0.description.expansion import expand
 from tool0.description.gripper_files import GRIPPER_FILES, check_gripper_files
 from tool0.description.known_grippers import add_known_grippers
-from tool0.description.model import ParallelGripper
+from tool0.description.model import ParallelGripper, RobotModel
 from tool0.description.packages import (
+    BUNDLED,
     find_package,
     packages_around,
     preferring,
@@ -48,6 +51,9 @@ _LINKAGE_FILE = "linkage.yaml"
 _PREFIX = re.compile(r"\w*")
 _UPRIGHT = 0.01
 """Largest tilt at which an arm has a pedestal [rad]."""
+_MAX_BUILT_IN: Final = 16
+"""Number of built-in robots that are kept, because their expansion takes most of the
+time of a bring-up."""
 
 _ARM_ARGUMENTS = {
     "default_kinematics": "kinematics_params",
@@ -99,14 +105,14 @@ def _loaded(config: DescriptionConfig, spawn_z: float) -> RobotDescription:
     cell = _cell_of(config)
     if cell is not None:
         return _load_cell(cell, spawn_z)
-    robot, xacro = _expand_robot(config, spawn_z)
+    robot, urdf = _expand_robot(config, spawn_z)
     return RobotDescription(
-        model=read_model(xacro.document),
+        model=urdf.model,
         source=_catalogue_file(),
         robots=(robot,),
-        tf_prefix=xacro.arguments["tf_prefix"],
-        arguments=xacro.arguments,
-        _document=xacro.document,
+        tf_prefix=urdf.arguments["tf_prefix"],
+        arguments=dict(urdf.arguments),
+        _document=urdf.document,
     )
 
 
@@ -133,13 +139,13 @@ def _load_cell(cell: Cell, spawn_z: float) -> RobotDescription:
     robots, documents = [], []
     for item in cell.robots:
         try:
-            robot, xacro = _expand_robot(item.description, spawn_z, item.name)
+            robot, urdf = _expand_robot(item.description, spawn_z, item.name)
         except DescriptionError as error:
             location = error.location or item.location
             message = f"robot '{item.name}': {error.message}"
             raise DescriptionError(message, location) from None
         robots.append(robot)
-        documents.append(xacro.document)
+        documents.append(urdf.document)
     name = "_".join([*(robot.prefix + robot.arm.name for robot in robots), "robot"])
     document = merge_robots(cell, cell.name or name, documents)
     model = read_model(document)
@@ -154,9 +160,21 @@ def _load_cell(cell: Cell, spawn_z: float) -> RobotDescription:
     )
 
 
+@final
+class _CatalogueUrdf:
+    """The expanded URDF of a robot from the catalogue, which must not be changed."""
+
+    def __init__(self, file: Path, arguments: Mapping[str, str]) -> None:
+        self.document, _, self.arguments = expand(file, arguments)
+
+    @cached_property
+    def model(self) -> RobotModel:
+        return read_model(self.document)
+
+
 def _expand_robot(
     config: DescriptionConfig, spawn_z: float, name: str = ""
-) -> tuple[CatalogueRobot, Expanded]:
+) -> tuple[CatalogueRobot, _CatalogueUrdf]:
     """Return an arm from the catalogue with its gripper, and the expanded URDF.
 
     A ``name`` that is not empty means that the arm is a robot of a cell.
@@ -194,7 +212,22 @@ def _expand_robot(
     given["arm"] = str(robot.arm.folder)
     if robot.gripper is not None:
         given["gripper"] = str(robot.gripper.folder)
-    return robot, expand(_catalogue_file(), given)
+    file = _catalogue_file()
+    if file.is_relative_to(BUNDLED) and _is_built_in(robot, given):
+        return robot, _built_in_urdf(file, frozenset(given.items()))
+    return robot, _CatalogueUrdf(file, given)
+
+
+@lru_cache(maxsize=_MAX_BUILT_IN)
+def _built_in_urdf(file: Path, arguments: frozenset[tuple[str, str]]) -> _CatalogueUrdf:
+    return _CatalogueUrdf(file, dict(arguments))
+
+
+def _is_built_in(robot: CatalogueRobot, given: Mapping[str, str]) -> bool:
+    """Return whether only files of tool0 define a robot with the given arguments."""
+    are_parts = all(part.is_built_in for part in robot.parts)
+    has_files = any(value for name, value in given.items() if name.endswith("_params"))
+    return are_parts and not has_files and given.get("meshes", MESHES[0]) == MESHES[0]
 
 
 def _catalogue_file() -> Path:

@@ -6,7 +6,6 @@ Controllers, scenes, launch files, the linter and xacro read YAML through this m
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
@@ -311,21 +310,21 @@ class _TreeReader:
         import yaml
 
         where = self._where(node)
-        with self._opened(node, key, where):
-            if isinstance(node, yaml.MappingNode):
-                return self._mapping(node, key)
-            if isinstance(node, yaml.SequenceNode):
-                items = [
-                    self._entry(item, f"{key}[{number}]")
-                    for number, item in enumerate(node.value)
-                ]
-                return YamlEntry(key, where, items)
-            return YamlEntry(key, where, self._scalar(node, key, where))
+        self._open_node(node, key, where)
+        if isinstance(node, yaml.MappingNode):
+            entry = self._mapping(node, key)
+        elif isinstance(node, yaml.SequenceNode):
+            items = [
+                self._entry(item, f"{key}[{number}]")
+                for number, item in enumerate(node.value)
+            ]
+            entry = YamlEntry(key, where, items)
+        else:
+            entry = YamlEntry(key, where, self._scalar(node, key, where))
+        self._open.pop()
+        return entry
 
-    @contextmanager
-    def _opened(
-        self, node: yaml.Node, key: str, where: SourceLocation
-    ) -> Iterator[None]:
+    def _open_node(self, node: yaml.Node, key: str, where: SourceLocation) -> None:
         """Count a node, and raise ConfigError if aliases expand the text too much."""
         self._left -= 1
         if self._left < 0:
@@ -334,15 +333,11 @@ class _TreeReader:
                 "look for aliases of aliases",
                 where,
             )
-        if any(node is outer for outer in self._open):
+        if node in self._open:  # nodes are compared by identity
             raise ConfigError(f"'{key}' contains itself by an alias", where)
         if len(self._open) >= MOST_LEVELS:
             raise _too_deep(where)
         self._open.append(node)
-        try:
-            yield
-        finally:
-            self._open.pop()
 
     def _mapping(self, node: yaml.Node, key: str) -> YamlEntry:
         result = YamlEntry(key, self._where(node), {})
@@ -403,8 +398,9 @@ class _TreeReader:
             for source in sources:
                 if not isinstance(source, yaml.MappingNode):
                     raise ConfigError("'<<' needs a mapping", where)
-                with self._opened(source, f"{key}/<<", where):
-                    merged = list(self._pairs(source, key))
+                self._open_node(source, f"{key}/<<", where)
+                merged = list(self._pairs(source, key))
+                self._open.pop()
                 for pair in merged:
                     if pair[0] not in names:
                         names.add(pair[0])
