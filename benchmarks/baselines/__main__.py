@@ -17,8 +17,16 @@ from pathlib import Path
 from benchmarks.baselines.results import table
 from tool0.gym.tasks import TASKS
 
-MODULES = {"bc": "clone", "act": "act", "ppo": "reinforce", "sac": "reinforce"}
+MODULES = {
+    "bc": "clone",
+    "bc-fine": "clone",
+    "act": "act",
+    "ppo": "reinforce",
+    "sac": "reinforce",
+}
 """Module of each method.  Each module needs additional packages."""
+STEPS = {"bc": 5_000, "bc-fine": 5_000, "act": 3_000}
+"""Number of optimizer steps of each method that learns from the expert."""
 
 
 def main() -> None:
@@ -32,11 +40,10 @@ def main() -> None:
         one.add_argument("--seeds", nargs="+", type=int, default=[0, 1, 2])
         one.add_argument("--folder", type=Path, required=True)
         one.add_argument("--evaluated", type=int, default=50, help="episodes")
-        if name in {"bc", "act"}:
+        if name in STEPS:
             one.add_argument("--episodes", type=int, default=200, help="of the expert")
-            steps = 5_000 if name == "bc" else 3_000
             one.add_argument(
-                "--steps", type=int, default=steps, help="of the optimizer"
+                "--steps", type=int, default=STEPS[name], help="of the optimizer"
             )
         else:
             one.add_argument("--actions", type=int, default=60_000)

@@ -1,12 +1,14 @@
 """Behavior cloning with NumPy.  A small network predicts chunks of actions.
 
-The method is the same as in ``examples/30_clone_expert.py``: three hidden layers, Adam,
-and Huber's loss.
+The method ``bc`` is the same as in ``examples/30_clone_expert.py``: three hidden
+layers, Adam, and Huber's loss.  The method ``bc-fine`` has additional inputs, and
+executes fewer actions of each chunk.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -16,13 +18,16 @@ import numpy as np
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from benchmarks.baselines.fine_inputs import FineInputs
 from benchmarks.baselines.results import cpu_seconds, starts, write_run
 from benchmarks.successes import Act, rate
 from tool0.collect import collect
 
 CHUNK = 10
-"""Number of actions that one prediction contains.  All these actions are executed
+"""Number of actions that one prediction contains.  ``bc`` executes all these actions
 before the next prediction."""
+FINE_CHUNK = 2
+"""Number of actions of a prediction that ``bc-fine`` executes."""
 WIDTH, LAYERS = 256, 3
 BATCH, RATE = 256, 1e-3
 BEND = 0.05
@@ -30,28 +35,33 @@ BEND = 0.05
 range."""
 
 Array = NDArray[np.float32]
+Inputs = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""Function that returns the inputs of a network, shape (n, k), for states (n, m)."""
 
 
 @dataclass(frozen=True)
 class Clone:
     """A trained network."""
 
+    inputs: Inputs
+    executed: int
+    """Number of actions of a prediction that are executed."""
     mean: NDArray[np.float64]
     spread: NDArray[np.float64]
     weights: list[Array]
 
     def __call__(self, states: NDArray[np.float64]) -> Array:
         """Return chunks of actions, shape (n, CHUNK, k), for states of shape (n, m)."""
-        x = _normalised(states, self.mean, self.spread)
+        x = _normalised(self.inputs(states), self.mean, self.spread)
         return _layers(x, self.weights)[-1].reshape(len(states), CHUNK, -1)
 
     def begin(self, env: gymnasium.vector.VectorEnv) -> Act:
-        """Return a function that executes whole chunks, from the first step."""
+        """Return a function that executes the predictions from the first step."""
         rest: list[Array] = []
 
         def act(states: NDArray[np.float64]) -> Array:
             if not rest:
-                rest.extend(np.swapaxes(self(states), 0, 1))
+                rest.extend(np.swapaxes(self(states), 0, 1)[: self.executed])
             return rest.pop(0).clip(-1.0, 1.0)
 
         return act
@@ -69,14 +79,28 @@ def pairs(folder: Path) -> tuple[NDArray[np.float64], Array]:
     return np.concatenate(states), np.concatenate(chunks)
 
 
-def train(states: NDArray[np.float64], y: Array, steps: int, seed: int) -> Clone:
-    """Return a network that predicts ``y`` from ``states``.
+def plain(states: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the states, without additional inputs."""
+    return states
+
+
+def train(
+    states: NDArray[np.float64],
+    y: Array,
+    steps: int,
+    seed: int,
+    *,
+    inputs: Inputs = plain,
+    executed: int = CHUNK,
+) -> Clone:
+    """Return a network that predicts ``y`` from ``inputs(states)``.
 
     The network is trained for ``steps`` steps.
     """
     rng = np.random.default_rng(seed)
-    mean, spread = states.mean(axis=0), states.std(axis=0) + 1e-3
-    x = _normalised(states, mean, spread)
+    given = inputs(states)
+    mean, spread = given.mean(axis=0), given.std(axis=0) + 1e-3
+    x = _normalised(given, mean, spread)
     ends = list(pairwise([x.shape[1], *[WIDTH] * LAYERS, y.shape[1]]))
     w = [(2 / a) ** 0.5 * rng.standard_normal((a, b), np.float32) for a, b in ends]
     m, v = [0.0 * one for one in w], [0.0 * one for one in w]
@@ -88,7 +112,7 @@ def train(states: NDArray[np.float64], y: Array, steps: int, seed: int) -> Clone
             g, slope = values[k].T @ slope, (slope @ w[k].T) * (values[k] > 0.0)
             m[k], v[k] = 0.9 * m[k] + 0.1 * g, 0.999 * v[k] + 0.001 * g * g
             w[k] -= RATE * (1.0 - n / steps) * m[k] / (np.sqrt(v[k]) + 1e-8)
-    return Clone(mean, spread, w)
+    return Clone(inputs, executed, mean, spread, w)
 
 
 def run(task: str, seed: int, given: argparse.Namespace) -> None:
@@ -100,11 +124,14 @@ def run(task: str, seed: int, given: argparse.Namespace) -> None:
     collect(task, given.episodes, folder, workers=1)
     collected = cpu_seconds()
     states, y = pairs(folder)
-    clone = train(states, y, given.steps, seed)
+    is_fine = given.method == "bc-fine"
+    inputs = FineInputs(_names(task)) if is_fine else plain
+    executed = FINE_CHUNK if is_fine else CHUNK
+    clone = train(states, y, given.steps, seed, inputs=inputs, executed=executed)
     trained = cpu_seconds()
     found = rate(task, starts(seed, given.evaluated), clone.begin, threads=1)
     row = {
-        "method": "bc",
+        "method": given.method,
         "task": task,
         "seed": seed,
         "episodes": given.episodes,
@@ -114,6 +141,14 @@ def run(task: str, seed: int, given: argparse.Namespace) -> None:
         "cpu_seconds": trained - collected,
     }
     write_run(given.folder, row)
+
+
+def _names(task: str) -> Sequence[str]:
+    """Return the names of the numbers in a state of a task."""
+    env = gymnasium.make(f"tool0/{task}-v0")
+    names: Sequence[str] = env.unwrapped.number_names.observations[""]
+    env.close()
+    return names
 
 
 def _normalised(

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import cast
 
+import gymnasium
 import numpy as np
 import pytest
 from benchmarks.baselines import clone
+from benchmarks.baselines.fine_inputs import SCALES, FineInputs
 from benchmarks.baselines.results import curves, starts, table, write_point, write_run
 from benchmarks.successes import rate
 
@@ -18,6 +21,7 @@ pytestmark = pytest.mark.slow
 SEEDS = starts(0, 20)
 SHORT = {"max_episode_steps": 40}
 Data = tuple[np.ndarray, np.ndarray]
+QUAT = ("qw", "qx", "qy", "qz")
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +54,32 @@ def test_episodes_at_once_are_those_of_policy_run(reaching: clone.Clone) -> None
     assert 0 < at_once.n_succeeded < len(SEEDS)  # this clone has learned little
     assert at_once.n_succeeded == one_by_one.n_succeeded
     assert at_once.interval == one_by_one.interval
+
+
+def test_fine_inputs_show_a_millimeter_and_a_small_angle() -> None:
+    quats = [f"{body}.{part}" for body in ("tcp", "peg") for part in QUAT]
+    inputs = FineInputs([*quats, "tcp_to_peg.x", "wrench.fx"])
+    yaw = 0.01
+    turned = [np.cos(yaw / 2.0), 0.0, 0.0, np.sin(yaw / 2.0)]
+    state = np.array([[1.0, 0.0, 0.0, 0.0, *turned, 0.001, 5.0]])
+    found = inputs(state)[0]
+    np.testing.assert_array_equal(found[: state.size], state[0])
+    distances, angles = np.split(found[state.size :], [len(SCALES)])
+    np.testing.assert_allclose(distances, np.tanh(0.001 / np.array(SCALES)))
+    one, four = -yaw, -4.0 * yaw
+    expected = [np.sin(one), np.cos(one), np.sin(four), np.cos(four)]
+    np.testing.assert_allclose(angles[:4], expected, atol=1e-12)
+    assert angles[4] < -0.6
+
+
+def test_a_clone_executes_the_beginning_of_each_prediction(data: Data) -> None:
+    one = clone.train(*data, steps=1, seed=0, executed=1)
+    states = data[0][:3]
+    act = one.begin(cast(gymnasium.vector.VectorEnv, None))
+    for _ in range(2):
+        expected = one(states)[:, 0].clip(-1.0, 1.0)
+        np.testing.assert_array_equal(act(states), expected)
+        states = states[::-1]
 
 
 def test_a_policy_that_rests_reaches_nothing() -> None:
