@@ -126,8 +126,7 @@ class _Points(NamedTuple):
     geoms: NDArray[np.intp]
     """Numbers of the shapes that touch, shape (p, 2)."""
     is_reversed: NDArray[np.bool_]
-    """Whether the second shape, rather than the first, belongs to ``first``, shape
-    (p,)."""
+    """Whether the second geom of each pair belongs to ``first``, shape (p,)."""
     frame: Array
     """Axes of the contact in the root, as the rows of a rotation matrix, shape (p, 9).
     The x axis points from the first shape to the second shape."""

@@ -79,8 +79,8 @@ class _Fingers(NamedTuple):
 class RealRobotEngine(OwnDrives):
     """Engine that reads a real robot's state and sends motions to the robot.
 
-    Only the thread of the tick may use the engine.  ``brake`` and ``connection`` are
-    exceptions, which any thread may use.
+    Any thread may use ``brake`` and ``connection``; only the thread of the tick may use
+    the rest.
     """
 
     name: Final = "hardware"

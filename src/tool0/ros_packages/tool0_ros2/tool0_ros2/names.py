@@ -73,7 +73,7 @@ class Names:
         return f"`ros2 control {_ROS_COMMANDS[verb].format(rest)}{manager}`"
 
     def own_values(self, value: Any) -> Any:
-        """Return plain values with names in ROS in keys and texts."""
+        """Return plain values whose keys and texts contain the names in ROS."""
         return _renamed(value, self.text) if self.prefix else value
 
     def topic(self, relative: str) -> str:
