@@ -214,12 +214,14 @@ def _expand_robot(
         given["gripper"] = str(robot.gripper.folder)
     file = _catalogue_file()
     if file.is_relative_to(BUNDLED) and _is_built_in(robot, given):
-        return robot, _built_in_urdf(file, frozenset(given.items()))
+        return robot, _built_in_urdf(file, tuple(given.items()))
     return robot, _CatalogueUrdf(file, given)
 
 
 @lru_cache(maxsize=_MAX_BUILT_IN)
-def _built_in_urdf(file: Path, arguments: frozenset[tuple[str, str]]) -> _CatalogueUrdf:
+def _built_in_urdf(
+    file: Path, arguments: tuple[tuple[str, str], ...]
+) -> _CatalogueUrdf:
     return _CatalogueUrdf(file, dict(arguments))
 
 
