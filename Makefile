@@ -24,14 +24,13 @@ LEROBOT_PYTHON ?= python3.12
 ZSH     := $(VENV)/.stamp-zsh
 # What `make test` may not do without; other things that are absent skip their tests.
 TOOL0_REQUIRE ?= browser
+# Tests that no load disturbs run in one process more than there are processors, as some
+# wait for other programs; in 4 at most.
+WORKERS ?= $(shell n=$$(getconf _NPROCESSORS_ONLN); echo $$((n < 4 ? n + 1 : 4)))
 PYTEST  := $(BIN)/python -m pytest
-# More processes than there are processors, as some tests wait for other programs; 4 at most.
-MORE     = $(shell n=$$(($$(getconf _NPROCESSORS_ONLN) + $(1))); echo $$((n < 4 ? n : 4)))
-# Tests that no load disturbs.
-AT_ONCE := $(PYTEST) --numprocesses=$(call MORE,2)
+AT_ONCE := $(PYTEST) --numprocesses=$(WORKERS)
 STURDY  := tests/unit tests/conformance
 # Those of other programs, whole files at a time: they share a Gazebo or a ROS.
-MANY_FILES := $(PYTEST) --numprocesses=$(call MORE,1)
 PATIENT := tests/documentation tests/gazebo tests/ros1 tests/ros2 tests/ur tests/fuzz $(wildcard tests/test_*.py)
 # Those that measure wall time, or hold what is sent to a rate: one at a time.
 ALONE   := $(addprefix tests/clients/test_,panel_jog.py panel_obstacles.py real_arm_tutorial.py real_robot.py real_robot_link.py real_robot_ros.py \
@@ -109,7 +108,7 @@ test: $(DEV) $(PAGE) $(KERNEL) $(BROWSER) $(GAZEBO) $(ROS1) $(ROS2) $(GL) $(ZSH)
 	export TOOL0_REQUIRE='$(TOOL0_REQUIRE)'; failed=; chosen=; \
 	run() { "$$@" $(ARGS); case $$? in 0) chosen=1;; 5) ;; *) failed=1;; esac; }; \
 	run $(AT_ONCE) -rR $(STURDY); \
-	run $(MANY_FILES) $(AGAIN) $(PATIENT); \
+	run $(AT_ONCE) $(AGAIN) $(PATIENT); \
 	run $(TWO_FILES) $(AGAIN) $(CLIENTS); \
 	run $(PYTEST) $(AGAIN) $(patsubst %,--ignore=%,$(STURDY) $(PATIENT) $(CLIENTS)); \
 	[ -z "$$failed" ] && [ "$$chosen" ]  # status 5: ARGS chose none of them
