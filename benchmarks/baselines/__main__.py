@@ -25,8 +25,9 @@ MODULES = {
     "sac": "reinforce",
 }
 """Module of each method.  Each module needs additional packages."""
-STEPS = {"bc": 5_000, "bc-fine": 5_000, "act": 3_000}
-"""Number of optimizer steps of each method that learns from the expert."""
+CLONING = {"bc": (200, 5_000), "bc-fine": (1000, 20_000), "act": (200, 3_000)}
+"""Number of the expert's episodes and of optimizer steps of each method that learns
+from the expert."""
 
 
 def main() -> None:
@@ -40,10 +41,11 @@ def main() -> None:
         one.add_argument("--seeds", nargs="+", type=int, default=[0, 1, 2])
         one.add_argument("--folder", type=Path, required=True)
         one.add_argument("--evaluated", type=int, default=50, help="episodes")
-        if name in STEPS:
-            one.add_argument("--episodes", type=int, default=200, help="of the expert")
+        if name in CLONING:
+            n, steps = CLONING[name]
+            one.add_argument("--episodes", type=int, default=n, help="of the expert")
             one.add_argument(
-                "--steps", type=int, default=STEPS[name], help="of the optimizer"
+                "--steps", type=int, default=steps, help="of the optimizer"
             )
         else:
             one.add_argument("--actions", type=int, default=60_000)

@@ -1,8 +1,8 @@
 """Additional inputs of a network, for tasks that need a precision of tenths of a mm.
 
 A network has difficulty in learning small distances from inputs that are normalized by
-their standard deviation, which is some centimeters, and in learning differences of
-angles from quaternions.
+their standard deviation, which is some centimeters, and differences of angles from
+quaternions.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ WORLD = "world"
 def merge_robots(cell: Cell, name: str, documents: Sequence[Document]) -> Document:
     """Return one URDF, called ``name``, with the elements of all robots' URDFs.
 
-    All robots share the link ``world``.
+    All robots share the link ``world``.  The robots' documents are not changed.
 
     Raises:
         ConfigError: If two robots have a link or joint with the same name.
