@@ -11,7 +11,6 @@ from typing import Final, final
 import pytest
 from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
-from xdist.workermanage import WorkerController
 
 SINGLE: Final = (
     "tests/test_examples.py",
@@ -22,7 +21,6 @@ SINGLE: Final = (
 """Here nothing that is costly is shared by the tests of a file: each goes anywhere."""
 BY_ENGINE: Final = "tests/conformance/"
 """Here the tests of a file with one engine share a robot."""
-IN_GAZEBO: Final = ", gazebo"
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -47,17 +45,4 @@ class _ByFile(LoadScopeScheduling):
         if file in SINGLE:
             return nodeid
         is_in_gazebo = file.startswith(BY_ENGINE) and "[gazebo" in test
-        return f"{file}{IN_GAZEBO}" if is_in_gazebo else file
-
-    def _assign_work_unit(self, node: WorkerController) -> None:
-        """One process begins with Gazebo, the others with what is not in Gazebo.
-
-        Gazebo and its client each keep a processor busy: several at once would wait for
-        each other.
-        """
-        begins_with_gazebo = node is self.nodes[0]
-        for scope in self.workqueue:
-            if scope.endswith(IN_GAZEBO) == begins_with_gazebo:
-                self.workqueue.move_to_end(scope, last=False)
-                break
-        super()._assign_work_unit(node)
+        return f"{file}, gazebo" if is_in_gazebo else file
