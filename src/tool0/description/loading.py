@@ -213,7 +213,7 @@ def _expand_robot(
     if robot.gripper is not None:
         given["gripper"] = str(robot.gripper.folder)
     file = _catalogue_file()
-    if file.is_relative_to(BUNDLED) and _is_built_in(robot, given):
+    if _is_built_in(file, robot, given):
         return robot, _built_in_urdf(file, tuple(given.items()))
     return robot, _CatalogueUrdf(file, given)
 
@@ -225,11 +225,14 @@ def _built_in_urdf(
     return _CatalogueUrdf(file, dict(arguments))
 
 
-def _is_built_in(robot: CatalogueRobot, given: Mapping[str, str]) -> bool:
+def _is_built_in(file: Path, robot: CatalogueRobot, given: Mapping[str, str]) -> bool:
     """Return whether only files of tool0 define a robot with the given arguments."""
-    are_parts = all(part.is_built_in for part in robot.parts)
-    has_files = any(value for name, value in given.items() if name.endswith("_params"))
-    return are_parts and not has_files and given.get("meshes", MESHES[0]) == MESHES[0]
+    return (
+        file.is_relative_to(BUNDLED)
+        and all(part.is_built_in for part in robot.parts)
+        and not any(given[name] for name in given if name.endswith("_params"))
+        and given.get("meshes", MESHES[0]) == MESHES[0]
+    )
 
 
 def _catalogue_file() -> Path:

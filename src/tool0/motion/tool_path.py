@@ -137,9 +137,8 @@ class PathFollower:
             solved = np.linalg.solve(posture.jacobian, twist[..., None])
         except np.linalg.LinAlgError:
             raise UnreachableError(
-                f"the {self._path.noun} starts at or passes through a "
-                f"singularity of the arm; "
-                f"{self._remedy}"
+                f"the {self._path.noun} starts at or passes through a singularity "
+                f"of the arm; {self._remedy}"
             ) from None
         return np.asarray(solved[..., 0], dtype=np.float64)
 

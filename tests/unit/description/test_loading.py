@@ -9,6 +9,7 @@ from typing import cast
 from tool0.description.catalogue import shared_folder
 from tool0.description.config import DescriptionConfig
 from tool0.description.loading import assemble, load_description
+from tool0.description.packages import BUNDLED, preferring
 from tool0.description.robot import RobotDescription
 
 MASS = "  forearm_mass: 2.846\n"
@@ -56,3 +57,10 @@ def test_a_file_that_replaces_one_of_the_arm_is_read_again(tmp_path: Path) -> No
     for mass in (2.0, 2.5):
         file.write_text(given.replace(MASS, f"  forearm_mass: {mass}\n"))
         assert forearm_mass(assemble("ur5e", physical_params=file)) == mass
+
+
+def test_a_package_that_takes_precedence_is_read_each_time(tmp_path: Path) -> None:
+    package = tmp_path / "tool0_description"
+    shutil.copytree(BUNDLED / package.name, package)
+    with preferring({package.name: package}):
+        assert assemble("ur5e").model is not assemble("ur5e").model
