@@ -40,8 +40,8 @@ TWO_FILES := $(PYTEST) --numprocesses=2
 CLIENTS := $(filter-out $(ALONE),$(wildcard tests/clients/test_*.py))
 
 # What runs in real time fails if the machine stands still for a second.  Such a test is
-# tried once more, and listed as RERUN; of the tests without other programs, only what
-# failed in a standstill (tests/rigs/standstill.py).
+# tried again, and listed as RERUN (tests/rigs/standstill.py); of the tests with other
+# programs, any failed test is tried once more.
 AGAIN := --reruns=1 -rR
 
 # Programs that the tests start load compiled modules.

@@ -1,14 +1,15 @@
-"""Tests during which the machine stood still: they are tried once more.
+"""Tests during which the machine stood still: they are tried again.
 
 A virtual machine is stopped for a second or two now and then.  A bring-up in real time
-then ends its motions, as it should.  Where no other program runs, no other failure is
-tried again.
+then ends its motions, as it should.  Other failures are tried again only as often as
+the option ``--reruns`` or a marker says.
 """
 
 from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
 from typing import Final, final
 
 import pytest
@@ -17,7 +18,8 @@ from tool0.protocol.freeze_meter import FreezeMeter
 
 LOOKS: Final = 0.1
 """[wall s]"""
-ONE_PROCESS: Final = ("tests/unit/", "tests/conformance/")
+TRIES: Final = 4
+"""Of a test, as long as the machine stands still during each."""
 
 
 @final
@@ -50,7 +52,9 @@ class _Watch:
 
 @final
 class _Retries:
-    def __init__(self) -> None:
+    def __init__(self, usual: int) -> None:
+        self._usual = usual
+        """Number of further tries without a standstill."""
         self._watch = _Watch()
 
     @pytest.hookimpl(tryfirst=True)
@@ -58,12 +62,20 @@ class _Retries:
         self._watch.begin()
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        again = pytest.mark.flaky(reruns=1, condition=self._watch.has_frozen)
         for item in items:
-            if item.nodeid.startswith(ONE_PROCESS):
-                item.add_marker(again)
+            if item.get_closest_marker("flaky") is None:
+                again = self._condition(item)
+                item.add_marker(pytest.mark.flaky(reruns=TRIES - 1, condition=again))
+
+    def _condition(self, item: pytest.Item) -> Callable[[], bool]:
+        def is_tried_again() -> bool:
+            n_tries: int = vars(item)["execution_count"]
+            return n_tries <= self._usual or self._watch.has_frozen()
+
+        return is_tried_again
 
 
 def pytest_configure(config: pytest.Config) -> None:
     if config.pluginmanager.hasplugin("rerunfailures"):
-        config.pluginmanager.register(_Retries())
+        retries = _Retries(config.getoption("reruns") or 0)
+        config.pluginmanager.register(retries)

@@ -1,4 +1,4 @@
-"""Which failures the tests without other programs try again."""
+"""Which failed tests are tried again, and how often."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ tries = []
 
 def test_in_a_standstill():
     tries.append(0)
-    if len(tries) == 1:
+    if len(tries) <= 2:
         resume = f"sleep 1.3; kill -CONT {os.getpid()}"
         subprocess.Popen(["sh", "-c", resume])
         os.kill(os.getpid(), signal.SIGSTOP)
@@ -31,18 +31,20 @@ def test_without_one():
 
 
 @pytest.mark.slow
-def test_only_what_failed_in_a_standstill_is_tried_again(tmp_path: Path) -> None:
-    folder = tmp_path / "tests/unit"
-    folder.mkdir(parents=True)
-    (folder / "test_it.py").write_text(TEST)
+@pytest.mark.parametrize(("option", "n_reruns"), [("--reruns=0", 2), ("--reruns=1", 3)])
+def test_what_failed_in_standstills_is_tried_again(
+    tmp_path: Path, option: str, n_reruns: int
+) -> None:
+    """Other failures are tried again only as often as the option says."""
+    (tmp_path / "test_it.py").write_text(TEST)
     (tmp_path / "pytest.ini").write_text("[pytest]\n")
     found = subprocess.run(
-        [sys.executable, "-m", "pytest", "-p", "standstill", "-rR", "tests/unit"],
+        [sys.executable, "-m", "pytest", "-p", "standstill", "-rR", option],
         env={**os.environ, "PYTHONPATH": str(RIGS)},
         cwd=tmp_path,
         capture_output=True,
         text=True,
         check=False,
     ).stdout
-    assert "RERUN tests/unit/test_it.py::test_in_a_standstill" in found
-    assert "1 failed, 1 passed, 1 rerun" in found
+    assert "RERUN test_it.py::test_in_a_standstill" in found
+    assert f"1 failed, 1 passed, {n_reruns} rerun" in found

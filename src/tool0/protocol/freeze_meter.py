@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable
 from typing import final
@@ -22,11 +23,8 @@ def wall_time() -> float:
 
 
 @final
-class FreezeMeter:
-    """Detects that the whole process was stopped, or that the machine slept.
-
-    The delay of a thread is ignored if other threads of the process were busy.
-    """
+class Activity:
+    """The last activity of a process and its last freeze, for meters in any thread."""
 
     def __init__(
         self,
@@ -34,16 +32,45 @@ class FreezeMeter:
         processor_time: Callable[[], float] = time.process_time,
     ) -> None:
         self._now, self._processor_time = now, processor_time
+        self._lock = threading.Lock()
         self._last = self._sampled = now()
         self._used = processor_time()
+        self.n_freezes = 0
+        self.duration = 0.0
+        """Duration of the last freeze [wall s]."""
+
+    def record(self) -> None:
+        """Record that the calling thread runs, and whether this ends a freeze."""
+        with self._lock:
+            now = self._now()
+            gap, self._last = now - self._last, now
+            if gap < FROZEN and now - self._sampled < _SAMPLING:
+                return
+            before, self._used = self._used, self._processor_time()
+            self._sampled = now
+            if gap >= FROZEN and self._used - before < _BUSY * gap:
+                self.n_freezes += 1
+                self.duration = gap
+
+
+_THIS_PROCESS = Activity()
+
+
+@final
+class FreezeMeter:
+    """Detects that the whole process was stopped, or that the machine slept.
+
+    The delay of a thread is ignored if the process was busy, or if the thread of
+    another meter was not delayed.
+    """
+
+    def __init__(self, activity: Activity = _THIS_PROCESS) -> None:
+        self._activity = activity
+        activity.record()  # a freeze before this moment is not reported
+        self._n_freezes = activity.n_freezes
 
     def look(self) -> float:
         """Return the time for which the process was frozen since the last call [s]."""
-        now = self._now()
-        gap, self._last = now - self._last, now
-        if gap < FROZEN and now - self._sampled < _SAMPLING:
-            return 0.0
-        before, self._used = self._used, self._processor_time()
-        self._sampled = now
-        is_frozen = gap >= FROZEN and self._used - before < _BUSY * gap
-        return gap if is_frozen else 0.0
+        self._activity.record()
+        before, self._n_freezes = self._n_freezes, self._activity.n_freezes
+        return self._activity.duration if self._n_freezes != before else 0.0

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import pytest
 
-from tool0.protocol.freeze_meter import FreezeMeter
 from tool0.simulation.clock import CATCH_UP, SLOW_WINDOWS, Lag, Pacer, SpeedMeter
 
 
@@ -111,24 +110,3 @@ def test_only_a_lasting_lag_is_a_change() -> None:
     good = [lag.changes(1.0) for _ in range(100)]
     assert good.count(True) == 1
     assert not lag.is_behind
-
-
-def test_a_process_that_did_not_run_was_frozen() -> None:
-    wall, used = WallClock(), WallClock()
-    meter = FreezeMeter(wall, used)
-    for _ in range(100):
-        wall.time += 0.01
-        used.time += 0.005
-        assert meter.look() == 0.0
-    wall.time += 2.5
-    assert meter.look() == pytest.approx(2.5)
-    assert meter.look() == 0.0
-
-
-@pytest.mark.parametrize(("late", "used"), [(0.9, 0.0), (3.0, 2.0)])
-def test_a_late_or_busy_process_was_not_frozen(late: float, used: float) -> None:
-    wall, processor = WallClock(), WallClock()
-    meter = FreezeMeter(wall, processor)
-    wall.time += late
-    processor.time += used
-    assert meter.look() == 0.0
