@@ -27,6 +27,14 @@ _FLAGS: Final = (
     "--disable-component-update",
     "--disable-sync",
     "--lang=en-US",
+    "--disable-features="
+    # of Chromium's own window, each of which starts a process per page
+    "WebUIOmniboxPopup,WebUIOmniboxAimPopup,WebUIOmniboxFullPopup,"
+    "SpareRendererForSitePerProcess,"
+    # what Playwright disables, as this option replaces its list
+    "AvoidUnnecessaryBeforeUnloadCheckSync,DestroyProfileOnBrowserClose,"
+    "HttpsUpgrades,HttpsFirstBalancedModeAutoEnable,LensOverlay,MediaRouter,"
+    "OptimizationHints,PaintHolding,PreconnectToSearch,ThirdPartyStoragePartitioning",
 )
 
 
