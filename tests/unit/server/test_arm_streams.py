@@ -114,7 +114,8 @@ def test_a_client_that_ends_stops_nobody_elses_arm(
     other = Client()
     other.channel.call(TakeArm(arm="arm", by=names[0]))
     client.channel.call(TakeArm(arm=arm, by=names[1]))
-    client.channel.call(SpeedJoints(velocities=(0.1, 0, 0, 0, 0, 0)))
+    velocities = (0.1, 0.0, 0.0, 0.0, 0.0, 0.0)
+    client.channel.call(SpeedJoints(velocities=velocities, timeout=LONG))
     other.channel.close()
     robot.run(0.3)
     assert robot.arm.control_box.state.taken_by == names[1]
@@ -165,7 +166,8 @@ def test_streamed_targets_are_executed_one_by_one(
     robot.pause()
     targets = [start[0] + 0.001 * k for k in range(200)]
     for target in targets:
-        client.channel.post(ServoJoints(positions=(target, *start[1:])))
+        positions = (target, *start[1:])
+        client.channel.post(ServoJoints(positions=positions, timeout=LONG))
     assert [aimed.get(timeout=LONG) for _ in targets] == targets
     robot.resume()
     end = targets[-1] - 0.01
