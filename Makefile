@@ -42,7 +42,8 @@ CLIENTS := $(filter-out $(ALONE),$(wildcard tests/clients/test_*.py))
 # What runs in real time fails if the machine stands still for a second.  Such a test is
 # tried again, and listed as RERUN (tests/rigs/standstill.py); of the tests with other
 # programs, any failed test is tried once more.
-AGAIN := --reruns=1 -rR
+RERUNS := -rR --rerun-show-tracebacks
+AGAIN := --reruns=1 $(RERUNS)
 
 # Programs that the tests start load compiled modules.
 unexport PYTHONDONTWRITEBYTECODE
@@ -107,7 +108,7 @@ unit-web: $(DEV)
 test: $(DEV) $(PAGE) $(KERNEL) $(BROWSER) $(GAZEBO) $(ROS1) $(ROS2) $(GL) $(ZSH) unit-web
 	export TOOL0_REQUIRE='$(TOOL0_REQUIRE)'; failed=; chosen=; \
 	run() { "$$@" $(ARGS); case $$? in 0) chosen=1;; 5) ;; *) failed=1;; esac; }; \
-	run $(AT_ONCE) -rR $(STURDY); \
+	run $(AT_ONCE) $(RERUNS) $(STURDY); \
 	run $(AT_ONCE) $(AGAIN) $(PATIENT); \
 	run $(TWO_FILES) $(AGAIN) $(CLIENTS); \
 	run $(PYTEST) $(AGAIN) $(patsubst %,--ignore=%,$(STURDY) $(PATIENT) $(CLIENTS)); \
