@@ -5,6 +5,7 @@ import re
 
 import pytest
 from browser import Tab, eventually
+from playwright.sync_api import TimeoutError as TooLate
 from playwright.sync_api import ViewportSize
 
 import tool0
@@ -175,14 +176,24 @@ def test_an_arrow_shows_the_wrench_at_the_tool(tab: Tab, robot: tool0.Robot) -> 
 
 def test_the_card_of_a_link_is_not_clipped(tab: Tab) -> None:
     tab.see(READY)
-    tab.get("scene-view-tool").click()
     box = tab.get("scene").bounding_box()
     assert box is not None
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
+    def is_on_a_link() -> bool:
+        tab.page.mouse.move(x + 1, y)
+        tab.page.mouse.move(x, y)
+        return tab.page.locator(".scene-tip").is_visible()
+
     def is_selected() -> bool:
-        tab.page.mouse.click(x, y)  # the view is still turning, at first
-        return tab.page.locator("[data-testid=selection] dl").count() > 0
+        tab.get("scene-view-tool").click()
+        eventually(is_on_a_link, "the view has turned to the tool")
+        tab.page.mouse.click(x, y)  # ends the turn, perhaps beside the link
+        try:
+            tab.page.locator("[data-testid=selection] dl").wait_for(timeout=2000)
+        except TooLate:
+            return False
+        return True
 
     eventually(is_selected, "a link is selected")
     beyond = tab.get("selection").evaluate(

@@ -270,8 +270,9 @@ def test_a_stamp_in_the_future_is_waited_for(
         for state in states.messages[since:]
         if max(map(abs, state.desired.velocities)) > 0.0
     ]
-    assert moving[0] == pytest.approx(start.to_sec(), abs=0.017)
-    assert moving[-1] == pytest.approx(start.to_sec() + 0.6, abs=0.017)
+    # The states come every 8 ms; on a busy machine, some are left out.
+    assert moving[0] == pytest.approx(start.to_sec(), abs=0.025)
+    assert moving[-1] == pytest.approx(start.to_sec() + 0.6, abs=0.025)
 
 
 @in_mujoco
