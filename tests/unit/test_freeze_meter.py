@@ -78,3 +78,14 @@ def test_a_freeze_before_the_meter_exists_is_not_reported(
 ) -> None:
     wall.time += 5.0
     assert FreezeMeter(activity).look() == 0.0
+
+
+def test_the_processor_time_of_a_parent_process_does_not_count(
+    wall: Clock, processor: Clock, activity: Activity
+) -> None:
+    processor.time = 0.0  # of the forked process
+    wall.time += 0.01
+    meter = FreezeMeter(activity)
+    wall.time += 2.0
+    processor.time += 1.9
+    assert meter.look() == 0.0

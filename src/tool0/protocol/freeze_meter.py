@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable
 from typing import final
@@ -24,7 +23,11 @@ def wall_time() -> float:
 
 @final
 class Activity:
-    """The last activity of a process and its last freeze, for meters in any thread."""
+    """The last activity of a process and its last freeze, for meters in any thread.
+
+    There is no lock, which a fork could copy while a thread holds it.  At worst, two
+    threads count the same freeze.
+    """
 
     def __init__(
         self,
@@ -32,25 +35,29 @@ class Activity:
         processor_time: Callable[[], float] = time.process_time,
     ) -> None:
         self._now, self._processor_time = now, processor_time
-        self._lock = threading.Lock()
         self._last = self._sampled = now()
         self._used = processor_time()
         self.n_freezes = 0
         self.duration = 0.0
         """Duration of the last freeze [wall s]."""
 
-    def record(self) -> None:
-        """Record that the calling thread runs, and whether this ends a freeze."""
-        with self._lock:
-            now = self._now()
-            gap, self._last = now - self._last, now
-            if gap < FROZEN and now - self._sampled < _SAMPLING:
-                return
-            before, self._used = self._used, self._processor_time()
-            self._sampled = now
-            if gap >= FROZEN and self._used - before < _BUSY * gap:
-                self.n_freezes += 1
-                self.duration = gap
+    def record(self, *, samples: bool = False) -> None:
+        """Record that the calling thread runs, and whether this ends a freeze.
+
+        With ``samples``, read the processor time in any case.
+        """
+        now = self._now()
+        gap = now - self._last
+        if gap <= 0.0:  # another thread has recorded a later time
+            return
+        self._last = now
+        if gap < FROZEN and now - self._sampled < _SAMPLING and not samples:
+            return
+        before, self._used = self._used, self._processor_time()
+        self._sampled = now
+        if gap >= FROZEN and self._used - before < _BUSY * gap:
+            self.duration = gap
+            self.n_freezes += 1
 
 
 _THIS_PROCESS = Activity()
@@ -66,7 +73,9 @@ class FreezeMeter:
 
     def __init__(self, activity: Activity = _THIS_PROCESS) -> None:
         self._activity = activity
-        activity.record()  # a freeze before this moment is not reported
+        # A freeze before this moment is not reported, and the processor time of a
+        # parent process is not counted.
+        activity.record(samples=True)
         self._n_freezes = activity.n_freezes
 
     def look(self) -> float:
