@@ -14,12 +14,16 @@ import pytest
 from urscript_rig import TimeBox, run_in_time, run_on
 
 
+class Server(SimpleXMLRPCServer):
+    """A server that refuses no connection: a second try would take a second or more."""
+
+    request_queue_size = 128
+
+
 @contextmanager
 def serving(*functions: Callable[..., Any]) -> Iterator[str]:
     """Serve functions; yield the URL."""
-    with SimpleXMLRPCServer(
-        ("127.0.0.1", 0), logRequests=False, allow_none=True
-    ) as server:
+    with Server(("127.0.0.1", 0), logRequests=False, allow_none=True) as server:
         for item in functions:
             server.register_function(item)
         thread = threading.Thread(target=server.serve_forever, args=(0.01,))
