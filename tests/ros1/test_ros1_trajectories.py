@@ -265,14 +265,13 @@ def test_a_stamp_in_the_future_is_waited_for(
     client.send_goal(follow_goal(trajectory([(0.6, NEAR)], stamp=start)))
     since = len(states.messages)
     assert outcome(client)[0] == SUCCEEDED
-    moving = [
-        at(state.header.stamp)
-        for state in states.messages[since:]
-        if max(map(abs, state.desired.velocities)) > 0.0
-    ]
-    # The states come every 8 ms; on a busy machine, some are left out.
-    assert moving[0] == pytest.approx(start.to_sec(), abs=0.025)
-    assert moving[-1] == pytest.approx(start.to_sec() + 0.6, abs=0.025)
+    begin, end = start.to_sec(), start.to_sec() + 0.6
+    seen = [(at(state.header.stamp), state) for state in states.messages[since:]]
+    clear = [it for it in seen if min(abs(it[0] - begin), abs(it[0] - end)) > 0.0015]
+    moving = [max(map(abs, state.desired.velocities)) > 0.0 for _, state in clear]
+    assert moving == [begin < stamp < end for stamp, _ in clear]
+    assert clear[0][0] < begin
+    assert any(moving)
 
 
 @in_mujoco
