@@ -3,37 +3,28 @@
 from __future__ import annotations
 
 import pytest
+from manual_clock import ManualClock
 
 from tool0.protocol.freeze_meter import Activity, FreezeMeter
 
 
-class Clock:
-    """A clock that advances only when a test changes its time."""
-
-    def __init__(self) -> None:
-        self.time = 100.0
-
-    def __call__(self) -> float:
-        return self.time
+@pytest.fixture
+def wall() -> ManualClock:
+    return ManualClock()
 
 
 @pytest.fixture
-def wall() -> Clock:
-    return Clock()
+def processor() -> ManualClock:
+    return ManualClock()
 
 
 @pytest.fixture
-def processor() -> Clock:
-    return Clock()
-
-
-@pytest.fixture
-def activity(wall: Clock, processor: Clock) -> Activity:
+def activity(wall: ManualClock, processor: ManualClock) -> Activity:
     return Activity(wall, processor)
 
 
 def test_a_process_that_did_not_run_was_frozen(
-    wall: Clock, processor: Clock, activity: Activity
+    wall: ManualClock, processor: ManualClock, activity: Activity
 ) -> None:
     meter = FreezeMeter(activity)
     for _ in range(100):
@@ -47,7 +38,11 @@ def test_a_process_that_did_not_run_was_frozen(
 
 @pytest.mark.parametrize(("late", "used"), [(0.9, 0.0), (3.0, 2.0)])
 def test_a_late_or_busy_process_was_not_frozen(
-    late: float, used: float, wall: Clock, processor: Clock, activity: Activity
+    late: float,
+    used: float,
+    wall: ManualClock,
+    processor: ManualClock,
+    activity: Activity,
 ) -> None:
     meter = FreezeMeter(activity)
     wall.time += late
@@ -55,7 +50,9 @@ def test_a_late_or_busy_process_was_not_frozen(
     assert meter.look() == 0.0
 
 
-def test_every_meter_reports_a_freeze_once(wall: Clock, activity: Activity) -> None:
+def test_every_meter_reports_a_freeze_once(
+    wall: ManualClock, activity: Activity
+) -> None:
     meters = [FreezeMeter(activity), FreezeMeter(activity)]
     wall.time += 1.5
     assert [meter.look() for meter in meters] == [1.5, 1.5]
@@ -64,7 +61,7 @@ def test_every_meter_reports_a_freeze_once(wall: Clock, activity: Activity) -> N
 
 
 def test_a_process_with_one_delayed_thread_was_not_frozen(
-    wall: Clock, activity: Activity
+    wall: ManualClock, activity: Activity
 ) -> None:
     punctual, delayed = FreezeMeter(activity), FreezeMeter(activity)
     for _ in range(30):
@@ -74,14 +71,14 @@ def test_a_process_with_one_delayed_thread_was_not_frozen(
 
 
 def test_a_freeze_before_the_meter_exists_is_not_reported(
-    wall: Clock, activity: Activity
+    wall: ManualClock, activity: Activity
 ) -> None:
     wall.time += 5.0
     assert FreezeMeter(activity).look() == 0.0
 
 
 def test_the_processor_time_of_a_parent_process_does_not_count(
-    wall: Clock, processor: Clock, activity: Activity
+    wall: ManualClock, processor: ManualClock, activity: Activity
 ) -> None:
     processor.time = 0.0  # of the forked process
     wall.time += 0.01

@@ -7,26 +7,17 @@ import itertools
 import time
 
 import pytest
+from manual_clock import ManualClock
 
 from tool0.server.budget import MAX_CHARGE, RESERVE, SLICE, Account, Budget
 
 
-class Clock:
-    """Wall time that passes when a test says so [s]."""
-
-    def __init__(self) -> None:
-        self.time = 100.0
-
-    def __call__(self) -> float:
-        return self.time
-
-
 @pytest.fixture
-def clock() -> Clock:
-    return Clock()
+def clock() -> ManualClock:
+    return ManualClock()
 
 
-def exhausted(clock: Clock, n_clients: int) -> tuple[Budget, list[Account]]:
+def exhausted(clock: ManualClock, n_clients: int) -> tuple[Budget, list[Account]]:
     """Return a budget without a burst, and clients that have used what they may."""
     budget = Budget(share=0.5, burst=0.0, now=clock)
     clients = [budget.account() for _ in range(n_clients)]
@@ -35,14 +26,14 @@ def exhausted(clock: Clock, n_clients: int) -> tuple[Budget, list[Account]]:
     return budget, clients
 
 
-def test_a_client_alone_never_waits(clock: Clock) -> None:
+def test_a_client_alone_never_waits(clock: ManualClock) -> None:
     _, (client,) = exhausted(clock, 1)
     for _ in range(1000):
         client.charge(MAX_CHARGE)
     assert client.may_go_on
 
 
-def test_nobody_waits_while_there_is_a_burst(clock: Clock) -> None:
+def test_nobody_waits_while_there_is_a_burst(clock: ManualClock) -> None:
     budget = Budget(share=0.5, burst=1.0, now=clock)
     busy, other = budget.account(), budget.account()
     for _ in range(20):
@@ -52,7 +43,7 @@ def test_nobody_waits_while_there_is_a_burst(clock: Clock) -> None:
     assert busy.has_spare
 
 
-def test_who_has_used_more_waits_and_who_has_not_goes_on(clock: Clock) -> None:
+def test_who_has_used_more_waits_and_who_has_not_goes_on(clock: ManualClock) -> None:
     budget, (*flooding, _) = exhausted(clock, 5)
     newcomer = budget.account()
     newcomer.charge(RESERVE / 2)
@@ -61,7 +52,7 @@ def test_who_has_used_more_waits_and_who_has_not_goes_on(clock: Clock) -> None:
     assert not newcomer.has_spare
 
 
-def test_all_parts_together_are_the_share(clock: Clock) -> None:
+def test_all_parts_together_are_the_share(clock: ManualClock) -> None:
     _, clients = exhausted(clock, 5)
     piece, used = 1e-3, 0.0
     for _ in range(10_000):
@@ -73,7 +64,7 @@ def test_all_parts_together_are_the_share(clock: Clock) -> None:
     assert used / 10.0 == pytest.approx(0.5, rel=0.05)
 
 
-def test_a_part_grows_when_others_leave(clock: Clock) -> None:
+def test_a_part_grows_when_others_leave(clock: ManualClock) -> None:
     budget, (first, *_) = exhausted(clock, 5)
     assert budget.part == pytest.approx(0.1)
     clock.time += 0.09
@@ -83,14 +74,16 @@ def test_a_part_grows_when_others_leave(clock: Clock) -> None:
     assert budget.part == pytest.approx(0.25)
 
 
-def test_a_long_plan_silences_its_client_for_a_short_time_only(clock: Clock) -> None:
+def test_a_long_plan_silences_its_client_for_a_short_time_only(
+    clock: ManualClock,
+) -> None:
     budget, (planning, _) = exhausted(clock, 2)
     planning.charge(5.0)
     clock.time += 2.0 * MAX_CHARGE / budget.part
     assert planning.may_go_on
 
 
-def test_nobody_owes_for_the_flood_of_others(clock: Clock) -> None:
+def test_nobody_owes_for_the_flood_of_others(clock: ManualClock) -> None:
     budget = Budget(share=0.5, burst=1.0, now=clock)
     for client in [budget.account() for _ in range(20)]:
         for _ in range(100):

@@ -1,18 +1,9 @@
 from __future__ import annotations
 
 import pytest
+from manual_clock import ManualClock
 
 from tool0.simulation.clock import CATCH_UP, SLOW_WINDOWS, Lag, Pacer, SpeedMeter
-
-
-class WallClock:
-    """A wall clock that a test turns by hand."""
-
-    def __init__(self) -> None:
-        self.time = 100.0
-
-    def __call__(self) -> float:
-        return self.time
 
 
 def ticks_until_caught_up(pacer: Pacer) -> int:
@@ -25,7 +16,7 @@ def ticks_until_caught_up(pacer: Pacer) -> int:
 
 @pytest.mark.parametrize("speed", [0.5, 1.0, 4.0])
 def test_ticks_are_due_a_period_apart_at_the_speed(speed: float) -> None:
-    wall = WallClock()
+    wall = ManualClock()
     pacer = Pacer(0.01, speed, wall)
     assert pacer.wait_time() == 0.0
     for n_ticks in range(1, 50):
@@ -37,7 +28,7 @@ def test_ticks_are_due_a_period_apart_at_the_speed(speed: float) -> None:
 
 
 def test_waiting_too_long_does_not_make_later_ticks_late() -> None:
-    wall = WallClock()
+    wall = ManualClock()
     pacer = Pacer(0.001, now=wall)
     for _ in range(1000):
         pacer.tick()
@@ -47,7 +38,7 @@ def test_waiting_too_long_does_not_make_later_ticks_late() -> None:
 
 
 def test_what_was_missed_is_caught_up_and_counted() -> None:
-    wall = WallClock()
+    wall = ManualClock()
     pacer = Pacer(0.001, now=wall)
     wall.time += 0.0505  # 50 ticks and a half
     assert ticks_until_caught_up(pacer) == 51
@@ -55,7 +46,7 @@ def test_what_was_missed_is_caught_up_and_counted() -> None:
 
 
 def test_what_was_missed_beyond_the_catch_up_is_given_up() -> None:
-    wall = WallClock()
+    wall = ManualClock()
     pacer = Pacer(0.001, now=wall)
     wall.time += 3600.0
     n_ticks = ticks_until_caught_up(pacer)
@@ -63,7 +54,7 @@ def test_what_was_missed_beyond_the_catch_up_is_given_up() -> None:
 
 
 def test_the_speed_meter_measures_over_its_window() -> None:
-    wall = WallClock()
+    wall = ManualClock()
     meter = SpeedMeter(wall)
     assert not meter.measure(0.3)
     wall.time += 0.5
@@ -80,7 +71,7 @@ def test_the_speed_meter_measures_over_its_window() -> None:
 
 
 def test_the_speed_meter_counts_the_late_ticks_of_its_window() -> None:
-    wall = WallClock()
+    wall = ManualClock()
     meter = SpeedMeter(wall)
     for overruns, late_ticks in ((40, 40), (43, 3), (43, 0)):
         wall.time += 1.0
@@ -89,7 +80,7 @@ def test_the_speed_meter_counts_the_late_ticks_of_its_window() -> None:
 
 
 def test_a_pause_does_not_count_as_slow() -> None:
-    wall = WallClock()
+    wall = ManualClock()
     meter = SpeedMeter(wall)
     wall.time += 60.0
     meter.restart(0.0, 5)
