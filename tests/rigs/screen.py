@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 Pixels = NDArray[np.uint8]
 
 DEPTH = 24
+STILL = 0.5
+"""How long a screen has to stay the same to be still [wall s]."""
 
 
 def find_xvfb() -> str | None:
@@ -67,6 +69,20 @@ class Screen:
                 return pixels
             time.sleep(0.1)  # a screen announces nothing
         return None
+
+    def wait_until_still(self, patience: float) -> Pixels:
+        """Return the screen once it has not changed for ``STILL``."""
+        last, since = self.pixels(), time.monotonic()
+
+        def is_still(pixels: Pixels) -> bool:
+            nonlocal last, since
+            if not np.array_equal(pixels, last):
+                last, since = pixels, time.monotonic()
+            return time.monotonic() - since >= STILL
+
+        pixels = self.wait_for(is_still, patience)
+        assert pixels is not None, f"the screen still changes after {patience:g} s"
+        return pixels
 
     def __enter__(self) -> Screen:
         return self
