@@ -3,6 +3,9 @@
 A virtual machine is stopped for a second or two now and then.  A bring-up in real time
 then ends its motions, as it should.  Other failures are tried again only as often as
 the option ``--reruns`` or a marker says.
+
+What a failed test left behind does not reach the next try: the fixtures of its module
+are set up anew, robots included.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ from collections.abc import Callable
 from typing import Final, final
 
 import pytest
+import pytest_rerunfailures
 
 from tool0.protocol.freeze_meter import FreezeMeter
 
@@ -59,7 +63,9 @@ class _Retries:
         self._watch = _Watch()
 
     @pytest.hookimpl(tryfirst=True)
-    def pytest_runtest_setup(self) -> None:
+    def pytest_runtest_setup(self, item: pytest.Item) -> None:
+        if vars(item).get("execution_count", 1) > 1:
+            _tear_down_to_session(item)
         self._watch.begin()
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
@@ -82,6 +88,12 @@ def pytest_configure(config: pytest.Config) -> None:
         retries = _Retries(config.getoption("reruns") or 0)
         config.pluginmanager.register(retries)
         _send_at_once(config)
+
+
+def _tear_down_to_session(item: pytest.Item) -> None:
+    """Finish all fixtures but those of the session, which ``rerunfailures`` keeps."""
+    pytest_rerunfailures._restore_suspended_finalizers(item)
+    item.session._setupstate.teardown_exact(item.session)
 
 
 def _send_at_once(config: pytest.Config) -> None:

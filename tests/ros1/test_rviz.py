@@ -1,7 +1,6 @@
 """RViz, on a screen of our own, shows the robot and follows it."""
 
 from collections.abc import Iterator
-from contextlib import closing
 from pathlib import Path
 from types import ModuleType
 
@@ -9,7 +8,7 @@ import numpy as np
 import pytest
 from in_rviz import black, blue, shown, start_rviz, view
 from promised import absent, require_ros
-from ros import TIMEOUT, Ros
+from ros import TIMEOUT, Bringup, Ros
 from ros_client import arm_client, follow_goal, outcome, trajectory
 from screen import Pixels, Screen, find_xvfb
 
@@ -33,32 +32,31 @@ def shows_the_robot(pixels: Pixels) -> bool:
 
 
 def test_it_shows_the_robot_moving(
-    screen: Screen, ros: Ros, rospy: ModuleType, tmp_path: Path
+    screen: Screen, ros: Ros, rospy: ModuleType, bringup: Bringup, tmp_path: Path
 ) -> None:
-    with closing(ros.bring_up()):  # its own: a second try begins in the same pose
-        rviz, _ = shown(
-            lambda: start_rviz(ros, screen, tmp_path, size=SIZE),
-            screen,
-            shows_the_robot,
-            TIMEOUT,
+    rviz, _ = shown(
+        lambda: start_rviz(ros, screen, tmp_path, size=SIZE),
+        screen,
+        shows_the_robot,
+        TIMEOUT,
+    )
+    before = screen.wait_until_still(TIMEOUT)
+    assert shows_the_robot(before)
+    caps_before = blue(view(before))
+
+    client = arm_client()
+    client.send_goal(follow_goal(trajectory([(1.0, ELSEWHERE)])))
+    status, result = outcome(client)
+    assert not result.error_code, (status, result)
+
+    def is_elsewhere(pixels: Pixels) -> bool:
+        caps = blue(view(pixels))
+        return bool(
+            shows_the_robot(pixels)
+            and caps.shape == caps_before.shape
+            and np.count_nonzero(caps != caps_before) > caps_before.sum()
         )
-        before = screen.wait_until_still(TIMEOUT)
-        assert shows_the_robot(before)
-        caps_before = blue(view(before))
 
-        client = arm_client()
-        client.send_goal(follow_goal(trajectory([(1.0, ELSEWHERE)])))
-        status, result = outcome(client)
-        assert not result.error_code, (status, result)
-
-        def is_elsewhere(pixels: Pixels) -> bool:
-            caps = blue(view(pixels))
-            return bool(
-                shows_the_robot(pixels)
-                and caps.shape == caps_before.shape
-                and np.count_nonzero(caps != caps_before) > caps_before.sum()
-            )
-
-        assert screen.wait_for(is_elsewhere, TIMEOUT) is not None, rviz.last_output(60)
-        assert rviz.exit_status is None
-        rviz.close()
+    assert screen.wait_for(is_elsewhere, TIMEOUT) is not None, rviz.last_output(60)
+    assert rviz.exit_status is None
+    rviz.close()

@@ -11,9 +11,20 @@ import pytest
 
 RIGS = Path(__file__).parents[1] / "rigs"
 TEST = """
-import os, signal, subprocess
+import os, pytest, signal, subprocess
 
 tries = []
+set_up = {"module": 0, "session": 0}
+
+
+@pytest.fixture(scope="module")
+def fresh():
+    set_up["module"] += 1
+
+
+@pytest.fixture(scope="session")
+def kept():
+    set_up["session"] += 1
 
 
 def test_in_a_standstill():
@@ -25,8 +36,8 @@ def test_in_a_standstill():
         raise AssertionError("late")
 
 
-def test_without_one():
-    raise AssertionError("wrong")
+def test_with_fixtures(fresh, kept):
+    raise AssertionError(f"set up {set_up}")
 """
 
 
@@ -48,3 +59,5 @@ def test_what_failed_in_standstills_is_tried_again(
     ).stdout
     assert "RERUN test_it.py::test_in_a_standstill" in found
     assert f"1 failed, 1 passed, {n_reruns} rerun" in found
+    n_tries = n_reruns - 1
+    assert f"set up {{'module': {n_tries}, 'session': 1}}" in found
