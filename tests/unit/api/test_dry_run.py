@@ -41,6 +41,7 @@ PICK = (
 )
 
 
+@pytest.mark.slow
 def test_it_ends_as_the_program_does_and_moves_nothing(
     robot: tool0.Robot, tmp_path: Path
 ) -> None:
@@ -85,6 +86,7 @@ def wall() -> Scene:
     return Scene((SceneObject(name="wall", geometry=box, pose=pose),))
 
 
+@pytest.mark.slow
 def test_what_has_changed_since_the_start_is_there(
     robot: tool0.Robot, tmp_path: Path
 ) -> None:

@@ -81,6 +81,7 @@ def test_a_gripper_that_nobody_commands_is_idle(robot: tool0.Robot) -> None:
     robot.gripper.move(opening=0.04)
 
 
+@pytest.mark.slow
 def test_in_real_time_it_waits_for_the_wall_clock() -> None:
     with tool0.bringup(realtime=True) as robot:
         robot.set_speed(5.0)

@@ -156,6 +156,7 @@ def test_saved_copies_have_their_sizes() -> None:
         assert seen(one) == later[1:]
 
 
+@pytest.mark.slow
 def test_images_show_the_sizes() -> None:
     require_gl()
     made = [around(factor) for factor in (0.7, 1.4)]

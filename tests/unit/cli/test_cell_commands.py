@@ -28,6 +28,7 @@ def run(line: str) -> int:
     return main(line.split())
 
 
+@pytest.mark.slow
 def test_joints_of_a_robot_need_no_prefix(cell: tool0.Robot) -> None:
     assert run("move --robot right --joints elbow_joint=1.2") == OK
     position = cell.joint_state.position
@@ -38,6 +39,7 @@ def test_joints_of_a_robot_need_no_prefix(cell: tool0.Robot) -> None:
     assert position["left_wrist_3_joint"] == pytest.approx(0.4, abs=0.03)
 
 
+@pytest.mark.slow
 def test_joints_of_both_robots_move_at_once(cell: tool0.Robot, capsys: Capture) -> None:
     joints = "left_wrist_3_joint=0.2 right_wrist_3_joint=-0.3"
     assert run(f"move --joints {joints} --duration 1") == OK

@@ -33,6 +33,7 @@ def test_a_bad_file_fails_with_place_reason_and_remedy(
     assert remedy == "    did you mean 'joint'?"
 
 
+@pytest.mark.slow
 def test_what_is_suspicious_fails_only_if_asked_to(
     file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

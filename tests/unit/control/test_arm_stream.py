@@ -69,6 +69,7 @@ def test_servo_follows_its_law() -> None:
     assert servo.setpoint.positions == pytest.approx(six(0.1, -0.05), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_servo_keeps_to_the_limits_of_the_joints() -> None:
     servo = ServoStream(REST, JOINTS)
     servo.aim(six(6.0, 3.0), lookahead_time=0.03, gain=2000.0)

@@ -48,6 +48,7 @@ def test_it_is_an_environment_of_gymnasium(coaster: ModuleType) -> None:
     env.close()
 
 
+@pytest.mark.slow
 def test_its_expert_solves_it(coaster: ModuleType) -> None:
     envs = gymnasium.make_vec(f"coaster_task:{ID}", num_envs=20)
     expert = tool0.gym.expert(envs)
@@ -61,6 +62,7 @@ def test_its_expert_solves_it(coaster: ModuleType) -> None:
     envs.close()
 
 
+@pytest.mark.slow
 def test_its_episodes_are_collected_from_a_file(tmp_path: Path) -> None:
     manifest = collect(f"{EXAMPLE}:{ID}", 3, tmp_path / "set", workers=1)
     assert (manifest.n_episodes, manifest.n_succeeded) == (3, 3)

@@ -95,6 +95,7 @@ def test_to_stay_where_it_is_takes_no_time_to_speak_of() -> None:
         assert point.velocities == pytest.approx((0.0,), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_every_way_between_two_openings_can_be_planned() -> None:
     openings = [k * 0.0005 for k in range(1, 170)] + [0.0, 0.085]
     for start, end in itertools.product(openings[::7], openings):

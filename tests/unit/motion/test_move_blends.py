@@ -231,6 +231,7 @@ def test_any_sequence_is_smooth_or_refused(moves: list[Move]) -> None:
     RIG.check(plan)
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None, derandomize=True)
 @given(random_moves(), st.floats(0.0, 0.2))
 def test_any_sequence_that_comes_move_by_move_is_smooth(

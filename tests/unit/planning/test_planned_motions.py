@@ -295,6 +295,7 @@ def _numbered(plan: Plan, number: int) -> Plan:
     return msgspec.structs.replace(plan, number=number)
 
 
+@pytest.mark.slow
 def test_a_scene_that_changes_while_it_is_planned_for(robot: tool0.Robot) -> None:
     """The plan is for the scene at its beginning, and refused in another one."""
     plans: list[Plan] = []

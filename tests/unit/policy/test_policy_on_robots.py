@@ -31,6 +31,7 @@ def robot() -> Iterator[tool0.Robot]:
         yield found
 
 
+@pytest.mark.slow
 def test_it_follows_the_actions_and_gives_the_arm_back(
     robot: tool0.Robot, tmp_path: Path
 ) -> None:
@@ -95,6 +96,7 @@ def test_an_emergency_stop_ends_it_and_nothing_moves_again(robot: tool0.Robot) -
     assert robot.joint_state.position == pytest.approx(before, abs=5e-3)
 
 
+@pytest.mark.slow
 def test_time_passes_while_a_policy_computes(tmp_path: Path) -> None:
     policies_for_tests.is_answered.clear()
     is_holding = threading.Event()

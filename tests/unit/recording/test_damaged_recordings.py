@@ -94,6 +94,7 @@ def test_a_damaged_attachment_is_named(
         tool0.open_recording(file)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("topic", STREAMS)
 def test_wrong_messages_are_reported(
     session: Session, topic: str, monkeypatch: pytest.MonkeyPatch

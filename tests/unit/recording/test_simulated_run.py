@@ -51,6 +51,7 @@ def test_the_same_physics_does_the_same(tmp_path: Path) -> None:
     assert f"joint/{ELBOW}/simulated" not in list(Signals(recording))
 
 
+@pytest.mark.slow
 def test_what_nobody_requested_is_not_repeated(tmp_path: Path) -> None:
     """As a stop on the pendant; but the slider is followed."""
 

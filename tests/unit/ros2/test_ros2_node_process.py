@@ -67,6 +67,7 @@ def test_it_waits_for_the_node_and_passes_options(program: Program) -> None:
         os.kill(pid, 0)
 
 
+@pytest.mark.slow
 def test_a_node_that_dies_is_reported_and_starts_again(
     program: Program, caplog: pytest.LogCaptureFixture
 ) -> None:

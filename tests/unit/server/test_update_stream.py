@@ -76,6 +76,7 @@ def listener(robot: tool0.Robot) -> Iterator[Listener]:
         listener.connection.close()
 
 
+@pytest.mark.slow
 def test_every_update_comes_once_and_in_order(listener: Listener) -> None:
     listener.connection.call(following(rate=500.0))
     first = listener.next()
@@ -234,6 +235,7 @@ def test_the_end_of_the_bringup_is_noticed(robot: tool0.Robot) -> None:
     assert listener.end.get(timeout=LONG) == "the bring-up has ended"
     with pytest.raises(RequestFailedError, match="ended"):
         listener.connection.call(requests.read_info())
+    listener.connection.close()
 
 
 @pytest.mark.parametrize("name", ["tool0", "../tool0", "x" * 70])

@@ -157,6 +157,7 @@ def test_the_emergency_stop_hides_the_modes(robot: tool0.Robot) -> None:
     assert box.state.robot_mode is RobotMode.POWER_OFF
 
 
+@pytest.mark.slow
 def test_only_one_arm_of_a_cell_stops() -> None:
     cell = DescriptionConfig(robots=("left=ur5e+2f85", "right=ur3e+hande@1,0,0"))
     with tool0.bringup(description=cell, realtime=False) as robot:

@@ -177,6 +177,7 @@ def test_the_least_gain_damps_most(robot: tool0.Robot) -> None:
 # ---- force mode with a trajectory ----------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_first", [True, False], ids=["before", "after"])
 def test_the_arm_deviates_from_the_trajectory_along_the_selected_axis(
     robot: tool0.Robot, is_first: bool
@@ -206,6 +207,7 @@ def test_the_arm_deviates_from_the_trajectory_along_the_selected_axis(
     assert place(robot)[2] == pytest.approx(there[2], abs=0.01)
 
 
+@pytest.mark.slow
 def test_an_arm_that_deviates_neither_stalls_nor_stops(robot: tool0.Robot) -> None:
     robot.switch(start=[FORCE, PASSTHROUGH], stop=[JTC])
     robot.arm.control_box.set_safety_limits(enabled=True)
@@ -222,6 +224,7 @@ def test_an_arm_that_deviates_neither_stalls_nor_stops(robot: tool0.Robot) -> No
     robot.arm.control_box.set_safety_limits(enabled=False)
 
 
+@pytest.mark.slow
 def test_a_trajectory_on_which_force_mode_ends_is_aborted(robot: tool0.Robot) -> None:
     robot.switch(start=[FORCE, PASSTHROUGH], stop=[JTC])
     push(robot)
@@ -237,6 +240,7 @@ def test_a_trajectory_on_which_force_mode_ends_is_aborted(robot: tool0.Robot) ->
     assert place(robot) == pytest.approx(before, abs=0.03)
 
 
+@pytest.mark.slow
 def test_it_lasts_while_its_controller_is_active(robot: tool0.Robot) -> None:
     robot.switch(start=[FORCE, PASSTHROUGH], stop=[JTC])
     push(robot)
@@ -305,6 +309,7 @@ def test_an_unknown_prefix_names_those_of_the_arms(tmp_path: Path) -> None:
 # ---- freedrive -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_freedrive_follows_a_push_and_the_arm_stays(robot: tool0.Robot) -> None:
     box = robot.arm.control_box
     robot.switch(start=[FREEDRIVE], stop=[JTC])

@@ -353,6 +353,7 @@ def test_real_time_does_not_run_ahead_of_the_wall_clock(start: Starter) -> None:
     assert time.perf_counter() - before >= 0.2 / 2.0 - 0.002
 
 
+@pytest.mark.slow
 def test_real_time_that_is_missed_is_told_when_it_begins_and_ends(
     start: Starter, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -377,6 +378,7 @@ def test_real_time_that_is_missed_is_told_when_it_begins_and_ends(
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.0, -1.0, 1001.0, math.nan])
 def test_an_impossible_speed_is_refused(start: Starter, speed: float) -> None:
     with pytest.raises(ControlError):

@@ -79,6 +79,7 @@ def test_the_event_of_a_reset_says_what_time_it_is() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_what_comes_in_real_time_makes_no_goal_fail() -> None:
     with tool0.bringup() as robot:
         done = threading.Event()

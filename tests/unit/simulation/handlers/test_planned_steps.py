@@ -55,6 +55,7 @@ def touches(robot: tool0.Robot, name: str) -> bool:
     return any(name in (item.first, item.second) for item in robot.contacts())
 
 
+@pytest.mark.slow
 def test_a_planned_step_goes_around(robot: tool0.Robot) -> None:
     run = robot.run_program(program(around(LEFT), around(RIGHT), around(LEFT)))
     hit = False
@@ -84,6 +85,7 @@ def test_its_speed_is_a_limit_of_each_joint(robot: tool0.Robot) -> None:
     assert 0.45 < fastest < 0.55
 
 
+@pytest.mark.slow
 def test_it_carries_what_the_gripper_holds(robot: tool0.Robot) -> None:
     x, y, z = robot.scene.pose("cube").position
     tool = ToolPose(xyz=TOOL.xyz)
@@ -102,6 +104,7 @@ def test_it_carries_what_the_gripper_holds(robot: tool0.Robot) -> None:
     assert cube == pytest.approx((0.4, -0.15, 0.15), abs=0.02)
 
 
+@pytest.mark.slow
 def test_planned_steps_are_stepped_and_paused(robot: tool0.Robot) -> None:
     run = robot.run_program(program(around(LEFT), around(RIGHT)), paused=True)
     wait = robot.channel.wait_until

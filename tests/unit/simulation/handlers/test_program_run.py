@@ -81,6 +81,7 @@ def test_a_program_that_stops_says_so(robot: tool0.Robot) -> None:
         robot.run_program(there_and_back())
 
 
+@pytest.mark.slow
 def test_in_real_time_a_program_waits_for_the_arm() -> None:
     """One that is released when hand guiding ends, or a program is stopped."""
     with tool0.bringup(arm="ur5e", gripper=None) as robot:
@@ -298,6 +299,7 @@ def test_something_else_ends_a_program_with_a_reason(
     assert robot.run_program(there_and_back()).wait(TIMEOUT).state == "succeeded"
 
 
+@pytest.mark.slow
 def test_a_held_cube_is_felt_at_the_table(robot: tool0.Robot) -> None:
     pick = taught_pick(robot)
     robot.arm.control_box.set_digital_output(5, False)

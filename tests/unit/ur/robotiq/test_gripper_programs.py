@@ -97,5 +97,6 @@ def test_a_program_uses_the_socket_as_the_urcap_does(served: ServedGripper) -> N
     ]
 
 
+@pytest.mark.slow
 def test_a_program_uses_the_functions_of_the_urcap(served: ServedGripper) -> None:
     assert texts_of(served, FUNCTIONS) == ["closed 230", "object False", "open 3"]

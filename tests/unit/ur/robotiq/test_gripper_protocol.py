@@ -33,6 +33,7 @@ def jaws(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_a_folder_that_names_no_protocol_has_no_ports_and_functions(
     jaws: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

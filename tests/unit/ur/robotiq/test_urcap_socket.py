@@ -183,6 +183,7 @@ def test_endless_lines_and_too_many_clients_are_dropped(
         client.socket.close()
 
 
+@pytest.mark.slow
 def test_garbage_harms_nobody(served: ServedGripper) -> None:
     chance = random.Random(3)
     words = [b"GET", b"SET", b"POS", b"ACT", b" ", b"\n", b"255", b"-9", b"\xff\x00"]

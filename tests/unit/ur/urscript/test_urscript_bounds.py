@@ -54,6 +54,7 @@ async def stop(stepped: SteppedBox) -> None:
     raise AssertionError("the arm is not released")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [1.5, 3.1])
 @pytest.mark.parametrize("ending", ["stopped", "stopj(0.5)", "stopl(0.1)"])
 def test_a_stop_short_of_the_end_of_a_range_keeps_to_it(
@@ -100,6 +101,7 @@ def test_a_stop_short_of_the_end_of_a_range_keeps_to_it(
     assert excess > -0.19, "it stopped before"
 
 
+@pytest.mark.slow
 def test_a_motion_that_fails_as_its_program_ends_leaves_no_error() -> None:
     lost: list[dict[str, Any]] = []
 

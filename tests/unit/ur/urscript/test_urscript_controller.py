@@ -71,6 +71,7 @@ def test_outputs_of_rtde_are_values() -> None:
     assert "RTDE has no output 'nothing'" in str(run.error)
 
 
+@pytest.mark.slow
 def test_a_program_ends_when_its_watchdog_is_not_served() -> None:
     box = TimeBox()
 

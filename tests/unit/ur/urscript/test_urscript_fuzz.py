@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from urscript_rig import PROGRAMS, run_in_time
@@ -138,6 +139,7 @@ def test_damaged_programs(source: str, start: int, length: int, word: str) -> No
     compiles_or_tells(source[:start] + word + source[start + length :])
 
 
+@pytest.mark.slow
 @given(st.lists(SIMPLE, max_size=12))
 @settings(max_examples=150, deadline=None)
 def test_programs_end_or_fail_with_a_place(statements: list[str]) -> None:
