@@ -1,5 +1,6 @@
 /** Where the tool is to go: a pose from the gizmo or from numbers, and the postures that reach it. */
 import { computed, effect, signal } from "@preact/signals";
+import { onChange } from "./changes";
 import { connection } from "./connection";
 import { driveTo, followPlan, isDriving, mayMove, speedScale } from "./driving";
 import { frames } from "./frames";
@@ -188,9 +189,9 @@ async function moveThere(): Promise<void> {
 const armName = computed(() => (view.value === null ? null : arm.value?.name));
 
 // a target is of one arm, whether there is a picture or not
-way.subscribe(discard);
+onChange(way, discard);
 
-armName.subscribe(() => {
+onChange(armName, () => {
   chosenBranch.value = null;
   forgetTarget();
 });

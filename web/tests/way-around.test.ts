@@ -131,6 +131,13 @@ describe("going to a target", () => {
     expect(move).toHaveBeenCalledOnce();
   });
 
+  it("is not ended by a part of the page that is loaded meanwhile", async () => {
+    goes();
+    await import("../src/tool-target");
+    await answer("check_motion", { is_free: true });
+    expect(move).toHaveBeenCalledOnce();
+  });
+
   it("shows the way around, and moves on it when the user says so", async () => {
     await planned();
     expect(wayAround.value).toMatchObject({ state: "found", obstacle: "the wall" });

@@ -3,6 +3,7 @@
  * around, which the scene shows before the user lets the robot move.
  */
 import { computed, effect, signal } from "@preact/signals";
+import { onChange } from "../changes";
 import { connection } from "../connection";
 import { adopt, mayMove, speedScale } from "../driving";
 import { frames } from "../frames";
@@ -177,4 +178,7 @@ frames.listen((frame) => {
 effect(() => {
   if (!mayMove.value) discard();
 });
-computed(() => arm.value?.name).subscribe(discard);
+onChange(
+  computed(() => arm.value?.name),
+  discard,
+);
