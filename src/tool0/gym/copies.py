@@ -185,7 +185,6 @@ class Copies:
         self._state = self._goals = None
 
     # ---- state and results ----------------------------------------------------------
-    # --------------------------------------------------------------
 
     @property
     def state(self) -> State:

@@ -217,7 +217,6 @@ class PoseInfo(Struct, frozen=True, kw_only=True):
 
 
 # ---- messages from the server --------------------------------------------------------
-# ----------------------------------------------------------------
 
 
 class Notice(Struct, frozen=True, kw_only=True, tag="notice"):

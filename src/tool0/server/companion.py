@@ -133,7 +133,6 @@ class Companion:
         raise self.unavailable(f"the {self._program} did not start: {why}")
 
     # ---- in the companion's thread --------------------------------------------------
-    # --------------------------------------------------------------
 
     def _supervise(self) -> None:
         """Run the program repeatedly until the companion is closed."""

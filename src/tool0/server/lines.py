@@ -42,7 +42,6 @@ class LineTransport(asyncio.BufferedProtocol):
         self._is_writable.set()
 
     # ---- interface for asyncio ------------------------------------------------------
-    # ---------------------------------------------------------
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         assert isinstance(transport, asyncio.Transport)
@@ -77,7 +76,6 @@ class LineTransport(asyncio.BufferedProtocol):
         self._is_writable.set()
 
     # ---- interface for a session ----------------------------------------------------
-    # -------------------------------------------------------
 
     async def send(self, texts: Sequence[bytes]) -> None:
         # A failed write closes the transport immediately, but asyncio reports the

@@ -132,7 +132,6 @@ class StateStream:
         self._task.cancel()
 
     # ---- receiving from the bus ------------------------------------------------------
-    # ----------------------------------------------------------------
 
     async def _run(self) -> None:
         try:
@@ -206,7 +205,6 @@ class StateStream:
                 self._loop.call_soon_threadsafe(self._deliver)
 
     # ---- sending to the sessions -----------------------------------------------------
-    # -------------------------------------------------------------
 
     def _deliver(self) -> None:
         """Send the states that have been received."""

@@ -108,7 +108,6 @@ class Replay:
         self._frame = self.frame()
 
     # ---- view for pages, used in the server's thread ---------------------------------
-    # ----------------------------------
 
     def scene(self) -> ViewScene:
         return self._scene
@@ -201,7 +200,6 @@ class Replay:
         return None
 
     # ---- details ---------------------------------------------------------------------
-    # ----------------------------------------------------------------------
 
     def _index(self) -> int:
         """Return the index of the last snapshot at or before the playhead."""
