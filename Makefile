@@ -34,7 +34,7 @@ STURDY  := tests/unit tests/conformance
 PATIENT := tests/documentation tests/gazebo tests/ros1 tests/ros2 tests/ur tests/fuzz $(wildcard tests/test_*.py)
 # Those that measure wall time, or hold what is sent to a rate: one at a time.
 ALONE   := $(addprefix tests/clients/test_,panel_jog.py panel_obstacles.py real_arm_tutorial.py real_robot.py real_robot_link.py real_robot_ros.py \
-           browser_real_robot.py stop_under_flood.py ur_rtde.py ur_rtde_safety.py urscript_search.py)
+           browser_real_robot.py stop_under_flood.py ur_process_delayed.py ur_rtde.py ur_rtde_safety.py urscript_search.py)
 # Those of browsers, which draw with the processor: two files at a time.
 TWO_FILES := $(PYTEST) --numprocesses=2
 CLIENTS := $(filter-out $(ALONE),$(wildcard tests/clients/test_*.py))

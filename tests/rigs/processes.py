@@ -58,6 +58,15 @@ def descendants(pid: int) -> list[int]:
     return found + [other for child in found for other in descendants(child)]
 
 
+def process_of(module: str, pid: int) -> int | None:
+    """Return the descendant that runs a module of Python, if there is one."""
+    for one in descendants(pid):
+        words = Path(f"/proc/{one}/cmdline").read_bytes().split(b"\0")
+        if words[1:3] == [b"-m", module.encode()]:
+            return one
+    return None
+
+
 def listening(pid: int) -> dict[str, set[str]]:
     """Return where the process can be reached: protocol → hexadecimal addresses."""
     links = []

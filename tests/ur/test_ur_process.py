@@ -6,13 +6,11 @@ import os
 import signal
 import socket
 from contextlib import closing
-from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from processes import Watch, descendants, has_ended, listening
+from processes import Watch, descendants, has_ended, listening, process_of
 from ros import Bringup
-from rtde_rig import RtdeClient
 from ur_address import free_host
 from waits import until
 
@@ -20,15 +18,6 @@ import tool0
 from tool0.ur.process import MODULE
 
 DASHBOARD = 29999
-
-
-def interface_process(bringup: Bringup) -> int | None:
-    """Return the process of the bring-up's UR interface, if it runs now."""
-    for pid in descendants(bringup.process.pid):
-        words = Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
-        if words[1:3] == [b"-m", MODULE.encode()]:
-            return pid
-    return None
 
 
 def asked(host: str, question: str, port: int = DASHBOARD) -> str:
@@ -54,7 +43,7 @@ def test_it_starts_again_after_its_death_and_ends_with_a_bringup_that_is_killed(
         bringup.wait()
         (line,) = (line for line in bringup.lines if line.lstrip().startswith("UR:"))
         assert f"UR: {host}: RTDE, dashboard server, URScript; gripper: " in line
-        first = interface_process(bringup)
+        first = process_of(MODULE, bringup.process.pid)
         assert first is not None
         octets = socket.inet_aton(host)[::-1].hex().upper()
         assert set(listening(first)["tcp"]) == {octets}
@@ -62,44 +51,13 @@ def test_it_starts_again_after_its_death_and_ends_with_a_bringup_that_is_killed(
         os.kill(first, signal.SIGKILL)
         bringup.wait_for("the UR interface ended with status -9; it starts again")
         until(lambda: is_open(host), "the dashboard server again")
-        second = interface_process(bringup)
+        second = process_of(MODULE, bringup.process.pid)
         assert second not in (None, first)
         assert asked(host, "robotmode") == "Robotmode: RUNNING"
         watch = Watch(descendants(bringup.process.pid))
         bringup.process.kill()
         assert watch.all_ended(10.0)
         assert not is_open(host)
-
-
-@pytest.mark.flaky(reruns=3)  # a busy machine is too late for what is buffered
-def test_no_state_is_left_out_after_the_process_did_not_run_for_a_while() -> None:
-    host = free_host()
-    with (
-        closing(
-            Bringup(os.environ, "--ur", "--arm", "ur5e", "--ur-host", host)
-        ) as bringup,
-        pytest.MonkeyPatch.context() as patch,
-    ):
-        bringup.wait()
-        patch.setenv("XDG_RUNTIME_DIR", bringup.runtime_folder)
-        process = interface_process(bringup)
-        assert process is not None
-        with tool0.connect() as robot, closing(RtdeClient(host)) as client:
-            client.receive(["timestamp"])
-            client.start()
-            (first,) = client.sample()
-            for _ in range(3):
-                start = robot.time
-                os.kill(process, signal.SIGSTOP)
-                until(lambda start=start: robot.time > start + 0.3, "the robot's time")
-                os.kill(process, signal.SIGCONT)
-                last = robot.time
-                times = [first]
-                while times[-1] < last:
-                    times += client.sample()
-                steps = {round(1e3 * (b - a)) for a, b in pairwise(times)}
-                assert steps <= {2, 0}  # while it waits, the last one is repeated
-                first = times[-1]
 
 
 def test_a_port_in_use_ends_the_bringup_with_its_name() -> None:
