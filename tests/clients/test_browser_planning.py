@@ -46,6 +46,19 @@ def above_the_card(tab: Tab) -> bytes:
     return tab.page.screenshot(clip=clip)
 
 
+def still_above_the_card(tab: Tab) -> bytes:
+    """Return such a picture once the scene has stopped changing."""
+    last = above_the_card(tab)
+
+    def is_still() -> bool:
+        nonlocal last
+        before, last = last, above_the_card(tab)
+        return last == before
+
+    eventually(is_still, "the scene stands still")
+    return last
+
+
 def test_the_arm_goes_around_a_wall_on_the_way_that_is_shown(
     tab: Tab, walled: tool0.Robot
 ) -> None:
@@ -54,7 +67,7 @@ def test_the_arm_goes_around_a_wall_on_the_way_that_is_shown(
     plans_a_way_around(tab)
     tab.text("plan-obstacle", "wall")
     tab.text("plan-figures", "mm between")
-    at_end = above_the_card(tab)
+    at_end = still_above_the_card(tab)
     slides_to(tab, "Home")
     eventually(lambda: above_the_card(tab) != at_end, "the ghost moves")
     slides_to(tab, "End")
