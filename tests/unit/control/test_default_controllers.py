@@ -217,7 +217,6 @@ def test_wrong_gains_are_told_with_file_and_line(
         config.spec("eff_joint_traj_controller", robot_joints(description))
 
 
-@pytest.mark.slow
 def test_the_payload_counts_if_it_is_known(tmp_path: Path) -> None:
     own_arm(tmp_path / "mine")
     file = tmp_path / "mine" / "specifications.yaml"

@@ -215,7 +215,6 @@ def test_xacro_is_left_as_it_was(tmp_path: Path, body: str) -> None:
     assert {name: vars(xacro)[name] for name in before} == before
 
 
-@pytest.mark.slow
 def test_threads_do_not_disturb_each_other(tmp_path: Path) -> None:
     path = write(
         tmp_path,

@@ -323,7 +323,6 @@ def test_an_inertia_that_no_body_has_is_replaced_with_a_warning(
     assert "it is not used" in caplog.text
 
 
-@pytest.mark.slow
 def test_cutting_a_text_anywhere_is_refused() -> None:
     text = sdf_link(more="<inertial><mass>0.5</mass></inertial>")
     for length in range(len(text)):

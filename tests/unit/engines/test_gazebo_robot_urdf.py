@@ -86,7 +86,6 @@ OF_THE_2F85 = {
 }
 
 
-@pytest.mark.slow
 def test_the_xacro_s_gearboxes_stay_where_they_are_exact() -> None:
     assert gearboxes(urdf_of()) == OF_THE_2F85
 

@@ -40,7 +40,6 @@ def test_a_start_that_fails_restores_everything() -> None:
     assert gc.get_threshold() == threshold
 
 
-@pytest.mark.slow
 def test_what_exists_in_a_program_of_somebody_is_left_alone() -> None:
     threshold = gc.get_threshold()
     there = [[] for _ in range(1000)]

@@ -84,7 +84,6 @@ def test_faults_and_overruns_are_described(watcher: EventWatcher) -> None:
     assert fault == ("error", "fault", "it broke")
 
 
-@pytest.mark.slow
 def test_many_goals_are_summed_up_and_hide_no_error(
     robot: tool0.Robot, watcher: EventWatcher
 ) -> None:

@@ -21,7 +21,6 @@ def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-@pytest.mark.slow
 def test_after_a_duration(robot: tool0.Robot, tmp_path: Path) -> None:
     robot.start_recording(tmp_path / "a.mcap", max_duration=1.0)
     robot.move_joints({"elbow_joint": 1.0})

@@ -378,7 +378,6 @@ def test_real_time_that_is_missed_is_told_when_it_begins_and_ends(
     ]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.0, -1.0, 1001.0, math.nan])
 def test_an_impossible_speed_is_refused(start: Starter, speed: float) -> None:
     with pytest.raises(ControlError):

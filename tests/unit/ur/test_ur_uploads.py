@@ -106,7 +106,6 @@ def test_a_protective_stop_is_a_warning_with_a_number_and_is_unlocked_at_once() 
             robot.arm.control_box.unlock()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 40])
 def test_power_on_before_power_off_leaves_the_arm_off(count: int) -> None:
     async def scenario(robot: tool0.Robot) -> None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
-
 from tool0.description.packages import packages_around
 from tool0.lint.launch.argument_flow import argument_flow
 from tool0.lint.launch.explanation import Item, contents
@@ -36,7 +34,6 @@ def ways(item: Item, before: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
         yield from ways(inner, here)
 
 
-@pytest.mark.slow
 def test_a_value_is_followed_into_xacro() -> None:
     root, *_ = explained(BRING_UP)[1]
     (limits,) = [item for item in root.items if item.name == "limits"]

@@ -101,7 +101,6 @@ def test_a_stop_short_of_the_end_of_a_range_keeps_to_it(
     assert excess > -0.19, "it stopped before"
 
 
-@pytest.mark.slow
 def test_a_motion_that_fails_as_its_program_ends_leaves_no_error() -> None:
     lost: list[dict[str, Any]] = []
 
