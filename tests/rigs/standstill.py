@@ -1,8 +1,9 @@
 """Tests during which the machine stood still: they are tried again.
 
 A virtual machine is stopped for a second or two now and then.  A bring-up in real time
-then ends its motions, as it should.  Other failures are tried again only as often as
-the option ``--reruns`` or a marker says.
+then ends its motions, and its server refuses new ones for a moment, as they should.  A
+test therefore begins after that moment.  Other failures are tried again only as often
+as the option ``--reruns`` or a marker says.
 
 What a failed test left behind does not reach the next try: the fixtures of its module
 are set up anew, robots included.
@@ -19,10 +20,15 @@ from typing import Final, final
 import pytest
 import pytest_rerunfailures
 
-from tool0.protocol.freeze_meter import FreezeMeter
+from tool0.protocol.freeze_meter import FROZEN, Activity, FreezeMeter
+from tool0.server.outages import READING
 
 LOOKS: Final = 0.1
 """[wall s]"""
+FROZEN_HERE: Final = FROZEN - 2 * LOOKS
+"""Another process looks at other moments, and may measure a longer standstill [s]."""
+REFUSING: Final = READING + 2 * LOOKS
+"""Time after a standstill in which a server may refuse motions [wall s]."""
 TRIES: Final = 4
 """Of a test, as long as the machine stands still during each."""
 
@@ -32,12 +38,16 @@ class _Watch:
     """Knows whether this process stood still since a test began."""
 
     def __init__(self) -> None:
-        self._meter = FreezeMeter()
+        self._meter = FreezeMeter(Activity(frozen=FROZEN_HERE))
         self._lock = threading.Lock()
-        self._frozen = self._began = 0.0
+        self._frozen, self._began = -REFUSING, 0.0
         threading.Thread(target=self._keep_looking, daemon=True).start()
 
     def begin(self) -> None:
+        self._look()
+        while (left := self._frozen + REFUSING - time.monotonic()) > 0.0:
+            time.sleep(left)
+            self._look()
         self._began = time.monotonic()
 
     def has_frozen(self) -> bool:

@@ -33,8 +33,9 @@ class Activity:
         self,
         now: Callable[[], float] = wall_time,
         processor_time: Callable[[], float] = time.process_time,
+        frozen: float = FROZEN,
     ) -> None:
-        self._now, self._processor_time = now, processor_time
+        self._now, self._processor_time, self._frozen = now, processor_time, frozen
         self._last = self._sampled = now()
         self._used = processor_time()
         self.n_freezes = 0
@@ -51,11 +52,11 @@ class Activity:
         if gap <= 0.0:  # another thread has recorded a later time
             return
         self._last = now
-        if gap < FROZEN and now - self._sampled < _SAMPLING and not samples:
+        if gap < self._frozen and now - self._sampled < _SAMPLING and not samples:
             return
         before, self._used = self._used, self._processor_time()
         self._sampled = now
-        if gap >= FROZEN and self._used - before < _BUSY * gap:
+        if gap >= self._frozen and self._used - before < _BUSY * gap:
             self.duration = gap
             self.n_freezes += 1
 
