@@ -134,6 +134,9 @@ class TrajectoryFollower(Controller, Protocol):
     def cancel(self, goal: Goal, now: float) -> None:
         """Stop if ``goal`` is the active goal, and end it with the status PREEMPTED."""
 
+    def stop_motion(self, now: float) -> None:
+        """Stop the joints, and end the active goal with the status PREEMPTED."""
+
     def query_state(self, time: float) -> JointsMotion:
         """Return the desired motion at ``time`` [s]; raise ControlError if unknown."""
 
@@ -227,6 +230,9 @@ class CommandTaker(Controller, Protocol):
 
     def command_joints(self, values: Sequence[float] | float) -> None:
         """Set one command per joint, in the spec's order, or raise ControlError."""
+
+    def stop_motion(self) -> None:
+        """Stop the joints unless efforts are commanded."""
 
 
 @runtime_checkable

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple, final
+from typing import ClassVar, Final, NamedTuple, final
 
 from tool0.control.law import CommandLaw
 from tool0.control.parameters import Pid
@@ -15,6 +15,9 @@ from tool0.description.model import Interface, Joint, JointType, shortest_turn
 from tool0.errors import ControlError
 from tool0.hardware.engine import JointState, joint_selector
 from tool0.protocol.controllers import Gains
+
+MOVES: Final = 0.01
+"""Speed above which a joint moves to its commanded position [rad/s | m/s]."""
 
 
 class CommandWording(NamedTuple):
@@ -154,6 +157,17 @@ class ForwardCommandController:
         """
         self._command = self._within_limits(self._checked(values))
         self._is_commanded, self._holds = True, ()
+
+    def stop_motion(self) -> None:
+        """Command the speed 0, or the positions of joints that move.
+
+        Commanded efforts stay in effect, since an effort holds no joint.
+        """
+        state, select = self._state, self._select
+        if self.spec.quantity is Interface.VELOCITY:
+            self.command_joints([0.0] * len(self._command))
+        elif self._is_position and max(map(abs, select(state.velocity))) > MOVES:
+            self.command_joints(select(state.position))
 
     def _checked(self, values: Sequence[float] | float) -> list[float]:
         spec = self.spec

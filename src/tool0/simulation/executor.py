@@ -379,18 +379,19 @@ class Executor:
             if bounds is not None:
                 self.core.hardware.set_drive_limits(controller.joint.name, bounds)
 
-    def stop_trajectories(self) -> None:
-        """Stop the trajectory controllers that move a joint."""
+    def stop_controllers(self) -> None:
+        """Stop the joints that follow trajectories or single commands."""
         for status in self._manager.list():
             if not status.is_running:
                 continue
             controller = self._manager.running(status.name)
-            if not isinstance(controller, TrajectoryFollower):
-                continue
-            now = controller.query_state(self.core.time)
-            is_there = tuple(now.positions) == controller.setpoint().target()
-            if any(now.velocities) or not is_there:
-                controller.command(TrajectoryGoal(points=()), self.core.time)
+            if isinstance(controller, CommandTaker):
+                controller.stop_motion()
+            elif isinstance(controller, TrajectoryFollower):
+                now = controller.query_state(self.core.time)
+                is_there = tuple(now.positions) == controller.setpoint().target()
+                if any(now.velocities) or not is_there:
+                    controller.stop_motion(self.core.time)
 
     def stop_arm(
         self, arm: str | None, deceleration: float, *, along_path: bool

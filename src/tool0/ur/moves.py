@@ -349,10 +349,10 @@ class Moves:
     # ---- waiting --------------------------------------------------------------------
 
     async def _until(self, running: _Running, time: float) -> None:
-        """Wait until a path reaches ``time`` [s] or its end, or is no longer followed.
+        """Wait until a path reaches ``time`` [s], or this program replaces or stops it.
 
         Raises:
-            ControlError: If the arm has stopped.
+            ControlError: If the arm has stopped, or left the path for another reason.
         """
         box, end = self._box, running.plan.duration
         must_arrive = time >= end - _ROUNDING
@@ -369,6 +369,9 @@ class Moves:
             raise
         if box.stopped:
             raise ControlError(box.stopped)
+        is_own = running.number == 0 or self._running is not running
+        if not is_own and self._path_time(running) < time - _ROUNDING:
+            raise ControlError("the motion was stopped before its end")
 
     def _path_time(self, running: _Running) -> float:
         """Return the time along a path [s]; 0 if the path has not begun."""

@@ -207,8 +207,12 @@ class JointTrajectoryController:
     def cancel(self, goal: Goal, now: float) -> None:
         """Stop if ``goal`` is the active goal, and end it with the status PREEMPTED."""
         if self._monitor is not None and goal is self._monitor.goal:
-            self._tracking.follow(self._stop_splines(now, None), now)
-            self._end_goal(PREEMPTED)
+            self.stop_motion(now)
+
+    def stop_motion(self, now: float) -> None:
+        """Stop the joints, and end the active goal with the status PREEMPTED."""
+        self._tracking.follow(self._stop_splines(now, None), now)
+        self._end_goal(PREEMPTED)
 
     def stop(self) -> None:
         self._end_goal(PREEMPTED)

@@ -282,7 +282,7 @@ class JointTrajectoryController:
         if result.status is GoalStatus.ABORTED:
             self._log(result, goal, errors)
         if result.status is not GoalStatus.SUCCEEDED:
-            self._stop_motion(time)
+            self._come_to_rest(time)
         self._finish(result)
         self._monitor = None
 
@@ -309,7 +309,7 @@ class JointTrajectoryController:
         what = result.error_string if goal is not None else "Holding position"
         logger.warning("%s: %s; position errors: %s", self.spec.name, what, where)
 
-    def _stop_motion(self, time: float) -> None:
+    def _come_to_rest(self, time: float) -> None:
         """Hold the measured position immediately, or decelerate to rest."""
         state, select = self._tracking.state, self._tracking.select
         position, velocity = select(state.position), select(state.velocity)
@@ -361,6 +361,10 @@ class JointTrajectoryController:
         """Stop if ``goal`` is the active goal, and end it with the status PREEMPTED."""
         if self._monitor is not None and goal is self._monitor.goal:
             self._end(CANCELED, self._clock.at(now))
+
+    def stop_motion(self, now: float) -> None:
+        """Stop the joints, and end the active goal with the status PREEMPTED."""
+        self._end(CANCELED, self._clock.at(now))
 
     def stop(self) -> None:
         self._finish(DEACTIVATED)

@@ -138,7 +138,7 @@ class PassthroughTrajectoryController(JointTrajectoryController):
             )
         )
         self._monitor = None
-        self._stop_motion(self._clock.at(state.time))
+        self._come_to_rest(self._clock.at(state.time))
 
     def stop(self) -> None:
         self._finish(_DEACTIVATED)

@@ -124,7 +124,7 @@ def _stop_motions(simulation: Simulation, request: StopMotions) -> None:
     for arm in simulation.core.arms:
         if not runs.is_ending(arm.name):
             executor.release_arm(arm.name)
-    executor.stop_trajectories()
+    executor.stop_controllers()
 
 
 def stop_after_freezes(simulation: Simulation) -> None:
