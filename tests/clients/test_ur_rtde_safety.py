@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -144,6 +145,19 @@ def test_a_move_that_a_stop_ends_is_never_reported_as_done(ur: Station) -> None:
     recover(ur)
     ur.home()
     ur.robot.scene.add(BLOCK)
+
+
+def test_a_move_that_another_client_stops_is_not_done(ur: Station) -> None:
+    """As the page's button does, which stops the program."""
+    x, y, z, *rotation = ur.receive.getActualTCPPose()
+    with ThreadPoolExecutor() as threads:
+        move = threads.submit(ur.control.moveL, [x, y, z + 0.1, *rotation], 0.05, 1.2)
+        until(lambda: ur.receive.getActualTCPSpeed()[2] > 0.02, "the arm to move")
+        ur.robot.arm.control_box.stop()
+        assert not move.result(timeout=10.0)
+    assert ur.control.reuploadScript()
+    until(ur.control.isProgramRunning, "program")
+    ur.home()
 
 
 def test_an_emergency_stop_is_seen_and_survived(ur: Station) -> None:

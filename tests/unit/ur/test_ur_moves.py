@@ -11,10 +11,12 @@ import pytest
 from ur_box_rig import control_box
 
 import tool0
-from tool0.errors import UnreachableError
+from tool0.errors import ControlError, UnreachableError
 from tool0.motion.moves import Move
-from tool0.protocol.arm_motion import ReturnArm, TakeArm
+from tool0.protocol.arm_motion import ReturnArm, StopArm, TakeArm
 from tool0.protocol.control_box import SetSpeedSlider
+from tool0.protocol.request import Request
+from tool0.protocol.running import StopMotions
 from tool0.protocol.state import Six
 from tool0.ur.control_box import UrControlBox
 from tool0.ur.moves import STOP, Moves
@@ -198,6 +200,37 @@ def test_a_cancelled_move_slows_down(robot: tool0.Robot) -> None:
         await box.until(lambda: box.arm_sample.mode == "stop")
         await box.until(lambda: box.arm_sample.is_done)
         assert 0.0 < box.target_q[0] < 0.2 + 0.5**2 / STOP
+
+    play(robot, program)
+
+
+async def begun(box: UrControlBox, moves: Moves) -> asyncio.Task[None]:
+    """Return a move along which the arm is moving."""
+    move = asyncio.create_task(moves.movej(panned(1.0), a=1.4, v=1.05))
+    await box.until(lambda: box.target_qd[0] > 0.3)
+    return move
+
+
+@pytest.mark.parametrize("stop", [StopArm(), StopMotions(), ReturnArm()])
+def test_a_move_that_another_client_stops_is_not_done(
+    robot: tool0.Robot, stop: Request[object]
+) -> None:
+    async def program(box: UrControlBox, moves: Moves) -> None:
+        move = await begun(box, moves)
+        await box.call(stop)
+        with pytest.raises(ControlError, match="stopped before its end"):
+            await move
+        await box.call(ReturnArm())
+        await box.until(lambda: not box.state.taken_by)
+
+    play(robot, program)
+
+
+def test_a_thread_of_the_program_may_stop_a_move(robot: tool0.Robot) -> None:
+    async def program(box: UrControlBox, moves: Moves) -> None:
+        move = await begun(box, moves)
+        await moves.stopj(STOP)
+        await move
 
     play(robot, program)
 
