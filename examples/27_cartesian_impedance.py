@@ -40,6 +40,7 @@ def program() -> None:
         socket.create_server(("127.0.0.1", 0)) as ours,
         socket.create_connection((HOST, 30002)) as script,
     ):
+        ours.settimeout(60.0)  # in case something stops the program
         script.sendall(CIRCLE.format(*ours.getsockname()).encode())
         peer, _ = ours.accept()
         with peer:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -133,8 +134,7 @@ def test_the_commands_run_and_print_what_the_page_says(
 ) -> None:
     scenario = SCENARIOS.get(page.stem, Scenario())
     text = page.read_text(encoding="utf-8")
-    folder = runtime_folder / page.stem
-    folder.mkdir()
+    folder = Path(tempfile.mkdtemp(prefix=f"{page.stem}-", dir=runtime_folder))
     host = free_host()
     follower = Follower(scenario, host)
     cache = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")

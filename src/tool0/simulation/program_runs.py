@@ -116,6 +116,11 @@ class ProgramRuns:
             run.stop("it was stopped")
         return run is not None
 
+    def stop_all(self, reason: str) -> None:
+        """End every program at the next snapshot."""
+        for run in self._active:
+            run.stop(reason)
+
     def look(self, snapshot: Snapshot) -> None:
         """Advance every program after a snapshot."""
         for run in self._active:

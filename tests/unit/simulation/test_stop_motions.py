@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -89,3 +92,15 @@ def test_single_commands_end(tmp_path: Path) -> None:
         assert joint(robot, "elbow_joint")[0] < target - 0.3
         stop(robot)  # at rest, it changes nothing
         require_rest(robot)
+
+
+@pytest.mark.slow
+def test_a_standstill_of_the_process_ends_goals_with_the_reason() -> None:
+    with tool0.bringup() as robot:
+        (goal,) = robot.move_joints({"elbow_joint": 0.5}, duration=20.0)
+        resume = ["sh", "-c", f"sleep 1.3; kill -CONT {os.getpid()}"]
+        with subprocess.Popen(resume):
+            os.kill(os.getpid(), signal.SIGSTOP)
+        result = goal.wait(timeout=10.0)
+        assert result.status is GoalStatus.PREEMPTED
+        assert result.error_string.startswith("the simulator stood still for 1.")

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
+from functools import partial
 
 from tool0.description.forward_kinematics import joint_positions, link_pose
 from tool0.description.transform import Transform
 from tool0.protocol.bus import WasFrozen
+from tool0.protocol.goals import Result
 from tool0.protocol.notifications import frozen_text
 from tool0.protocol.robot import (
     DescriptionInfo,
@@ -135,8 +138,17 @@ def stop_after_freezes(simulation: Simulation) -> None:
     """
 
     def stop(duration: float) -> None:
+        text = frozen_text(duration)
         simulation.bus.announce(WasFrozen(duration, simulation.loop.time))
-        logger.warning("%s", frozen_text(duration))
+        logger.warning("%s", text)
+        for goal in simulation.goals.active():
+            goal.explain = partial(_because, text)
+        simulation.program_runs.stop_all(text)
         answer(simulation, StopMotions())
 
     simulation.loop.when_frozen = stop
+
+
+def _because(reason: str, result: Result) -> Result:
+    """Return the result of a goal with the reason for which it ended."""
+    return replace(result, error_string=result.error_string or reason)
