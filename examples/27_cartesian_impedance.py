@@ -42,8 +42,7 @@ def program() -> None:
     ):
         ours.settimeout(60.0)  # in case something stops the program
         script.sendall(CIRCLE.format(*ours.getsockname()).encode())
-        peer, _ = ours.accept()
-        with peer:
+        with ours.accept()[0] as peer:
             print(f"at most {1000.0 * float(peer.recv(100)):.0f} mm off the circle")
 
 
