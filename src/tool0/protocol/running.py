@@ -62,6 +62,7 @@ class EmergencyStop(Request[None], frozen=True):
 class StopMotions(Request[None], frozen=True):
     """Stop every motion without engaging the brakes; no motion resumes automatically.
 
-    Goals are PREEMPTED, programs end, and taken arms are released.  The simulation
-    stops all motions automatically after its process has been frozen for 1 s or more.
+    Goals are PREEMPTED, programs end, and taken arms are released.  Commanded speeds
+    become 0, but commanded efforts stay in effect.  The simulation stops all motions
+    automatically after its process has been frozen for 1 s or more.
     """
