@@ -5,6 +5,7 @@ from browser import Tab, comes_to_rest, eventually
 from playwright.sync_api import Browser
 
 import tool0
+from conftest import OpenTab
 from tool0.panel.server import Panel
 
 MONITOR = "[data-testid=joint-slider-elbow_joint][disabled]"
@@ -175,3 +176,21 @@ def test_the_gripper_goes_at_the_chosen_speed(tab: Tab, robot: tool0.Robot) -> N
     passed = robot.time - time
     assert 0.01 / passed == pytest.approx(0.02, rel=0.2)
     tab.get("gripper-open").click()
+
+
+@pytest.mark.parametrize("ros2_control", [False, True], ids=["ros1", "ros2"])
+def test_the_stop_button_stops_the_arm(open_tab: OpenTab, ros2_control: bool) -> None:
+    with tool0.bringup(ros2_control=ros2_control) as robot, Panel(robot) as panel:
+        tab = open_tab(panel.url)
+        tab.drive()
+        goal = position(robot) - 1.5
+        tab.get("speed-scale").fill("10")
+        tab.send_joint("elbow_joint", goal)
+        eventually(
+            lambda: abs(robot.joint_state.velocity["elbow_joint"]) > 0.1, "it moves"
+        )
+        tab.get("hold-still").click()
+        eventually(
+            lambda: abs(robot.joint_state.velocity["elbow_joint"]) < 1e-3, "it rests"
+        )
+        assert position(robot) > goal + 0.2

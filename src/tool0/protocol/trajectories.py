@@ -117,7 +117,7 @@ class _OfTrajectory(Request[Response], Generic[Response], frozen=True):
 class FollowTrajectory(_OfTrajectory[GoalStarted], frozen=True):
     """Send a trajectory as a goal, as an action client in ROS does.
 
-    An empty trajectory stops the motion.
+    An empty trajectory stops the motion, but ROS 2's controllers reject it, as in ROS.
     """
 
     path_tolerance: Tolerances = field(default_factory=dict)

@@ -87,10 +87,14 @@ class Executor:
     ) -> None:
         """Follow a trajectory without a goal, as for a command from the ROS topic.
 
-        ``bounds`` have the same meaning as for ``follow``.
+        A trajectory without points stops the motion.  ``bounds`` have the same meaning
+        as for ``follow``.
         """
         trajectory = self._follower(controller)
-        trajectory.command(goal, self.core.time)
+        if goal.points:
+            trajectory.command(goal, self.core.time)
+        else:
+            trajectory.stop_motion(self.core.time)
         self._note_command(controller, goal.joint_names, bounds)
 
     def follow_together(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -49,10 +49,22 @@ def require_rest(robot: tool0.Robot) -> None:
     assert robot.snapshot.position == pytest.approx(before, abs=2e-3)
 
 
-def test_a_trajectory_without_a_goal_ends(robot: tool0.Robot) -> None:
+def stop_one(robot: tool0.Robot) -> None:
+    """Stop the arm's controller as the panel's button does."""
+    trajectory_controller(robot).command_trajectory([])
+
+
+def trajectory_controller(robot: tool0.Robot) -> tool0.Controller:
+    name = next(c.name for c in robot.controllers() if "Trajectory" in c.type)
+    return robot.controller(name)
+
+
+@pytest.mark.parametrize("stop", [stop, stop_one])
+def test_a_trajectory_without_a_goal_ends(
+    robot: tool0.Robot, stop: Callable[[tool0.Robot], None]
+) -> None:
     """The simulation does not end with it."""
-    status = next(c for c in robot.controllers() if "Trajectory" in c.type)
-    controller = robot.controller(status.name)
+    controller = trajectory_controller(robot)
     place = [joint(robot, name)[0] for name in robot.arm.joints]
     place[ELBOW] += 1.0
     points = [TrajectoryPoint(place, [0.0] * len(place), time_from_start=2.0)]

@@ -183,6 +183,9 @@ class JointTrajectoryPart(FollowTrajectoryPart):
 
     def _command(self, message: Any) -> None:
         context = self._context
+        if not message.points:  # to tool0, this is a stop
+            context.report.error("joint_trajectory: Empty trajectory received.")
+            return
         try:
             # The request is answered, so that the log contains the reason for a
             # refusal.
