@@ -50,6 +50,8 @@ _LEAD_DECAY: Final = 0.8
 _ATTEMPTS: Final = 4
 _SHOWN_WARNINGS: Final = 5
 _ROUNDING: Final = 1e-9
+_UNFINISHED: Final = 1e-6
+"""Remaining time of a path at its end above which the path was stopped [s]."""
 OWN_STREAM: Final = 1e6
 """Timeout of streams of the control box's own programs [wall s]. The timeout is
 practically infinite, because a program may pause between two commands, and no external
@@ -370,7 +372,7 @@ class Moves:
         if box.stopped:
             raise ControlError(box.stopped)
         is_own = running.number == 0 or self._running is not running
-        if not is_own and self._path_time(running) < time - _ROUNDING:
+        if not is_own and self._path_time(running) < time - _UNFINISHED:
             raise ControlError("the motion was stopped before its end")
 
     def _path_time(self, running: _Running) -> float:
