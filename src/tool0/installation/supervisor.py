@@ -84,7 +84,21 @@ def _end_with_parent(group: int, connection: int, grace: float) -> None:
     if grace > 0.0:
         _signal_group(group, signal.SIGINT)
         threading.Event().wait(grace)
+    for process in _descendants(group):  # may be in groups of their own, like roscore's
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.kill(process, signal.SIGKILL)
     _signal_group(group, signal.SIGKILL)
+
+
+def _descendants(process: int) -> list[int]:
+    """Return the descendants of a process; on systems other than Linux, none."""
+    from pathlib import Path
+
+    found: list[int] = []
+    with contextlib.suppress(OSError):  # also if the process has ended
+        for file in Path(f"/proc/{process}/task").glob("*/children"):
+            found += map(int, file.read_text().split())
+    return found + [other for child in found for other in _descendants(child)]
 
 
 def _signal_group(group: int, number: int) -> None:

@@ -34,6 +34,8 @@ USERS = {
     "program": f"child_process.ChildProcess(['sh', '-c', '''{DEAF}''']).wait()",
     "patient": "child_process.ChildProcess("
     f"['sh', '-c', '''{DEAF}'''], grace=0.1).wait()",
+    "groups": "child_process.ChildProcess("  # as with roscore
+    f"['sh', '-c', '''{DEAF.replace('sleep', 'setsid sleep')}'''], grace=0.1).wait()",
     "run": f"child_process.run_program(['sh', '-c', '''{DEAF}'''])",
     "work": "child_process.call_in_child("
     f"lambda: subprocess.run(['sh', '-c', '''{DEAF}''']), "
