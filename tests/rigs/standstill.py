@@ -44,6 +44,7 @@ class _Watch:
         threading.Thread(target=self._keep_looking, daemon=True).start()
 
     def begin(self) -> None:
+        """Wait until servers accept motions again, which no event announces."""
         self._look()
         while (left := self._frozen + REFUSING - time.monotonic()) > 0.0:
             time.sleep(left)

@@ -17,7 +17,7 @@ from tool0.hardware.engine import JointState, joint_selector
 from tool0.protocol.controllers import Gains
 
 MOVES: Final = 0.01
-"""Speed above which a joint moves to its commanded position [rad/s | m/s]."""
+"""Speed above which a joint counts as moving to its command [rad/s | m/s]."""
 
 
 class CommandWording(NamedTuple):
@@ -159,7 +159,7 @@ class ForwardCommandController:
         self._is_commanded, self._holds = True, ()
 
     def stop_motion(self) -> None:
-        """Command the speed 0, or the positions of joints that move.
+        """Command the speed 0, or the measured positions if a joint moves.
 
         Commanded efforts stay in effect, since an effort holds no joint.
         """

@@ -63,6 +63,7 @@ class StopMotions(Request[None], frozen=True):
     """Stop every motion without engaging the brakes; no motion resumes automatically.
 
     Goals are PREEMPTED, programs end, and taken arms are released.  Commanded speeds
-    become 0, but commanded efforts stay in effect.  The simulation stops all motions
-    automatically after its process has been frozen for 1 s or more.
+    become 0, and joints that move to commanded positions hold, but commanded efforts
+    stay in effect.  The simulation stops all motions automatically after its process
+    has been frozen for 1 s or more.
     """

@@ -360,7 +360,7 @@ class JointTrajectoryController:
     def cancel(self, goal: Goal, now: float) -> None:
         """Stop if ``goal`` is the active goal, and end it with the status PREEMPTED."""
         if self._monitor is not None and goal is self._monitor.goal:
-            self._end(CANCELED, self._clock.at(now))
+            self.stop_motion(now)
 
     def stop_motion(self, now: float) -> None:
         """Stop the joints, and end the active goal with the status PREEMPTED."""

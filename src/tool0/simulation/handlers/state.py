@@ -9,7 +9,7 @@ from functools import partial
 from tool0.description.forward_kinematics import joint_positions, link_pose
 from tool0.description.transform import Transform
 from tool0.protocol.bus import WasFrozen
-from tool0.protocol.goals import Result
+from tool0.protocol.goals import GoalStatus, Result
 from tool0.protocol.notifications import frozen_text
 from tool0.protocol.robot import (
     DescriptionInfo,
@@ -150,5 +150,7 @@ def stop_after_freezes(simulation: Simulation) -> None:
 
 
 def _because(reason: str, result: Result) -> Result:
-    """Return the result of a goal with the reason for which it ended."""
-    return replace(result, error_string=result.error_string or reason)
+    """Return the result of a goal with the reason if the goal was preempted."""
+    if result.status is not GoalStatus.PREEMPTED or result.error_string:
+        return result
+    return replace(result, error_string=reason)
